@@ -1,0 +1,1 @@
+"""What can be concealed from a diagnosis, and in what sizes."""

@@ -1,0 +1,108 @@
+"""What a concealable effect declares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal, final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.blind.truth.motor import Motor
+
+Size = Literal["small", "medium", "large"]
+SIZES: Final[tuple[Size, ...]] = ("small", "medium", "large")
+
+Range = tuple[float, float]
+
+
+@final
+@dataclass(frozen=True)
+class Draw:
+    """One effect with its numbers drawn.
+
+    Attributes:
+        params: the true values, under contract 5's names (an unknown effect's under its own).
+        motor: fields of `Motor` that the effect changes.
+        sensing: fields of `Sensing` that it changes.
+        absent: fields of `Motor` that make the same motor without the effect, where that is not simply the
+            motor before the change.
+        by_recording: further changes of `Motor`, one mapping a recording; empty where all are alike.
+    """
+
+    params: Mapping[str, float]
+    motor: Mapping[str, float] = field(default_factory=dict)
+    sensing: Mapping[str, float] = field(default_factory=dict)
+    absent: Mapping[str, float] = field(default_factory=dict)
+    by_recording: tuple[Mapping[str, float], ...] = ()
+
+
+@final
+@dataclass(frozen=True)
+class Situation:
+    """What a sampler may look at.
+
+    Attributes:
+        rng: the case's own source of chance.
+        size: which of the three ranges to draw from.
+        motor: the motor as it is so far.
+        recordings: how many recordings the case has.
+        duration_s: how long each is.
+        starts_deg: hub angle at each recording's start.
+        reach_deg: lowest and highest hub angle of each recording without the effect; empty unless the effect
+            says `needs_reach`.
+    """
+
+    rng: Generator
+    size: Size
+    motor: Motor
+    recordings: int
+    duration_s: float
+    starts_deg: tuple[float, ...]
+    reach_deg: tuple[Range, ...] = ()
+
+    def sized(self, small: Range, medium: Range, large: Range) -> float:
+        """A log-uniform draw from the range of this size."""
+        low, high = {"small": small, "medium": medium, "large": large}[self.size]
+        return self.between(low, high)
+
+    def between(self, low: float, high: float) -> float:
+        """A log-uniform draw, whatever the size; both bounds positive."""
+        return float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
+
+    def sign(self) -> float:
+        """+1 or -1."""
+        return float(self.rng.choice((-1.0, 1.0)))
+
+    def one_of(self, *choices: float) -> float:
+        """One of the choices."""
+        return float(self.rng.choice(choices))
+
+    def angle_rad(self) -> float:
+        """An angle anywhere in the turn, -π…π."""
+        return float(self.rng.uniform(-np.pi, np.pi))
+
+
+@final
+@dataclass(frozen=True)
+class ConcealedEffect:
+    """An effect that a case can hide.
+
+    Attributes:
+        id: contract 5's id, or an unknown effect's own.
+        sample: draws its numbers.
+        known: whether contract 5 names it.
+        leaves_out: the key that the baseline lacks, for the plain terms.
+        clashes: ids that cannot stand in the same case, since both set the same term.
+        needs_coasting: whether only a coasting motor shows it.
+        needs_reach: whether its numbers depend on where the motor goes without it.
+    """
+
+    id: str
+    sample: Callable[[Situation], Draw]
+    known: bool = True
+    leaves_out: str | None = None
+    clashes: tuple[str, ...] = ()
+    needs_coasting: bool = False
+    needs_reach: bool = False

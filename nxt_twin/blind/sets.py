@@ -1,0 +1,65 @@
+"""Which cases a whole benchmark set holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.blind.effects.concealed import SIZES, Size
+from nxt_twin.blind.effects.library import KNOWN_EFFECTS, UNKNOWN_EFFECTS, compatible
+
+LARGEST_SEED = 2**53
+
+
+@final
+@dataclass(frozen=True)
+class CasePlan:
+    """One case to be made; `size` None draws a size for each effect."""
+
+    name: str
+    seed: int
+    effects: tuple[str, ...]
+    size: Size | None
+
+
+def plan_set(
+    seed: int,
+    *,
+    effects: tuple[str, ...] = tuple(KNOWN_EFFECTS),
+    sizes: tuple[Size, ...] = SIZES,
+    clean: int = 40,
+    pairs: int = 30,
+    triples: int = 10,
+    unknown: int = 10,
+) -> tuple[CasePlan, ...]:
+    """Plan a set: each effect alone in each size, and so many clean, double, triple and unknown cases.
+
+    Pairs and triples are drawn from `effects`, unknown ones in turn from those that no library holds. The
+    order is shuffled and the names are numbers, so that neither tells what is in a case.
+    """
+    rng = np.random.default_rng(seed)
+    contents: list[tuple[tuple[str, ...], Size | None]] = [
+        ((effect,), size) for effect in effects for size in sizes
+    ]
+    contents += [((), None)] * clean
+    contents += [(_together(rng, effects, 2), None) for _ in range(pairs)]
+    contents += [(_together(rng, effects, 3), None) for _ in range(triples)]
+    strangers = [str(name) for name in rng.permutation(list(UNKNOWN_EFFECTS))]
+    contents += [((strangers[index % len(strangers)],), None) for index in range(unknown)]
+    order = rng.permutation(len(contents))
+    return tuple(
+        CasePlan(f"case-{number:04d}", int(rng.integers(LARGEST_SEED)), *contents[index])
+        for number, index in enumerate(order, start=1)
+    )
+
+
+def _together(rng: Generator, effects: tuple[str, ...], count: int) -> tuple[str, ...]:
+    """Draw effects that can stand in one case."""
+    chosen: tuple[str, ...] = ()
+    for effect in rng.permutation(list(effects)):
+        if len(chosen) < count and compatible((*chosen, str(effect))):
+            chosen = (*chosen, str(effect))
+    return chosen

@@ -1,0 +1,131 @@
+"""One true run: commands in, true angle and raw readings out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.blind.truth import integrator, surprises
+from nxt_twin.blind.truth.motor import Motor, as_record
+from nxt_twin.blind.truth.sensing import Sensing
+
+FloatArray = NDArray[np.float64]
+
+BATTERY_REFRESH_S = 0.167
+
+
+@final
+@dataclass(frozen=True)
+class Commands:
+    """What the host does: when it polls, and what it commands then. Arrays have shape (rows,).
+
+    Attributes:
+        read_s: true time of each reading; command rows are the same.
+        power_pct: duty commanded, -100…100, whole numbers.
+        mode: 0 drive, 1 float, 2 coast, 3 brake.
+        start_deg: hub angle at the first reading.
+        before_pct: duty held for a while before the first reading; 0 starts at rest.
+        push_nm: an unmodelled torque from each reading to the next.
+    """
+
+    read_s: FloatArray
+    power_pct: FloatArray
+    mode: NDArray[np.int64]
+    start_deg: float
+    before_pct: float
+    push_nm: FloatArray
+
+
+@final
+@dataclass(frozen=True)
+class Run:
+    """What came of the commands; arrays have shape (rows,).
+
+    Attributes:
+        stamp_s: the host's stamps.
+        hub_deg: true angle of the hub at the true time of each reading.
+        encoder_deg: what the encoder says there, before it is cut to whole degrees.
+        terminal_v: the battery's terminal voltage as the brick last refreshed it.
+    """
+
+    stamp_s: FloatArray
+    hub_deg: FloatArray
+    encoder_deg: FloatArray
+    terminal_v: FloatArray
+
+
+SPIN_UP_S = 0.5
+
+
+def true_run(motor: Motor, sensing: Sensing, commands: Commands) -> Run:
+    """Simulate one recording without its quantisation and noise."""
+    read_s = commands.read_s
+    issued_s = read_s + sensing.lag_s(read_s)
+    act_s = issued_s + sensing.delay_s
+    refresh_s = np.arange(read_s[0], read_s[-1], BATTERY_REFRESH_S)
+    event_s = np.unique(np.concatenate([read_s, act_s, refresh_s]))
+    in_force = np.searchsorted(act_s, event_s, side="right") - 1
+    duty = np.where(in_force < 0, commands.before_pct / 100.0, _duty(motor, commands)[in_force])
+    mode = np.where(in_force < 0, 0, commands.mode[in_force])
+    push = commands.push_nm[np.clip(np.searchsorted(read_s, event_s, side="right") - 1, 0, None)]
+
+    states = np.zeros((event_s.size, integrator.STATES))
+    terminal_v = np.zeros(event_s.size)
+    record = as_record(motor)
+    start = _start(motor, commands)
+    integrator.integrate(record, start, event_s, duty, mode, push, states, terminal_v)
+
+    at_read = np.searchsorted(event_s, read_s)
+    last_refresh = refresh_s[np.searchsorted(refresh_s, read_s, side="right") - 1]
+    hub_deg = np.rad2deg(states[at_read, integrator.THETA])
+    miscount_deg = np.rad2deg(states[at_read, integrator.MISCOUNT])
+    return Run(
+        stamp_s=np.round((1.0 + sensing.rate_error) * issued_s, 6),
+        hub_deg=hub_deg,
+        encoder_deg=sensing.encoder_deg(hub_deg, miscount_deg),
+        terminal_v=terminal_v[np.searchsorted(event_s, last_refresh)],
+    )
+
+
+def _duty(motor: Motor, commands: Commands) -> FloatArray:
+    """The duty that the bridge makes of each command."""
+    duty = commands.power_pct / 100.0
+    duty = np.sign(duty) * np.abs(duty) ** motor.power_exponent
+    if int(motor.surprise) == surprises.AMPLIFIER_MEMORY:
+        duty = _with_memory(duty, motor.surprise_a)
+    return np.asarray(duty, dtype=np.float64)
+
+
+def _with_memory(duty: FloatArray, share: float) -> FloatArray:
+    """Saturate at `share` of full duty as long as the last different command had the other sign."""
+    out = duty.copy()
+    before = 0.0
+    for row in range(1, duty.size):
+        if duty[row] != duty[row - 1]:
+            before = duty[row - 1]
+        if duty[row] * before < 0.0:
+            out[row] = share * np.tanh(duty[row] / share)
+    return out
+
+
+def _start(motor: Motor, commands: Commands) -> FloatArray:
+    """The state at the first reading: at rest, or after half a second of `before_pct`."""
+    start = np.zeros(integrator.STATES)
+    start[integrator.THETA] = start[integrator.THETA_LOAD] = np.deg2rad(commands.start_deg)
+    if commands.before_pct == 0.0:
+        return start
+    states = np.zeros((2, integrator.STATES))
+    integrator.integrate(
+        as_record(motor),
+        start,
+        np.array([-SPIN_UP_S, 0.0]),
+        np.full(2, commands.before_pct / 100.0),
+        np.zeros(2, dtype=np.int64),
+        np.zeros(2),
+        states,
+        np.zeros(2),
+    )
+    return np.asarray(states[1], dtype=np.float64)

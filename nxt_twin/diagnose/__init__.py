@@ -1,0 +1,1 @@
+"""The missing-physics engine: re-fit, locate, explain, judge."""

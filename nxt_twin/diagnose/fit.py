@@ -1,0 +1,191 @@
+"""Fit a plant's parameters to recordings: Levenberg-Marquardt on innovations, every simulation in a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Job, Result, Simulator
+from nxt_twin.recording.recording import FloatArray
+
+BoolArray = NDArray[np.bool_]
+
+_DAMPINGS = (0.0, 1e-3, 1e-1, 3.0, 100.0)
+_DIFFERENCE = 2e-3
+_PATIENCE_NATS = 0.05
+
+
+@final
+@dataclass(frozen=True)
+class Variable:
+    """One direction in which a fit may move: the parameters that move together, in fixed proportion.
+
+    Attributes:
+        slots: the parameters, the first of which gives the variable's value (SI).
+        ratios: value of each over that of the first.
+        scale: an ordinary size of the value, SI.
+        lower, upper: bounds, SI.
+        centre, spread: mean and standard deviation of the weak prior, SI; spread inf is no prior.
+    """
+
+    slots: tuple[Slot, ...]
+    ratios: tuple[float, ...]
+    scale: float
+    lower: float
+    upper: float
+    centre: float
+    spread: float
+
+
+@final
+@dataclass(frozen=True)
+class Fitted:
+    """A plant at its best parameters.
+
+    Attributes:
+        plant: with the fitted values.
+        variables: what was moved.
+        covariance: of the variables, SI, shape (variables, variables).
+        cost: negative log-likelihood of the readings that were fitted, nats.
+        prior_cost: what the weak priors add.
+        readings: how many were fitted.
+    """
+
+    plant: Plant
+    variables: tuple[Variable, ...]
+    covariance: FloatArray
+    cost: float
+    prior_cost: float
+    readings: int
+
+
+@final
+@dataclass(frozen=True)
+class Target:
+    """The readings to fit: recordings, and for each of them which samples count."""
+
+    jobs: tuple[Job, ...]
+    counted: tuple[BoolArray, ...]
+
+
+def values_of(plant: Plant, variables: Sequence[Variable]) -> FloatArray:
+    """The variables' values in `plant`, SI, shape (variables,)."""
+    return np.array([plant.values[v.slots[0]] for v in variables])
+
+
+def moved(plant: Plant, variables: Sequence[Variable], x: FloatArray) -> Plant:
+    """`plant` with its variables set to `x`."""
+    new = {
+        slot: float(value) * ratio
+        for variable, value in zip(variables, x, strict=True)
+        for slot, ratio in zip(variable.slots, variable.ratios, strict=True)
+    }
+    return plant.with_values(new)
+
+
+def fit(
+    simulator: Simulator, plant: Plant, variables: Sequence[Variable], target: Target, *, iterations: int = 15
+) -> Fitted:
+    """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors."""
+    search = _Search(simulator, plant, tuple(variables), target)
+    x = np.clip(values_of(plant, variables), search.lower, search.upper)
+    objective = search.objective(x[None])[0]
+    for _ in range(iterations if variables else 0):
+        hessian, gradient = search.normal_equations(x)
+        steps = [_step(hessian, gradient, damping) for damping in _DAMPINGS]
+        trials = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
+        objectives = search.objective(trials)
+        best = int(np.nanargmin(objectives))
+        gain = objective - objectives[best]
+        if gain > 0.0:
+            x, objective = trials[best], objectives[best]
+        if gain < _PATIENCE_NATS:
+            break
+    hessian, _ = search.normal_equations(x)
+    covariance = np.linalg.pinv(hessian, hermitian=True) * np.outer(search.scale, search.scale)
+    cost = float(search.cost(x[None])[0])
+    return Fitted(
+        moved(plant, variables, x), tuple(variables), covariance, cost, float(objective) - cost, search.readings
+    )
+
+
+def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArray:
+    """Negative log-likelihood of the counted readings for each parameter set, nats; inf where a run blew up."""
+    total = sum(result.cost[:, mask].sum(axis=1) for result, mask in zip(results, counted, strict=True))
+    return np.nan_to_num(np.asarray(total), nan=np.inf)
+
+
+def _step(hessian: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
+    damped = hessian + damping * np.diag(np.maximum(np.diag(hessian), 1e-12))
+    solution: FloatArray = np.linalg.lstsq(damped, -gradient, rcond=1e-12)[0]
+    return solution
+
+
+@final
+class _Search:
+    """The fixed surroundings of one fit; variables are divided by their scale inside."""
+
+    def __init__(
+        self, simulator: Simulator, plant: Plant, variables: tuple[Variable, ...], target: Target
+    ) -> None:
+        self._simulator = simulator
+        self._target = target
+        self._values, self._active = plant.vectors()
+        index = plant.layout.index
+        self._columns = [[index[slot] for slot in v.slots] for v in variables]
+        self._ratios = [np.array(v.ratios) for v in variables]
+        self.scale = np.array([v.scale for v in variables])
+        self.lower = np.array([v.lower for v in variables])
+        self.upper = np.array([v.upper for v in variables])
+        self._centre = np.array([v.centre for v in variables])
+        self._spread = np.array([v.spread for v in variables])
+        self._counted = tuple(
+            mask & np.isfinite(job.signals.measured) & ~job.start.at
+            for job, mask in zip(target.jobs, target.counted, strict=True)
+        )
+        self.readings = int(sum(mask.sum() for mask in self._counted))
+
+    def run(self, x: FloatArray) -> list[Result]:
+        values = np.repeat(self._values[None], x.shape[0], axis=0)
+        for i, (columns, ratios) in enumerate(zip(self._columns, self._ratios, strict=True)):
+            values[:, columns] = x[:, i : i + 1] * ratios
+        active = np.repeat(self._active[None], x.shape[0], axis=0)
+        return self._simulator.run(values, active, self._target.jobs)
+
+    def cost(self, x: FloatArray) -> FloatArray:
+        return cost_of(self.run(x), self._counted)
+
+    def objective(self, x: FloatArray) -> FloatArray:
+        prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
+        return np.asarray(self.cost(x) + prior)
+
+    def normal_equations(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Newton Hessian and gradient of the objective in scaled variables, by central differences."""
+        size = x.size
+        step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
+        ahead = np.minimum(x + step, self.upper)
+        behind = np.maximum(x - step, self.lower)
+        sets = np.repeat(x[None], 2 * size + 1, axis=0)
+        for i in range(size):
+            sets[i, i] = ahead[i]
+            sets[size + i, i] = behind[i]
+        width = (ahead - behind) / self.scale
+        hessian = np.zeros((size, size))
+        gradient = np.zeros(size)
+        for job, result, mask in zip(self._target.jobs, self.run(sets), self._counted, strict=True):
+            inverse = np.sqrt(result.weight[-1, mask]) / job.observer.innovation_std[mask]
+            slope = (result.predicted[:size, mask] - result.predicted[size:-1, mask]) * inverse
+            slope = np.nan_to_num(slope / width[:, None])
+            residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse
+            hessian += slope @ slope.T
+            gradient -= slope @ np.nan_to_num(residual)
+        tightness = (self.scale / self._spread) ** 2
+        hessian += np.diag(tightness)
+        gradient += tightness * (x - self._centre) / self.scale
+        return hessian, gradient

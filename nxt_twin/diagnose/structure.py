@@ -1,0 +1,150 @@
+"""Structures - sets of effects - fitted and weighed against each other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.fit import Fitted, Target, cost_of, fit
+from nxt_twin.diagnose.noise import estimate, with_noise
+from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.variables import starts_of, variables_of
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Simulator
+
+_SHARE_ROUNDS = 3
+
+
+@final
+@dataclass(frozen=True)
+class Structure:
+    """A plant with its parameters and noise fitted.
+
+    Attributes:
+        fitted: the fit on the target's readings.
+        noise: under which it was fitted.
+        check_cost: negative log-likelihood of the readings that only check, nats.
+    """
+
+    fitted: Fitted
+    noise: Noise
+    check_cost: float
+
+    @property
+    def plant(self) -> Plant:
+        """The fitted plant."""
+        return self.fitted.plant
+
+
+@final
+@dataclass(frozen=True)
+class Weight:
+    """What speaks for a structure over a simpler one, nats.
+
+    Attributes:
+        gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
+        check_gain: in likelihood of readings that were not.
+    """
+
+    gain: float
+    check_gain: float
+
+    @property
+    def total(self) -> float:
+        """The sum of both, by which candidates are ranked."""
+        return self.gain + self.check_gain
+
+
+def weigh(simpler: Structure, richer: Structure) -> Weight:
+    """What speaks for `richer` over `simpler`. Half a logarithm of the readings for each further parameter (BIC)."""
+    further = len(richer.fitted.variables) - len(simpler.fitted.variables)
+    further += _shares(richer.plant) - _shares(simpler.plant)
+    penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
+    gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
+    return Weight(gain - penalty, simpler.check_cost - richer.check_cost)
+
+
+@final
+class Workshop:
+    """Fits structures for one problem."""
+
+    def __init__(self, simulator: Simulator, problem: Problem) -> None:
+        self.simulator = simulator
+        self.problem = problem
+
+    def fit(self, plant: Plant, noise: Noise, *, iterations: int = 12) -> Structure:
+        """Fit `plant` on the target's readings under `noise`."""
+        return self._fit_on(self.problem.target, plant, noise, iterations)
+
+    def fit_everything(self, plant: Plant, noise: Noise) -> Structure:
+        """Fit `plant` on every reading that is not held out, under the noise that suits it."""
+        target = self.problem.everything()
+        for _ in range(2):
+            done = self._fit_on(target, plant, noise, 15)
+            plant = done.plant
+            noise, _ = estimate(self.simulator, plant, target, noise)
+        return self._fit_on(target, plant, noise, 15)
+
+    def settle(self, structure: Structure) -> Structure:
+        """The structure under the noise that suits it best."""
+        noise, _ = estimate(self.simulator, structure.plant, self.problem.target, structure.noise)
+        return self.fit(structure.plant, noise)
+
+    def start_with(self, plant: Plant, effect: Effect, noise: Noise) -> Plant:
+        """`plant` with `effect` added at the likeliest of its starting values."""
+        trials = [
+            self._shrunk(plant.with_effect(effect.id, start))
+            for start in starts_of(effect, self.problem.scale)
+        ]
+        values = np.array([trial.vectors()[0] for trial in trials])
+        active = np.array([trial.vectors()[1] for trial in trials])
+        target = with_noise(self.problem.target, noise)
+        costs = cost_of(self.simulator.run(values, active, target.jobs), target.counted)
+        return trials[int(np.argmin(costs))]
+
+    def _shrunk(self, plant: Plant) -> Plant:
+        """Take a new load's inertia off the body that carried it until now."""
+        body = Slot("base", "inertia")
+        loads = [value for slot, value in plant.values.items() if slot.symbol == "load_inertia"]
+        return plant.with_values({body: max(0.3 * plant.values[body], plant.values[body] - sum(loads[-1:]))})
+
+    def _fit_on(self, target: Target, plant: Plant, noise: Noise, iterations: int) -> Structure:
+        tuned = with_noise(target, noise)
+        for _ in range(_SHARE_ROUNDS if _shares(plant) else 1):
+            variables = variables_of(plant, self.problem.plant, self.problem.scale)
+            fitted = fit(self.simulator, plant, variables, tuned, iterations=iterations)
+            plant = self._with_shares(fitted.plant, tuned)
+        fitted = replace(fitted, plant=plant)
+        values, active = plant.vectors()
+        results = self.simulator.run(values[None], active[None], tuned.jobs)
+        check = float(cost_of(results, self.problem.check)[0])
+        return Structure(fitted, noise, check)
+
+    def _with_shares(self, plant: Plant, target: Target) -> Plant:
+        """Set the share of each fault to the mean probability with which it explains a reading."""
+        if not _shares(plant):
+            return plant
+        values, active = plant.vectors()
+        results = self.simulator.run(values[None], active[None], target.jobs)
+        doubts = np.concatenate(
+            [
+                1.0 - result.weight[0, mask & np.isfinite(job.signals.measured) & ~job.start.at]
+                for result, job, mask in zip(results, target.jobs, target.counted, strict=True)
+            ]
+        )
+        new = {}
+        for effect in plant.effects:
+            if "outlier" in effect.terms:
+                share = effect.parameters[0]
+                new[Slot(effect.id, share.symbol)] = float(np.clip(doubts.mean(), share.lower, share.upper))
+        return plant.with_values(new)
+
+
+def _shares(plant: Plant) -> int:
+    return sum("outlier" in effect.terms for effect in plant.effects)

@@ -1,0 +1,1 @@
+"""Plants: a base model and the effects in it, compiled."""

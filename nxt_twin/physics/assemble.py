@@ -1,0 +1,288 @@
+"""Write the source of a kernel from the declarations of a layout.
+
+The source is plain Python that numba compiles. All effects of the library are in it, each behind its bit of the
+active mask, so that one compilation serves every combination that a diagnosis tries, a user's effects included.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from types import CodeType, FunctionType
+
+from nxt_twin.physics.effect import Stage
+from nxt_twin.physics.layout import Layout
+from nxt_twin.physics.terms import Call, calls
+
+_FRAME = '''"""The compiled step of a {kind} ({frame}), written by nxt_twin.physics.assemble; never edit."""
+
+import math
+
+from numba import njit
+from numba.extending import register_jitable
+
+{imports}
+
+_SQRT_TAU = math.sqrt(2.0 * math.pi)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run(
+    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
+    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+    disturbance_rate, observe_speed, predicted, weight, cost, trace,
+):
+{unpack}
+    delay_s = 0.0
+{delay}
+    rows = out_time_s.shape[0]
+    commands = command_time_s.shape[0]
+    t = out_time_s[0]
+    j = -1
+    angle = 0.0
+    speed = 0.0
+    current = 0.0
+    disturbance = 0.0
+    duty = 0.0
+    drive_torque = 0.0
+    last_reading = 0.0
+    inertia = base__inertia
+{states_zero_outer}
+    for k in range(rows):
+        target = out_time_s[k]
+        while t < target:
+            while j + 1 < commands and command_time_s[j + 1] + delay_s <= t:
+                j += 1
+            stop = target
+            if j + 1 < commands and command_time_s[j + 1] + delay_s < target:
+                stop = command_time_s[j + 1] + delay_s
+            held = command[j] if j >= 0 else 0.0
+            mode = command_mode[j] if j >= 0 else command_mode[0]
+            supply_v = command_supply_v[j] if j >= 0 else command_supply_v[0]
+            pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
+            step_s = (stop - t) / pieces
+            fading = math.exp(-step_s * disturbance_rate)
+            for piece in range(pieces):
+                elapsed_s = t + piece * step_s - out_time_s[0]
+                duty = held
+{duty}
+                resistance = {resistance}
+{resistance_terms}
+                inductance = 0.0
+{inductance}
+                drop = 0.0
+{drop}
+                limit = math.inf
+{limit}
+                force, coupling = {drive}
+                drive_torque = force - coupling * speed
+                before = speed
+                mid_angle = angle + 0.5 * step_s * before
+                damping = 0.0
+{damping}
+                load_torque = 0.0
+{torque}
+                inverse = 1.0 / (2.0 * inertia / step_s + coupling + damping)
+                free = (
+                    (2.0 * inertia / step_s - coupling - damping) * before
+                    + 2.0 * (force + load_torque + inertia * disturbance)
+                ) * inverse
+                direction = math.copysign(1.0, free)
+                level = 0.0
+{friction}
+                bite = 2.0 * level * inverse
+                after = 0.0 if abs(free) <= bite else free - direction * bite
+{advance}
+                current = {current}
+                angle += 0.5 * step_s * (before + after)
+                speed = after
+                disturbance *= fading
+            t = stop
+        reading = measured[k]
+        if restart[k]:
+            angle = restart_angle[k]
+            speed = restart_speed[k]
+            current = 0.0
+            disturbance = 0.0
+            last_reading = speed if observe_speed else angle
+{states_zero}
+        predicted_reading = speed if observe_speed else angle
+        predicted[k] = predicted_reading
+        weight[k] = 0.0
+        cost[k] = 0.0
+        if reading == reading and not restart[k]:
+            innovation = reading - predicted_reading
+            std = reading_std[k]
+            fresh = 1.0
+            if std > 0.0:
+                share = 1.0
+                outlier = 0.0
+{outlier}
+                if share < 1.0:
+                    ratio = innovation / std
+                    density = share * math.exp(-0.5 * ratio * ratio) / (std * _SQRT_TAU)
+                    total = density + outlier + 1e-300
+                    fresh = density / total
+                    cost[k] = -math.log(total)
+                else:
+                    cost[k] = 0.5 * (innovation / std) ** 2 + math.log(std * _SQRT_TAU)
+            weight[k] = fresh
+            angle += gains[k, 0] * fresh * innovation
+            speed += gains[k, 1] * fresh * innovation
+            disturbance += gains[k, 2] * fresh * innovation
+            last_reading = reading
+        if trace.shape[0] > 0:
+            trace[k, 0] = angle
+            trace[k, 1] = speed
+            trace[k, 2] = current
+            trace[k, 3] = duty
+            trace[k, 4] = disturbance
+            trace[k, 5] = drive_torque
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run_many(
+    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
+    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+    disturbance_rate, observe_speed, predicted, weight, cost, trace,
+):
+    for i in range(values.shape[0]):
+        run(
+            values[i], active[i], step_max_s, command_time_s, command, command_mode, command_supply_v,
+            out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+            disturbance_rate, observe_speed, predicted[i], weight[i], cost[i], trace,
+        )
+'''
+
+TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
+"""Columns of a kernel's trace, one row a sample, after the sample's correction."""
+
+
+def source(plan: Layout) -> str:
+    """The kernel's source text for `plan`."""
+    symbols = [parameter.symbol for parameter in plan.base.parameters]
+    torque_per_current = plan.base.torque_per_current
+    return _FRAME.format(
+        kind=plan.base.kind,
+        frame=plan.frame,
+        imports="\n".join(_imports(plan)),
+        unpack=_indent(_unpack(plan), 4),
+        delay=_indent(_stage(plan, "delay"), 4),
+        states_zero_outer=_indent(_states_zero(plan), 4),
+        states_zero=_indent(_states_zero(plan), 12),
+        duty=_indent(_stage(plan, "duty"), 16),
+        resistance="base__resistance" if "resistance" in symbols else "0.0",
+        resistance_terms=_indent(_stage(plan, "resistance"), 16),
+        inductance=_indent(_stage(plan, "inductance"), 16),
+        drop=_indent(_stage(plan, "drop"), 16),
+        limit=_indent(_stage(plan, "limit"), 16),
+        drive=_drive_call(plan),
+        damping=_indent(_stage(plan, "damping"), 16),
+        torque=_indent(_stage(plan, "torque"), 16),
+        friction=_indent(_stage(plan, "friction"), 16),
+        advance=_indent(_stage(plan, "advance"), 16),
+        outlier=_indent(_stage(plan, "outlier"), 16),
+        current=f"(force - 0.5 * coupling * (before + after)) / base__{torque_per_current}"
+        if torque_per_current
+        else "0.0",
+    )
+
+
+def fingerprint(plan: Layout) -> str:
+    """A hash of the kernel's source and of the byte code of every function it calls."""
+    digest = hashlib.sha256(source(plan).encode())
+    for function in [*_functions(plan), *_helpers(plan)]:
+        code = function.__code__
+        digest.update(code.co_code)
+        digest.update(repr(code.co_names).encode())
+        digest.update(repr([c for c in code.co_consts if not isinstance(c, CodeType)]).encode())
+        constants = {name: function.__globals__.get(name) for name in code.co_names}
+        digest.update(repr({k: v for k, v in constants.items() if isinstance(v, int | float)}).encode())
+    return digest.hexdigest()[:16]
+
+
+def _helpers(plan: Layout) -> list[FunctionType]:
+    """The module-level functions that terms call in turn, which numba has to know as well."""
+    found: dict[str, FunctionType] = {}
+    waiting = list(_functions(plan))
+    while waiting:
+        function = waiting.pop()
+        for name in function.__code__.co_names:
+            helper = function.__globals__.get(name)
+            if isinstance(helper, FunctionType) and (key := f"{helper.__module__}.{name}") not in found:
+                found[key] = helper
+                waiting.append(helper)
+    return [found[key] for key in sorted(found)]
+
+
+def _functions(plan: Layout) -> list[FunctionType]:
+    terms = [effect.terms[stage] for effect in plan.effects for stage in effect.terms]
+    return [function for function in [plan.base.drive, *terms] if isinstance(function, FunctionType)]
+
+
+def _imports(plan: Layout) -> Iterator[str]:
+    modules = sorted({function.__module__ for function in [*_functions(plan), *_helpers(plan)]})
+    for module in modules:
+        yield f"import {module}"
+    yield ""
+    for helper in _helpers(plan):
+        yield f"register_jitable({helper.__module__}.{helper.__name__})"
+    yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
+    for effect in plan.effects:
+        for stage, term in effect.terms.items():
+            yield f"_{effect.id}_{stage} = njit({term.__module__}.{term.__name__})"
+
+
+def _unpack(plan: Layout) -> Iterator[str]:
+    for i, slot in enumerate(plan.parameters):
+        yield f"{slot.owner}__{slot.symbol} = values[{i}]"
+    for i, effect in enumerate(plan.effects):
+        yield f"with_{effect.id} = active[{i}]"
+
+
+def _states_zero(plan: Layout) -> Iterator[str]:
+    for effect in plan.effects:
+        for state in effect.states:
+            yield f"{effect.id}__{state} = 0.0"
+
+
+def _drive_call(plan: Layout) -> str:
+    function = plan.base.drive
+    own = {parameter.symbol for parameter in plan.base.parameters}
+    formed = {"resistance", "supply_v"}
+    names = function.__code__.co_varnames[: function.__code__.co_argcount]
+    arguments = (f"base__{name}" if name in own - formed else name for name in names)
+    return f"_drive({', '.join(arguments)})"
+
+
+def _stage(plan: Layout, stage: Stage) -> Iterator[str]:
+    for call in calls(plan, stage):
+        yield f"if with_{call.effect.id}:"
+        yield f"    {_statement(call, stage)}"
+        if stage == "outlier":
+            yield f"    share -= {call.effect.id}__{call.effect.parameters[0].symbol}"
+
+
+def _statement(call: Call, stage: Stage) -> str:
+    effect = call.effect
+    own = {parameter.symbol for parameter in effect.parameters} | set(effect.states)
+    rename = {"angle": "mid_angle", "predicted": "predicted_reading", "reading_std": "std"}
+    arguments = ", ".join(f"{effect.id}__{a}" if a in own else rename.get(a, a) for a in call.arguments)
+    value = f"_{effect.id}_{stage}({arguments})"
+    match stage:
+        case "duty" | "limit":
+            return f"{stage} = {value}"
+        case "friction":
+            return f"level = {value}"
+        case "torque":
+            return f"load_torque += {value}"
+        case "delay":
+            return f"delay_s += {value}"
+        case "advance":
+            return f"{', '.join(f'{effect.id}__{state}' for state in effect.states)} = {value}"
+        case _:
+            return f"{stage} += {value}"
+
+
+def _indent(lines: Iterator[str], width: int) -> str:
+    return "\n".join(" " * width + line for line in lines)

@@ -1,0 +1,1 @@
+"""Base models: what drives a plant, before any effect."""

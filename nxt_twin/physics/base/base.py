@@ -1,0 +1,29 @@
+"""What a base model declares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.physics.parameter import Frame, Parameter
+
+Drive = Callable[..., tuple[float, float]]
+"""Gives (torque at zero speed, damping of the drive) for a step, from the command and the electrical state."""
+
+
+@final
+@dataclass(frozen=True)
+class Base:
+    """A base model: its kind in plant files, its own parameters and its drive.
+
+    The symbols of the drive's arguments are quantities of the step or symbols of `parameters`;
+    the first parameter is the inertia. `torque_per_current` is the symbol of the torque constant, None for a
+    plant without a winding.
+    """
+
+    kind: str
+    frames: tuple[Frame, ...]
+    parameters: tuple[Parameter, ...]
+    drive: Drive
+    torque_per_current: str | None = None

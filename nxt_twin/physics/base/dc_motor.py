@@ -1,0 +1,107 @@
+"""A geared permanent-magnet DC motor behind a PWM bridge, quantities at the output hub.
+
+Gonçalves et al., equations 1 to 4 and 7 to 10; friction, inductance and the current limit are effects.
+"""
+
+from __future__ import annotations
+
+import math
+
+from nxt_twin.physics.base.base import Base
+from nxt_twin.physics.parameter import INERTIA, NUMBER, Parameter
+
+MODE_DRIVE = 0
+MODE_FLOAT = 1
+MODE_COAST = 2
+MODE_BRAKE = 3
+MODE_VOLTAGE = 4
+MODE_CURRENT = 5
+
+
+def drive(
+    duty: float,
+    mode: int,
+    supply_v: float,
+    resistance: float,
+    inductance: float,
+    torque_constant: float,
+    back_emf: float,
+    drop: float,
+    limit: float,
+    speed: float,
+    current: float,
+    step_s: float,
+) -> tuple[float, float]:
+    """Torque at zero speed (N·m) and electrical damping (N·m·s/rad) over one step.
+
+    The winding current of the step's middle follows from the trapezoidal rule on equation 1,
+    U = Ke·ω + R·i + L·di/dt. The terminal voltage never exceeds the supply (duty is bounded), a `drop` opposes the
+    current and stops at zero current, and a current beyond `limit` is held there.
+
+    Modes: drive (off phase shorted: mean voltage duty·supply), float (off phase open: the winding conducts for
+    the duty's fraction of the time, and only forwards), coast (open), brake (shorted), and for benches a given
+    voltage or current, which come in as `duty`.
+    """
+    if mode == MODE_CURRENT:
+        return torque_constant * min(max(duty, -limit), limit), 0.0
+    if mode == MODE_COAST or (mode == MODE_FLOAT and duty == 0.0):
+        return 0.0, 0.0
+    share = 1.0
+    if mode == MODE_VOLTAGE:
+        source = min(max(duty, -supply_v), supply_v)
+    elif mode == MODE_BRAKE:
+        source = 0.0
+    elif mode == MODE_FLOAT:
+        source = math.copysign(supply_v, duty)
+        share = abs(duty)
+        if (source - back_emf * speed) * duty <= 0.0:
+            return 0.0, 0.0
+    else:
+        source = duty * supply_v
+    lag = 0.0 if mode == MODE_FLOAT else 2.0 * inductance / step_s
+    impedance = resistance + lag
+    net = source - back_emf * speed
+    if drop > 0.0:
+        if abs(net) <= drop:
+            source = back_emf * speed
+            net = 0.0
+        else:
+            source -= math.copysign(drop, net)
+            net -= math.copysign(drop, net)
+    if share * abs(net + lag * current) > limit * impedance:
+        return torque_constant * math.copysign(limit, net), 0.0
+    gain = torque_constant * share / impedance
+    return gain * (source + lag * current), gain * back_emf
+
+
+DC_MOTOR = Base(
+    kind="dc_motor",
+    frames=("motor",),
+    parameters=(
+        Parameter("inertia_kg_m2", "inertia", "kg·m²", INERTIA, (1.2e-3,), 1e-5, 0.2, spread=0.7),
+        Parameter("resistance_ohm", "resistance", "Ω", NUMBER, (7.6,), 0.05, 500.0, frozen=True),
+        Parameter(
+            "torque_constant_nm_per_a",
+            "torque_constant",
+            "N·m/A",
+            NUMBER,
+            (0.4908,),
+            1e-3,
+            50.0,
+            spread=0.15,
+        ),
+        Parameter(
+            "back_emf_v_s_per_rad",
+            "back_emf",
+            "V·s/rad",
+            NUMBER,
+            (0.4908,),
+            1e-3,
+            50.0,
+            tied_to="torque_constant",
+        ),
+        Parameter("supply_v", "supply_v", "V", NUMBER, (8.0,), 0.5, 60.0, frozen=True),
+    ),
+    drive=drive,
+    torque_per_current="torque_constant",
+)

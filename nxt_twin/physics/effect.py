@@ -1,0 +1,80 @@
+"""An effect is one declaration; library, kernel, diagnosis, report and docs all read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+from nxt_twin.physics.parameter import FRAMES, Frame, Parameter
+from nxt_twin.recording.recording import InputKind
+
+Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
+Regime = Literal[
+    "low_speed",
+    "reversal",
+    "high_speed",
+    "high_current",
+    "direction",
+    "angle",
+    "elapsed_time",
+    "after_command",
+    "after_gap",
+]
+
+Stage = Literal[
+    "delay",
+    "duty",
+    "resistance",
+    "inductance",
+    "drop",
+    "limit",
+    "torque",
+    "damping",
+    "friction",
+    "advance",
+    "outlier",
+]
+"""Where in a step a term acts; `stages.STAGES` says how its value is used."""
+
+Term = Callable[..., float | tuple[float, ...]]
+"""A plain function of scalars. It asks for what it needs by the names of its arguments: quantities of the step
+(`stages.STAGES`), symbols of its effect's parameters (SI), and names of its effect's states."""
+
+
+@final
+@dataclass(frozen=True)
+class Effect:
+    """A piece of physics that a model may have or lack.
+
+    Attributes:
+        id: the contract's name (contract 5).
+        name: the field's standard name.
+        equation: the law in plain text, with its source.
+        equation_of: which equation of the plant it stands in.
+        shows: regimes in which it shows.
+        confusable_with: ids of effects that look alike, with the input that tells them apart.
+        parameters: what is fitted. The first is the main one.
+        terms: the law as functions, by stage.
+        states: names of the extra states, zero at a restart.
+        frames: kinds of plant that can have it.
+        supersedes: ids of effects whose parameters this one replaces while it is in the plant.
+        inputs: kinds of input with which it makes sense; empty is all.
+        plain: its parameters are keys of the plant itself rather than of an entry under `effects:`.
+        fault: a fault of the recording rather than physics of the plant.
+    """
+
+    id: str
+    name: str
+    equation: str
+    equation_of: Equation
+    shows: tuple[Regime, ...]
+    parameters: tuple[Parameter, ...]
+    terms: Mapping[Stage, Term]
+    confusable_with: Mapping[str, str] = field(default_factory=dict)
+    states: tuple[str, ...] = ()
+    frames: tuple[Frame, ...] = FRAMES
+    supersedes: tuple[str, ...] = ()
+    inputs: tuple[InputKind, ...] = ()
+    plain: bool = False
+    fault: bool = False

@@ -1,0 +1,274 @@
+"""Dry and viscous friction of the axis and its gear train."""
+
+from __future__ import annotations
+
+import math
+
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
+
+
+def _coulomb(level: float, coulomb: float) -> float:
+    return level + coulomb
+
+
+COULOMB_FRICTION = Effect(
+    id="coulomb_friction",
+    name="Coulomb friction",
+    equation="τ = -Tc·sign(ω), holding up to Tc at rest (Gonçalves et al., equation 4)",
+    equation_of="torque_balance",
+    shows=("low_speed", "reversal", "direction"),
+    parameters=(
+        Parameter(
+            "coulomb_friction_nm",
+            "coulomb",
+            "N·m",
+            TORQUE,
+            (0.02, 0.06),
+            0.0,
+            3.0,
+            elsewhere={"rotary": ("coulomb_friction", "N·m"), "linear": ("coulomb_friction", "N")},
+        ),
+    ),
+    terms={"friction": _coulomb},
+    confusable_with={
+        "voltage_drop": "both leave a dead zone; a coast-down without current shows friction alone",
+        "stiction": "slow ramps through zero show the extra breakaway",
+    },
+    plain=True,
+)
+
+
+def _viscous(viscous: float) -> float:
+    return viscous
+
+
+VISCOUS_FRICTION = Effect(
+    id="viscous_friction",
+    name="viscous friction",
+    equation="τ = -B·ω (Gonçalves et al., equation 7)",
+    equation_of="torque_balance",
+    shows=("high_speed",),
+    parameters=(
+        Parameter(
+            "viscous_friction_nm_s_per_rad",
+            "viscous",
+            "N·m·s/rad",
+            DAMPING,
+            (2e-3, 6e-3),
+            0.0,
+            1.0,
+            elsewhere={
+                "rotary": ("viscous_friction", "N·m·s/rad"),
+                "linear": ("viscous_friction", "N·s/m"),
+            },
+        ),
+    ),
+    terms={"damping": _viscous},
+    confusable_with={
+        "quadratic_drag": "steady speeds over a wide range bend with drag and not with viscosity"
+    },
+    plain=True,
+)
+
+
+def _asymmetric(direction: float, level: float, forward: float, reverse: float) -> float:
+    return level + (forward if direction > 0.0 else reverse)
+
+
+ASYMMETRIC_FRICTION = Effect(
+    id="asymmetric_friction",
+    name="direction-dependent Coulomb friction",
+    equation="τ = -T₊ for ω > 0, +T₋ for ω < 0",
+    equation_of="torque_balance",
+    shows=("direction", "low_speed"),
+    parameters=(
+        Parameter(
+            "coulomb_forward_nm",
+            "forward",
+            "N·m",
+            TORQUE,
+            (0.03, 0.01),
+            0.0,
+            3.0,
+            elsewhere={"rotary": ("coulomb_forward_nm", "N·m"), "linear": ("coulomb_forward_n", "N")},
+        ),
+        Parameter(
+            "coulomb_reverse_nm",
+            "reverse",
+            "N·m",
+            TORQUE,
+            (0.01, 0.03),
+            0.0,
+            3.0,
+            elsewhere={"rotary": ("coulomb_reverse_nm", "N·m"), "linear": ("coulomb_reverse_n", "N")},
+        ),
+    ),
+    terms={"friction": _asymmetric},
+    confusable_with={
+        "constant_load": "while it moves they are the same; at rest a constant load still pushes, friction does not"
+    },
+    supersedes=("coulomb_friction",),
+)
+
+
+def _asymmetric_viscous(speed: float, viscous_forward: float, viscous_reverse: float) -> float:
+    return viscous_forward if speed > 0.0 else viscous_reverse
+
+
+ASYMMETRIC_VISCOUS_FRICTION = Effect(
+    id="asymmetric_viscous_friction",
+    name="direction-dependent viscous friction",
+    equation="τ = -B₊·ω for ω > 0, -B₋·ω for ω < 0",
+    equation_of="torque_balance",
+    shows=("direction", "high_speed"),
+    parameters=(
+        Parameter(
+            "viscous_forward_nm_s_per_rad",
+            "viscous_forward",
+            "N·m·s/rad",
+            DAMPING,
+            (4e-3, 1e-3),
+            0.0,
+            1.0,
+            elsewhere={"linear": ("viscous_forward_n_s_per_m", "N·s/m")},
+        ),
+        Parameter(
+            "viscous_reverse_nm_s_per_rad",
+            "viscous_reverse",
+            "N·m·s/rad",
+            DAMPING,
+            (1e-3, 4e-3),
+            0.0,
+            1.0,
+            elsewhere={"linear": ("viscous_reverse_n_s_per_m", "N·s/m")},
+        ),
+    ),
+    terms={"damping": _asymmetric_viscous},
+    confusable_with={"constant_load": "steady speeds of several sizes, both ways, tell a slope from an offset"},
+    supersedes=("viscous_friction",),
+)
+
+
+def _stribeck(level: float, speed: float, breakaway: float, stribeck_speed: float) -> float:
+    ratio = speed / stribeck_speed
+    return level + max(0.0, breakaway - level) * math.exp(-ratio * ratio)
+
+
+STICTION = Effect(
+    id="stiction",
+    name="Stribeck stiction",
+    equation="|τ| = Tc + (Ts - Tc)·exp(-(ω/ωs)²), Ts at rest (Armstrong-Hélouvry 1994)",
+    equation_of="torque_balance",
+    shows=("low_speed", "reversal"),
+    parameters=(
+        Parameter(
+            "breakaway_torque_nm",
+            "breakaway",
+            "N·m",
+            TORQUE,
+            (0.06, 0.12, 0.03),
+            0.0,
+            3.0,
+            elsewhere={"linear": ("breakaway_force_n", "N")},
+        ),
+        Parameter(
+            "stribeck_speed_rad_s",
+            "stribeck_speed",
+            "rad/s",
+            SPEED,
+            (1.0, 0.3, 3.0),
+            0.03,
+            10.0,
+            spread=1.0,
+            elsewhere={"linear": ("stribeck_speed_m_s", "m/s")},
+        ),
+    ),
+    terms={"friction": _stribeck},
+    confusable_with={"coulomb_friction": "slow ramps through zero, both ways, show the drop after breakaway"},
+)
+
+
+def _load_dependent(level: float, drive_torque: float, load_torque: float, per_torque: float) -> float:
+    return level + per_torque * max(abs(drive_torque), abs(load_torque))
+
+
+LOAD_DEPENDENT_FRICTION = Effect(
+    id="load_dependent_friction",
+    name="load-dependent gear friction",
+    equation="|τ| = k·|τ carried|, the larger of drive and load (Duclusaud et al. 2024, models M3 to M6)",
+    equation_of="torque_balance",
+    shows=("high_current", "after_command"),
+    parameters=(
+        Parameter(
+            "friction_per_torque",
+            "per_torque",
+            "1",
+            NUMBER,
+            (0.1, 0.3),
+            0.0,
+            0.9,
+            elsewhere={"linear": ("friction_per_force", "1")},
+        ),
+    ),
+    terms={"friction": _load_dependent},
+    confusable_with={
+        "battery_sag": "fast battery readings at high current tell: friction leaves the supply alone",
+        "voltage_drop": "small commands held at rest tell a dead zone in voltage from one in torque",
+    },
+)
+
+
+def _drag(speed: float, drag: float) -> float:
+    return drag * abs(speed)
+
+
+QUADRATIC_DRAG = Effect(
+    id="quadratic_drag",
+    name="quadratic drag",
+    equation="τ = -c·ω·|ω|",
+    equation_of="torque_balance",
+    shows=("high_speed",),
+    parameters=(
+        Parameter(
+            "quadratic_drag_nm_s2_per_rad2",
+            "drag",
+            "N·m·s²/rad²",
+            DRAG,
+            (4e-4, 2e-3),
+            0.0,
+            0.1,
+            elsewhere={"linear": ("quadratic_drag_n_s2_per_m2", "N·s²/m²")},
+        ),
+    ),
+    terms={"damping": _drag},
+    confusable_with={"viscous_friction": "steady speeds over a wide range, and long coast-downs"},
+)
+
+
+def _warmup(level: float, elapsed_s: float, cold_extra: float, time_constant: float) -> float:
+    return level + cold_extra * math.exp(-elapsed_s / time_constant)
+
+
+FRICTION_WARMUP = Effect(
+    id="friction_warmup",
+    name="friction that runs in",
+    equation="|τ| = Tc + Tw·exp(-t/tw), t since the recording began",
+    equation_of="torque_balance",
+    shows=("elapsed_time",),
+    parameters=(
+        Parameter(
+            "cold_extra_torque_nm",
+            "cold_extra",
+            "N·m",
+            TORQUE,
+            (0.02, 0.06),
+            0.0,
+            3.0,
+            elsewhere={"linear": ("cold_extra_force_n", "N")},
+        ),
+        Parameter("time_constant_s", "time_constant", "s", NUMBER, (5.0, 20.0), 0.5, 300.0, spread=3.0),
+    ),
+    terms={"friction": _warmup},
+    confusable_with={"battery_sag": "a rest and a second run tell: what has run in stays so"},
+)

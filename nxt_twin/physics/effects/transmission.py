@@ -1,0 +1,172 @@
+"""A load inertia behind play or a shaft that twists.
+
+Both integrate the load by the trapezoidal rule and hand the motor the reaction as a torque and a damping, so that the
+coupling is solved together with the motor's speed and stays stable however stiff it is.
+"""
+
+from __future__ import annotations
+
+import math
+
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.parameter import ANGLE, INERTIA, STIFFNESS, Parameter
+
+_CONTACT_RATE_PER_S = 500.0  # how stiff the flanks of a gap are: a contact settles in about 2 ms
+_SHAFT_DAMPING_RATIO = 0.03
+
+
+def _reaction(
+    stretch: float,
+    load_speed: float,
+    stiffness: float,
+    damping: float,
+    load_inertia: float,
+    step_s: float,
+) -> tuple[float, float]:
+    """Torque on the load at zero motor speed, and its growth with the motor's mean speed over the step."""
+    grip = damping + stiffness * step_s / 2.0
+    yielding = 1.0 + grip * step_s / (2.0 * load_inertia)
+    return (stiffness * stretch - grip * load_speed) / yielding, grip / yielding
+
+
+def _contact(
+    play: float, load_speed: float, speed: float, gap: float, load_inertia: float, step_s: float
+) -> tuple[float, float]:
+    half = gap / 2.0
+    if abs(play) <= half:
+        return 0.0, 0.0
+    stretch = play - math.copysign(half, play)
+    stiffness = load_inertia * _CONTACT_RATE_PER_S**2
+    damping = 2.0 * load_inertia * _CONTACT_RATE_PER_S
+    if (stiffness * stretch + damping * (speed - load_speed)) * stretch <= 0.0:
+        return 0.0, 0.0
+    return _reaction(stretch, load_speed, stiffness, damping, load_inertia, step_s)
+
+
+def _backlash_torque(
+    play: float, play_load_speed: float, speed: float, gap: float, load_inertia: float, step_s: float
+) -> float:
+    return -_contact(play, play_load_speed, speed, gap, load_inertia, step_s)[0]
+
+
+def _backlash_damping(
+    play: float, play_load_speed: float, speed: float, gap: float, load_inertia: float, step_s: float
+) -> float:
+    return _contact(play, play_load_speed, speed, gap, load_inertia, step_s)[1]
+
+
+def _backlash_advance(
+    play: float,
+    play_load_speed: float,
+    before: float,
+    after: float,
+    gap: float,
+    load_inertia: float,
+    step_s: float,
+) -> tuple[float, float]:
+    held, growth = _contact(play, play_load_speed, before, gap, load_inertia, step_s)
+    mean = 0.5 * (before + after)
+    load_after = play_load_speed + step_s * (held + growth * mean) / load_inertia
+    return play + step_s * (mean - 0.5 * (play_load_speed + load_after)), load_after
+
+
+_LOAD_INERTIA = Parameter(
+    "load_inertia_kg_m2",
+    "load_inertia",
+    "kg·m²",
+    INERTIA,
+    (5e-4, 1.5e-3),
+    2e-5,
+    0.2,
+    spread=2.0,
+    elsewhere={"linear": ("load_mass_kg", "kg")},
+)
+
+BACKLASH = Effect(
+    id="backlash",
+    name="backlash",
+    equation="load free within ±gap/2 of the hub, stiff and inelastic contact beyond",
+    equation_of="torque_balance",
+    shows=("reversal", "after_command"),
+    parameters=(
+        Parameter(
+            "gap_deg",
+            "gap",
+            "deg",
+            ANGLE,
+            (5.0, 12.0, 2.0),
+            0.1,
+            60.0,
+            spread=2.0,
+            si=math.pi / 180.0,
+            elsewhere={"linear": ("gap_mm", "mm")},
+        ),
+        _LOAD_INERTIA,
+    ),
+    terms={"torque": _backlash_torque, "damping": _backlash_damping, "advance": _backlash_advance},
+    states=("play", "play_load_speed"),
+    confusable_with={
+        "shaft_compliance": "small reversals tell: play is free, a shaft springs back",
+        "command_delay": "a delay acts on every command, play only where the torque changes sign",
+    },
+)
+
+
+def _shaft(
+    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+) -> tuple[float, float]:
+    damping = 2.0 * _SHAFT_DAMPING_RATIO * math.sqrt(stiffness * load_inertia)
+    return _reaction(twist, twist_load_speed, stiffness, damping, load_inertia, step_s)
+
+
+def _shaft_torque(
+    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+) -> float:
+    return -_shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)[0]
+
+
+def _shaft_damping(
+    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+) -> float:
+    return _shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)[1]
+
+
+def _shaft_advance(
+    twist: float,
+    twist_load_speed: float,
+    before: float,
+    after: float,
+    stiffness: float,
+    load_inertia: float,
+    step_s: float,
+) -> tuple[float, float]:
+    held, growth = _shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)
+    mean = 0.5 * (before + after)
+    load_after = twist_load_speed + step_s * (held + growth * mean) / load_inertia
+    return twist + step_s * (mean - 0.5 * (twist_load_speed + load_after)), load_after
+
+
+SHAFT_COMPLIANCE = Effect(
+    id="shaft_compliance",
+    name="shaft compliance (two masses)",
+    equation="load on a torsion spring: τ = k·(θ - θL) + c·(ω - ωL), c at 3 % of critical",
+    equation_of="torque_balance",
+    shows=("after_command", "reversal"),
+    parameters=(
+        Parameter(
+            "stiffness_nm_per_rad",
+            "stiffness",
+            "N·m/rad",
+            STIFFNESS,
+            (0.5, 4.0, 0.1),
+            5e-3,
+            50.0,
+            spread=3.0,
+            elsewhere={"linear": ("stiffness_n_per_m", "N/m")},
+        ),
+        _LOAD_INERTIA,
+    ),
+    terms={"torque": _shaft_torque, "damping": _shaft_damping, "advance": _shaft_advance},
+    states=("twist", "twist_load_speed"),
+    confusable_with={"backlash": "small reversals tell: play is free, a shaft springs back"},
+)

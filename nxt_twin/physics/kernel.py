@@ -1,0 +1,66 @@
+"""The compiled kernel of a layout: written once into a cache folder, compiled by numba, kept between runs."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import final
+
+import platformdirs
+
+from nxt_twin.physics.assemble import fingerprint, source
+from nxt_twin.physics.layout import Layout
+
+CACHE_VARIABLE = "NXT_TWIN_CACHE"
+
+
+@final
+class Kernel:
+    """The compiled entry point of a layout; it releases the interpreter lock while it runs."""
+
+    def __init__(self, module: ModuleType) -> None:
+        self.run_many: Callable[..., None] = module.run_many
+
+
+@cache
+def kernel(plan: Layout) -> Kernel:
+    """The kernel of `plan`, compiled at its first call and found again in the cache by later processes.
+
+    The folder is `$NXT_TWIN_CACHE`, else the user's cache folder; where neither can be written, a temporary one.
+    """
+    name = f"{plan.base.kind}_{plan.frame}_{fingerprint(plan)}"
+    path = _folder() / f"{name}.py"
+    if not path.exists():
+        _write_whole(path, source(plan))
+    spec = importlib.util.spec_from_file_location(f"nxt_twin_kernel_{name}", path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"no loader for {path}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # numba finds a cached function's module by its name
+    spec.loader.exec_module(module)
+    return Kernel(module)
+
+
+def _folder() -> Path:
+    given = os.environ.get(CACHE_VARIABLE)
+    wanted = Path(given) if given else Path(platformdirs.user_cache_dir("nxt-twin"))
+    try:
+        wanted.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=wanted):
+            return wanted
+    except OSError:
+        return Path(tempfile.mkdtemp(prefix="nxt-twin-"))
+
+
+def _write_whole(path: Path, text: str) -> None:
+    """Write so that another process finds either no file or the whole one."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".py.part")
+    with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        stream.write(text)
+    Path(temporary).replace(path)

@@ -1,0 +1,86 @@
+"""Where each parameter stands in the vector that a kernel takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import NamedTuple, final
+
+from nxt_twin.errors import PlantError
+from nxt_twin.physics.base.base import Base
+from nxt_twin.physics.base.dc_motor import DC_MOTOR
+from nxt_twin.physics.base.rigid_body import RIGID_BODY
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.library import library
+from nxt_twin.physics.parameter import Frame, Parameter
+
+BASES: dict[str, Base] = {base.kind: base for base in (DC_MOTOR, RIGID_BODY)}
+
+BASE_OWNER = "base"
+
+
+class Slot(NamedTuple):
+    """A parameter's address: its owner (`base` or an effect's id) and its symbol."""
+
+    owner: str
+    symbol: str
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The parameters and effects of one kind of plant, in the order of a kernel's vectors."""
+
+    base: Base
+    frame: Frame
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects that this frame can have, in the order of the `active` mask."""
+        return tuple(effect for effect in library().values() if self.frame in effect.frames)
+
+    @cached_property
+    def parameters(self) -> dict[Slot, Parameter]:
+        """All parameters under their names in this frame, in the order of the value vector."""
+        owned = [(BASE_OWNER, self.base.parameters), *((e.id, e.parameters) for e in self.effects)]
+        return {Slot(owner, p.symbol): p.in_frame(self.frame) for owner, ps in owned for p in ps}
+
+    @cached_property
+    def index(self) -> dict[Slot, int]:
+        """Position of each parameter in the value vector."""
+        return {slot: i for i, slot in enumerate(self.parameters)}
+
+    def effect(self, effect_id: str) -> Effect:
+        """The effect of that id.
+
+        Raises:
+            PlantError: this kind of plant cannot have it, or nobody knows it.
+        """
+        for effect in self.effects:
+            if effect.id == effect_id:
+                return effect
+        known = ", ".join(e.id for e in self.effects)
+        raise PlantError(
+            f"a {self.frame} plant has no effect '{effect_id}'", where="effects", mend=f"known are {known}"
+        )
+
+
+@cache
+def layout(kind: str, frame: Frame) -> Layout:
+    """The layout of plants of `kind` in `frame`.
+
+    Raises:
+        PlantError: there is no such kind of plant.
+    """
+    if kind not in BASES:
+        raise PlantError(
+            f"unknown kind of plant '{kind}'", where="plant", mend=f"use one of {', '.join(BASES)}"
+        )
+    base = BASES[kind]
+    if frame not in base.frames:
+        raise PlantError(
+            f"a {kind} cannot be a {frame} plant",
+            where="plant",
+            mend="a dc_motor takes power_pct, voltage_v or current_a; a rigid_body torque_nm or force_n",
+        )
+    return Layout(base, frame)

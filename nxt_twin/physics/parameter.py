@@ -1,0 +1,98 @@
+"""A physical parameter as an object: name, unit, bounds, prior."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal, final
+
+Frame = Literal["motor", "rotary", "linear"]
+"""What kind of plant carries the parameter: an NXT-like motor, another rotary plant, or a linear one."""
+
+FRAMES: tuple[Frame, ...] = ("motor", "rotary", "linear")
+
+
+@final
+@dataclass(frozen=True)
+class Dimension:
+    """How a parameter scales with the plant's torque (or force) and speed, as exponents of the two.
+
+    With a time of 0.1 s taken for granted, angle scales as speed, inertia as torque over speed.
+    """
+
+    torque: float = 0.0
+    speed: float = 0.0
+
+
+NUMBER = Dimension()
+TORQUE = Dimension(torque=1.0)
+SPEED = Dimension(speed=1.0)
+ANGLE = Dimension(speed=1.0)
+INERTIA = Dimension(torque=1.0, speed=-1.0)
+DAMPING = Dimension(torque=1.0, speed=-1.0)
+STIFFNESS = Dimension(torque=1.0, speed=-1.0)
+DRAG = Dimension(torque=1.0, speed=-2.0)
+
+
+@final
+@dataclass(frozen=True)
+class Scale:
+    """The torque (N·m or N) and speed (rad/s or m/s) that are ordinary for a plant."""
+
+    torque: float
+    speed: float
+
+
+NXT_SCALE = Scale(torque=0.3, speed=10.0)
+"""Half the stall torque and a middling speed of an NXT motor at its output hub."""
+
+
+@final
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a base model or of an effect.
+
+    Attributes:
+        name: the key in plant files and JSON (contract 5), which ends in the unit.
+        symbol: the name under which the equations use its SI value.
+        unit: of `name`, for people.
+        dimension: how it scales from an NXT motor to another plant.
+        starts: values, in `unit` and at NXT scale, from which a fit begins; the first is the typical one.
+        lower, upper: bounds in `unit` at NXT scale.
+        spread: standard deviation of the weak prior round the start, as a fraction of it; inf is no prior.
+        si: factor from `unit` to SI.
+        frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
+        tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
+        elsewhere: name and unit in frames other than the motor's.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    dimension: Dimension
+    starts: tuple[float, ...]
+    lower: float
+    upper: float
+    spread: float = math.inf
+    si: float = 1.0
+    frozen: bool = False
+    tied_to: str | None = None
+    elsewhere: dict[Frame, tuple[str, str]] = field(default_factory=dict)
+
+    def in_frame(self, frame: Frame) -> Parameter:
+        """The same parameter under the name and unit that `frame` uses."""
+        if frame not in self.elsewhere:
+            return self
+        name, unit = self.elsewhere[frame]
+        return replace(self, name=name, unit=unit, elsewhere={})
+
+    def scaled(self, scale: Scale) -> Parameter:
+        """The same parameter with starts and bounds carried from NXT scale to `scale`."""
+        factor = (scale.torque / NXT_SCALE.torque) ** self.dimension.torque
+        factor *= (scale.speed / NXT_SCALE.speed) ** self.dimension.speed
+        return replace(
+            self,
+            starts=tuple(start * factor for start in self.starts),
+            lower=self.lower * factor,
+            upper=self.upper * factor,
+        )

@@ -1,0 +1,168 @@
+"""A plant: a base model, the effects in it, and the values of their parameters."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.errors import PlantError
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import BASE_OWNER, BASES, Layout, Slot, layout
+from nxt_twin.physics.parameter import Frame, Parameter
+from nxt_twin.recording.recording import FloatArray, InputKind
+
+_FRAME_OF_INPUT: dict[InputKind, Frame] = {
+    "power_pct": "motor",
+    "voltage_v": "motor",
+    "current_a": "motor",
+    "torque_nm": "rotary",
+    "force_n": "linear",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Plant:
+    """A model of one axis.
+
+    Attributes:
+        layout: the base model and the frame it stands in.
+        active: ids of the effects in it.
+        values: SI values of the base's parameters and of the active effects'.
+    """
+
+    layout: Layout
+    active: frozenset[str]
+    values: Mapping[Slot, float]
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects in the plant, in the order in which they act."""
+        return tuple(effect for effect in self.layout.effects if effect.id in self.active)
+
+    def vectors(self) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """The value vector (inactive parameters at their first start) and the mask of active effects."""
+        values = [
+            self.values.get(slot, parameter.starts[0] * parameter.si)
+            for slot, parameter in self.layout.parameters.items()
+        ]
+        mask = [effect.id in self.active for effect in self.layout.effects]
+        return np.array(values), np.array(mask)
+
+    def with_values(self, values: Mapping[Slot, float]) -> Plant:
+        """The same plant with some SI values replaced."""
+        return replace(self, values={**self.values, **values})
+
+    def with_effect(self, effect_id: str, values: Mapping[str, float]) -> Plant:
+        """The plant with one more effect, its SI values given by symbol; what it supersedes goes."""
+        effect = self.layout.effect(effect_id)
+        bare = self.without(effect.supersedes)
+        added = {Slot(effect_id, symbol): value for symbol, value in values.items()}
+        return Plant(self.layout, bare.active | {effect_id}, {**bare.values, **added})
+
+    def without(self, effect_ids: Iterable[str]) -> Plant:
+        """The plant without these effects."""
+        gone = set(effect_ids)
+        kept = {slot: value for slot, value in self.values.items() if slot.owner not in gone}
+        return Plant(self.layout, self.active - gone, kept)
+
+    def to_config(self) -> dict[str, Any]:
+        """The plant as a YAML-ready mapping (contract 2), which `plant_from_config` reads back."""
+        config: dict[str, Any] = {"kind": self.layout.base.kind}
+        nested: dict[str, dict[str, float]] = {}
+        plain = {effect.id for effect in self.effects if effect.plain} | {BASE_OWNER}
+        for slot, parameter in self.layout.parameters.items():
+            if slot not in self.values:
+                continue
+            target = config if slot.owner in plain else nested.setdefault(slot.owner, {})
+            target[parameter.name] = float(f"{self.values[slot] / parameter.si:.8g}")
+        if nested:
+            config["effects"] = nested
+        return config
+
+
+def frame_for(kind: str, input_kind: InputKind) -> Frame:
+    """The frame of a plant of `kind` that is driven by `input_kind`.
+
+    Raises:
+        PlantError: this kind of plant cannot be driven so, or there is no such kind.
+    """
+    return layout(kind, _FRAME_OF_INPUT[input_kind]).frame
+
+
+def plant_from_config(config: Mapping[str, Any], input_kind: InputKind) -> Plant:
+    """Read a plant (contract 2) that is driven by `input_kind`.
+
+    A key of a plain effect that is left out is physics left out.
+
+    Raises:
+        PlantError: a kind, key, value or effect that is none, or a required key that is missing.
+    """
+    kind = config.get("kind")
+    if not isinstance(kind, str):
+        raise PlantError("no kind", where="plant", mend=f"add 'kind:', one of {', '.join(BASES)}")
+    plan = layout(kind, frame_for(kind, input_kind))
+    nested = config.get("effects") or {}
+    if not isinstance(nested, Mapping):
+        raise PlantError("is no mapping of effect ids", where="plant, effects")
+    plain = tuple(effect for effect in plan.effects if effect.plain)
+    keys = {BASE_OWNER: plan.base.parameters, **{effect.id: effect.parameters for effect in plain}}
+    _refuse_unknown(
+        set(config) - {"kind", "effects"},
+        [p.in_frame(plan.frame).name for ps in keys.values() for p in ps],
+        where="plant",
+    )
+    values = _read_owner(plan, BASE_OWNER, config, "plant")
+    active = set()
+    for effect in plain:
+        names = [p.in_frame(plan.frame).name for p in effect.parameters]
+        if any(name in config for name in names):
+            active.add(effect.id)
+            values |= _read_owner(plan, effect.id, config, "plant")
+    for effect_id, given in nested.items():
+        effect = plan.effect(str(effect_id))
+        where = f"plant, effects, {effect_id}"
+        if effect.plain or not isinstance(given, Mapping):
+            raise PlantError("is not a mapping of parameters of a nested effect", where=where)
+        _refuse_unknown(set(given), [p.in_frame(plan.frame).name for p in effect.parameters], where=where)
+        active.add(effect.id)
+        values |= _read_owner(plan, effect.id, given, where)
+    return Plant(plan, frozenset(active), values)
+
+
+def _read_owner(plan: Layout, owner: str, given: Mapping[str, Any], where: str) -> dict[Slot, float]:
+    found = {}
+    for slot, parameter in plan.parameters.items():
+        if slot.owner != owner:
+            continue
+        value = given.get(parameter.name, _default(parameter))
+        found[slot] = _number(value, parameter, where) * parameter.si
+    return found
+
+
+def _default(parameter: Parameter) -> float | None:
+    return parameter.starts[0] if parameter.symbol == "supply_v" else None
+
+
+def _number(value: object, parameter: Parameter, where: str) -> float:
+    place = f"{where}, {parameter.name}"
+    if value is None:
+        raise PlantError("is missing", where=place, mend=f"give it in {parameter.unit}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise PlantError(f"'{value}' is no finite number", where=place, mend=f"give it in {parameter.unit}")
+    if parameter.lower >= 0.0 and value < 0.0:
+        raise PlantError(f"{value} is negative", where=place, mend=f"give it in {parameter.unit}")
+    return float(value)
+
+
+def _refuse_unknown(given: set[Any], known: list[str], *, where: str) -> None:
+    for key in sorted(map(str, given - set(known))):
+        near = difflib.get_close_matches(key, known, n=1)
+        mend = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
+        raise PlantError(f"unknown key '{key}'", where=where, mend=mend)

@@ -1,0 +1,179 @@
+"""A recording as a kernel takes it: the commands in force and the readings to predict, in SI units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.errors import RecordingError
+from nxt_twin.physics.base.dc_motor import MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.recording.recording import FloatArray, InputKind, Recording
+
+IntArray = NDArray[np.int64]
+
+_SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
+_TACHO_QUANTUM_RAD = math.radians(1.0)
+
+
+@final
+@dataclass(frozen=True)
+class Signals:
+    """What drives a plant and what was read from it.
+
+    Attributes:
+        name: the recording's name.
+        channel: the column that was read.
+        input_kind: what the command is.
+        command_time_s: stamps from which commands hold, shape (commands,).
+        command: duty -1…1, V, A, N·m or N by `input_kind`, shape (commands,).
+        command_mode: drive mode, shape (commands,).
+        command_supply_v: open-circuit supply, NaN where it was never read, shape (commands,).
+        time_s: stamps of the readings, shape (samples,).
+        measured: readings in rad or m, or per second; NaN where a row has none, shape (samples,).
+        is_speed: the readings are speeds.
+        quantum: smallest step of the readings, 0 if none is known.
+    """
+
+    name: str
+    channel: str
+    input_kind: InputKind
+    command_time_s: FloatArray
+    command: FloatArray
+    command_mode: IntArray
+    command_supply_v: FloatArray
+    time_s: FloatArray
+    measured: FloatArray
+    is_speed: bool
+    quantum: float
+
+    def part(self, rows: IntArray) -> Signals:
+        """The same commands with only some of the readings."""
+        return Signals(
+            self.name,
+            self.channel,
+            self.input_kind,
+            self.command_time_s,
+            self.command,
+            self.command_mode,
+            self.command_supply_v,
+            self.time_s[rows],
+            self.measured[rows],
+            self.is_speed,
+            self.quantum,
+        )
+
+    def command_at_samples(self) -> FloatArray:
+        """The command in force just before each reading, shape (samples,)."""
+        before = np.searchsorted(self.command_time_s, self.time_s, side="left") - 1
+        held: FloatArray = np.where(before >= 0, self.command[np.maximum(before, 0)], 0.0)
+        return held
+
+
+def signals_of(recording: Recording, port: str | None) -> Signals:
+    """The signals of one axis of a recording.
+
+    Args:
+        recording: a brick's recording or a mapped one.
+        port: `a`, `b` or `c` for a brick's; ignored for a mapped one.
+
+    Raises:
+        RecordingError: the port was not driven or not read, or nothing was read at all.
+    """
+    found = _mapped(recording) if recording.kinds else _brick(recording, port or "a")
+    if np.isfinite(found.measured).sum() < 10:
+        raise RecordingError(
+            "fewer than 10 readings",
+            where=f"{recording.name}, column {found.channel}",
+            mend="record for longer",
+        )
+    return found
+
+
+def _brick(recording: Recording, port: str) -> Signals:
+    power, tacho = f"{port}_power_pct", f"{port}_tacho_deg"
+    for column in (power, tacho):
+        if column not in recording.columns:
+            raise RecordingError(
+                "no such column", where=f"{recording.name}, column {column}", mend="name another port"
+            )
+    rows = recording.rows
+    duty = _held(recording.columns[power], start=0.0) / 100.0
+    mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"))
+    keep = _changes(duty, mode, supply)
+    return Signals(
+        name=recording.name,
+        channel=tacho,
+        input_kind="power_pct",
+        command_time_s=recording.time_s[keep],
+        command=duty[keep],
+        command_mode=mode[keep].astype(np.int64),
+        command_supply_v=supply[keep],
+        time_s=np.array(recording.time_s),
+        measured=np.radians(recording.columns[tacho]),
+        is_speed=False,
+        quantum=_TACHO_QUANTUM_RAD,
+    )
+
+
+def _mapped(recording: Recording) -> Signals:
+    kinds = recording.kinds
+    if kinds is None:
+        raise RecordingError("is not a mapped recording", where=recording.name)
+    modes = {"voltage_v": MODE_VOLTAGE, "current_a": MODE_CURRENT}
+    command = _held(recording.columns["input"], start=0.0)
+    if kinds.input == "power_pct":
+        command = command / 100.0
+    mode = np.full(recording.rows, float(modes.get(kinds.input, MODE_DRIVE)))
+    supply = _supply(recording.time_s, recording.columns.get("supply_v"))
+    keep = _changes(command, mode, supply)
+    return Signals(
+        name=recording.name,
+        channel="output",
+        input_kind=kinds.input,
+        command_time_s=recording.time_s[keep],
+        command=command[keep],
+        command_mode=mode[keep].astype(np.int64),
+        command_supply_v=supply[keep],
+        time_s=np.array(recording.time_s),
+        measured=np.array(recording.columns["output"]),
+        is_speed=kinds.output.startswith("speed"),
+        quantum=recording.output_quantum,
+    )
+
+
+def _held(values: FloatArray, *, start: float) -> FloatArray:
+    """Fill cells that were not sampled with the value in force, `start` before the first."""
+    known = np.isfinite(values)
+    last = np.maximum.accumulate(np.where(known, np.arange(values.size), -1))
+    filled: FloatArray = np.where(last >= 0, values[np.maximum(last, 0)], start)
+    return filled
+
+
+def _supply(time_s: FloatArray, readings: FloatArray | None) -> FloatArray:
+    """The open-circuit supply: a robust straight line through the slow, noisy readings.
+
+    A reading shows whatever the motors drew at that moment; taken one by one, readings would smuggle a part of
+    the sag into the model. Theil-Sen: the median of the slopes between the halves.
+    """
+    if readings is None or not np.isfinite(readings).any():
+        return np.full(time_s.size, np.nan)
+    known = np.isfinite(readings)
+    t, v = time_s[known], readings[known]
+    half = t.size // 2
+    slope = 0.0
+    if half >= 3 and t[-half:].min() > t[:half].max():
+        slope = float(np.median((v[-half:] - v[:half]) / (t[-half:] - t[:half])))
+    return np.asarray(np.median(v - slope * t) + slope * time_s)
+
+
+def _changes(command: FloatArray, mode: FloatArray, supply: FloatArray) -> NDArray[np.bool_]:
+    keep = np.ones(command.size, dtype=bool)
+    keep[1:] = (np.diff(command) != 0.0) | (np.diff(mode) != 0.0)
+    drift = np.nan_to_num(supply / supply[0] - 1.0) / _SUPPLY_RESOLUTION
+    keep[1:] |= np.diff(np.round(drift)) != 0.0
+    return keep

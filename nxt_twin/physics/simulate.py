@@ -1,0 +1,174 @@
+"""Run plants over recordings: free or corrected at each reading, one parameter set or many, on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Self, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.physics.assemble import TRACE
+from nxt_twin.physics.kernel import kernel
+from nxt_twin.physics.layout import BASE_OWNER, Layout, Slot
+from nxt_twin.physics.observer import Observer, free
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+from nxt_twin.recording.recording import FloatArray
+
+BoolArray = NDArray[np.bool_]
+
+STEP_S = 1e-3
+
+
+@final
+@dataclass(frozen=True)
+class Start:
+    """Where a run takes its state from outside: at flagged samples, always including the first."""
+
+    at: BoolArray
+    position: FloatArray
+    speed: FloatArray
+
+
+@final
+@dataclass(frozen=True)
+class Job:
+    """One recording to run a plant over."""
+
+    signals: Signals
+    observer: Observer
+    start: Start
+    disturbance_time_s: float = 1.0
+    step_s: float = STEP_S
+
+
+@final
+@dataclass(frozen=True)
+class Result:
+    """What a run gives for each parameter set and sample, shape (sets, samples).
+
+    Attributes:
+        predicted: the reading expected before the sample's own correction.
+        weight: probability that the reading is what it says (1 without an outlier model, 0 where none was read).
+        cost: negative log-likelihood of the reading.
+    """
+
+    predicted: FloatArray
+    weight: FloatArray
+    cost: FloatArray
+
+
+@final
+class Simulator:
+    """Runs plants of one layout on all cores. A context manager: it owns its threads."""
+
+    def __init__(self, plan: Layout, workers: int | None = None) -> None:
+        self._kernel = kernel(plan)
+        self._workers = workers or os.cpu_count() or 1
+        self._pool = ThreadPoolExecutor(self._workers)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown()
+
+    def run(self, values: FloatArray, active: BoolArray, jobs: Sequence[Job]) -> list[Result]:
+        """Run every parameter set over every job.
+
+        Args:
+            values: SI values in the layout's order, shape (sets, parameters).
+            active: which effects act, shape (sets, effects).
+            jobs: the recordings.
+        """
+        results = [_empty_result(values.shape[0], job) for job in jobs]
+        chunks = np.array_split(np.arange(values.shape[0]), min(self._workers, values.shape[0]))
+        pending = [
+            self._pool.submit(self._run_chunk, values, active, job, result, chunk[0], chunk[-1] + 1)
+            for job, result in zip(jobs, results, strict=True)
+            for chunk in chunks
+        ]
+        for task in pending:
+            task.result()
+        return results
+
+    def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
+        """One run of one plant, with what went on inside: arrays of shape (samples,) by the names in `TRACE`,
+        and `predicted`, `weight`, `cost`.
+        """
+        values, active = plant.vectors()
+        result = _empty_result(1, job)
+        trace = np.empty((job.signals.time_s.size, len(TRACE)))
+        self._call(values[None], active[None], job, result, trace)
+        inside = dict(zip(TRACE, trace.T, strict=True))
+        return {
+            **inside,
+            "predicted": result.predicted[0],
+            "weight": result.weight[0],
+            "cost": result.cost[0],
+        }
+
+    def _run_chunk(
+        self, values: FloatArray, active: BoolArray, job: Job, result: Result, low: int, high: int
+    ) -> None:
+        part = Result(result.predicted[low:high], result.weight[low:high], result.cost[low:high])
+        self._call(values[low:high], active[low:high], job, part, np.empty((0, len(TRACE))))
+
+    def _call(
+        self, values: FloatArray, active: BoolArray, job: Job, result: Result, trace: FloatArray
+    ) -> None:
+        signals, start = job.signals, job.start
+        self._kernel.run_many(
+            values,
+            active,
+            job.step_s,
+            signals.command_time_s,
+            signals.command,
+            signals.command_mode,
+            signals.command_supply_v,
+            signals.time_s,
+            signals.measured,
+            job.observer.gains,
+            job.observer.innovation_std,
+            start.at,
+            start.position,
+            start.speed,
+            1.0 / job.disturbance_time_s,
+            signals.is_speed,
+            result.predicted,
+            result.weight,
+            result.cost,
+            trace,
+        )
+
+
+def _empty_result(sets: int, job: Job) -> Result:
+    rows = job.signals.time_s.size
+    return Result(np.empty((sets, rows)), np.empty((sets, rows)), np.empty((sets, rows)))
+
+
+def at_rest(signals: Signals) -> Start:
+    """Start once, at the first reading, standing still."""
+    rows = signals.time_s.size
+    first = signals.measured[np.isfinite(signals.measured)][0]
+    at = np.zeros(rows, dtype=bool)
+    at[0] = True
+    return Start(
+        at, np.full(rows, 0.0 if signals.is_speed else first), np.full(rows, first * signals.is_speed)
+    )
+
+
+def with_supply(signals: Signals, plant: Plant) -> Signals:
+    """The signals with the plant's own supply wherever the battery was never read."""
+    supply = plant.values.get(Slot(BASE_OWNER, "supply_v"), 0.0)
+    filled = np.where(np.isfinite(signals.command_supply_v), signals.command_supply_v, supply)
+    return Signals(**{**signals.__dict__, "command_supply_v": filled})
+
+
+def free_job(signals: Signals, start: Start) -> Job:
+    """A run that nothing corrects between starts."""
+    return Job(signals, free(signals, 0.0), start)

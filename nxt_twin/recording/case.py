@@ -1,0 +1,151 @@
+"""A case: the baseline plant, the recordings to fit, and those held out (contract 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from nxt_twin.errors import CaseError
+from nxt_twin.recording.columns import PORTS, Port, power_column, tacho_column
+from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
+from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.yaml_file import read_model
+
+Plant = dict[str, Any] | str
+
+_CASE_FILE = "case.yaml"
+_DEFAULT_PLANT = "nxt_motor"
+_SENSOR_SUFFIX = "_sensor"
+
+
+@final
+@dataclass(frozen=True)
+class Case:
+    """Everything that a diagnosis may see.
+
+    Attributes:
+        name: the folder's name, or a single recording's.
+        folder: where it lies.
+        plant: the baseline as written: its keys, a name, or the path of a file.
+        recordings: the runs to fit.
+        holdout: runs that must not be fitted.
+        port: the port whose motor the case is about; None for a mapped plant or a sensor.
+    """
+
+    name: str
+    folder: Path
+    plant: Plant
+    recordings: tuple[Recording, ...]
+    holdout: tuple[Recording, ...]
+    port: Port | None
+
+
+@final
+class CaseFile(BaseModel):
+    """The keys of `case.yaml`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    plant: str | dict[str, Any]
+    recordings: list[str]
+    holdout: list[str] = []
+    port: Port | None = None
+    mapping: str | None = None
+
+
+def read_as_case(path: Path) -> Case:
+    """Read a case folder (or its `case.yaml`), or a single recording as a case of its own.
+
+    A single recording's sidecar may name its `plant` (`nxt_motor` if it does not) and, for a table from
+    elsewhere, its `mapping` file.
+
+    Raises:
+        CaseError, RecordingError, MappingError, PlantError: as `read_case`.
+    """
+    if path.is_dir() or path.name == _CASE_FILE:
+        return read_case(path if path.is_dir() else path.parent)
+    sidecar = read_sidecar(path)
+    plant = _located(sidecar.get("plant", _DEFAULT_PLANT), path.parent)
+    mapping_name = sidecar.get("mapping")
+    mapping = None if mapping_name is None else read_mapping(path.parent / str(mapping_name))
+    recordings = (_read(path.parent, path.name, mapping),)
+    port = _port(recordings, plant, None, str(path))
+    return Case(path.stem, path.parent, plant, recordings, (), port)
+
+
+def read_case(folder: Path) -> Case:
+    """Read a case folder.
+
+    Raises:
+        CaseError: if `case.yaml` is missing or wrong, lists a recording twice, or leaves the port open.
+        RecordingError, MappingError, PlantError: if a file that it names cannot be used.
+    """
+    if not folder.is_dir():
+        what = "is a file where a case folder is expected" if folder.exists() else "there is no such folder"
+        raise CaseError(what, where=str(folder), mend=f"name the folder that holds {_CASE_FILE}")
+    path = folder / _CASE_FILE
+    file = read_model(path, CaseFile, CaseError)
+    _check_lists(file, path)
+    plant = _located(file.plant, folder)
+    mapping = None if file.mapping is None else read_mapping(folder / file.mapping)
+    recordings = tuple(_read(folder, name, mapping) for name in file.recordings)
+    holdout = tuple(_read(folder, name, mapping) for name in file.holdout)
+    port = _port((*recordings, *holdout), plant, file.port, str(path))
+    return Case(folder.resolve().name, folder, plant, recordings, holdout, port)
+
+
+def _check_lists(file: CaseFile, path: Path) -> None:
+    if not file.recordings:
+        where = f"{path}, key recordings"
+        raise CaseError("lists no recording", where=where, mend="list at least one file")
+    listed = [*file.recordings, *file.holdout]
+    for name in listed:
+        if listed.count(name) > 1:
+            mend = "list each file once, to be fitted or held out"
+            raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
+
+
+def _located(plant: Plant, folder: Path) -> Plant:
+    """The plant, with the path of its file, if it names one, taken from `folder`."""
+    is_file = isinstance(plant, str) and Path(plant).suffix.lower() in (".yaml", ".yml")
+    return str(folder / str(plant)) if is_file else plant
+
+
+def _read(folder: Path, name: str, mapping: Mapping | None) -> Recording:
+    path = folder / name
+    recording = read_recording(path) if mapping is None else read_mapped(path, mapping)
+    return replace(recording, name=name)
+
+
+def _port(recordings: Sequence[Recording], plant: Plant, named: Port | None, where: str) -> Port | None:
+    """The port that the case is about: the one named, or the only one with a motor in every recording."""
+    config = load_plant_config(plant) if isinstance(plant, str) else plant
+    if recordings[0].kinds is not None or str(config.get("kind")).endswith(_SENSOR_SUFFIX):
+        return None
+    motors = [port for port in PORTS if all(_has_motor(recording, port) for recording in recordings)]
+    if named is not None and named not in motors:
+        mend = f"ports with both in every recording: {', '.join(motors) or 'none'}"
+        need = f"{power_column(named)} and {tacho_column(named)}"
+        raise CaseError(f"port {named} lacks {need}", where=where, mend=mend)
+    if named is not None:
+        return named
+    if len(motors) != 1:
+        found = f"ports {', '.join(motors)} have" if motors else "no port has"
+        mend = (
+            "name one as `port:` in case.yaml" if motors else "record X_power_pct and X_tacho_deg of a port"
+        )
+        raise CaseError(f"{found} both power and tacho", where=where, mend=mend)
+    return motors[0]
+
+
+def _has_motor(recording: Recording, port: Port) -> bool:
+    columns = recording.columns
+    tacho = columns.get(tacho_column(port))
+    return power_column(port) in columns and tacho is not None and not np.isnan(tacho).all()

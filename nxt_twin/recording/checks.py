@@ -1,0 +1,111 @@
+"""What the values of a recording must be, and commands held from row to row."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from nxt_twin.errors import RecordingError
+from nxt_twin.recording.columns import CATALOGUE, TIME, Column
+from nxt_twin.recording.recording import FloatArray
+from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.tables.table import Table
+
+_FEWEST_ROWS = 2
+
+
+def contract_columns(table: Table, path: Path) -> dict[str, FloatArray]:
+    """Check a table's values against the catalogue, and fill its commands in.
+
+    Returns:
+        The columns, words as indices. Commands hold from row to row (0 and `drive` before the first), so
+        that only readings hold NaN.
+
+    Raises:
+        RecordingError: for too few rows, stamps that are missing or run backwards, infinite values, values
+            outside a column's range, and unknown words.
+    """
+    check_row_count(table.numbers[TIME].size, path)
+    check_stamps(table, TIME)
+    indices = {name: _indices(table, name, CATALOGUE[name]) for name in table.words}
+    columns = {}
+    for name, values in {**table.numbers, **indices}.items():
+        column = CATALOGUE[name]
+        check_finite(table, name, values)
+        check_range(table, name, values, column.lowest, column.highest)
+        columns[name] = hold(values) if column.role == "command" else values
+    return columns
+
+
+def check_row_count(rows: int, path: Path) -> None:
+    """Refuse a table of fewer than two rows, which shows no change.
+
+    Raises:
+        RecordingError: if it has fewer.
+    """
+    if rows < _FEWEST_ROWS:
+        held = "no rows" if rows == 0 else "only one row"
+        raise RecordingError(f"holds {held}", where=str(path), mend="record at least two")
+
+
+def check_stamps(table: Table, name: str) -> None:
+    """Refuse stamps that are missing, infinite, or smaller than the one before; equal ones are data.
+
+    Raises:
+        RecordingError: naming the first row in which that is so.
+    """
+    stamps = table.numbers[name]
+    missing = ~np.isfinite(stamps)
+    if missing.any():
+        where = table.place(int(missing.argmax()), name)
+        raise RecordingError("has no time stamp", where=where, mend="give every row its stamp or delete it")
+    backwards = np.diff(stamps) < 0.0
+    if backwards.any():
+        row = int(backwards.argmax()) + 1
+        what = f"time runs backwards, from {stamps[row - 1]:.10g} to {stamps[row]:.10g}"
+        mend = "split the recording where its clock was set anew, or sort its rows"
+        raise RecordingError(what, where=table.place(row, name), mend=mend)
+
+
+def check_finite(table: Table, name: str, values: FloatArray) -> None:
+    """Refuse infinite values; NaN is an empty cell.
+
+    Raises:
+        RecordingError: naming the first row that holds one.
+    """
+    infinite = np.isinf(values)
+    if infinite.any():
+        where = table.place(int(infinite.argmax()), name)
+        mend = "leave the cell empty where nothing was sampled"
+        raise RecordingError("is not finite", where=where, mend=mend)
+
+
+def check_range(table: Table, name: str, values: FloatArray, lowest: float, highest: float) -> None:
+    """Refuse values that the thing measured or commanded cannot take.
+
+    Raises:
+        RecordingError: naming the first row that holds one.
+    """
+    outside = (values < lowest) | (values > highest)
+    if outside.any():
+        row = int(outside.argmax())
+        what = f"{values[row]:.10g} is outside {lowest:g} to {highest:g}"
+        raise RecordingError(what, where=table.place(row, name), mend="check the column's unit and scale")
+
+
+def hold(commands: FloatArray, before_first: float = 0.0) -> FloatArray:
+    """Fill each empty command with the one in force: the last before it, or `before_first`."""
+    rows = np.arange(commands.size)
+    latest = np.maximum.accumulate(np.where(np.isnan(commands), -1, rows))
+    return np.where(latest >= 0, commands[latest], before_first)
+
+
+def _indices(table: Table, name: str, column: Column) -> FloatArray:
+    index_of = {word: float(index) for index, word in enumerate(column.words)} | {"": np.nan}
+    words = table.words[name]
+    for word in sorted(set(words) - set(index_of)):
+        what = f"{quoted(word)} is no known word"
+        mend = f"nearest known: {nearest(word, column.words)}; known: {', '.join(column.words)}"
+        raise RecordingError(what, where=table.place(words.index(word), name), mend=mend)
+    return np.array([index_of[word] for word in words], dtype=np.float64)

@@ -1,0 +1,119 @@
+"""Recordings on disk: CSV or Parquet by suffix, with an optional sidecar."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from nxt_twin.errors import RecordingError
+from nxt_twin.recording.checks import contract_columns
+from nxt_twin.recording.columns import CATALOGUE, check_names
+from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.lines import TextLayout
+from nxt_twin.recording.tables.parquet import read_parquet
+from nxt_twin.recording.tables.table import CellKind, Choose, Table
+from nxt_twin.recording.tables.text import read_text
+from nxt_twin.recording.yaml_file import read_yaml
+
+_LARGEST_EXACT_INTEGER = 2.0**53
+
+_READERS: Mapping[str, Callable[[Path, Choose], Table]] = MappingProxyType(
+    {".csv": lambda path, choose: read_text(path, TextLayout(), choose), ".parquet": read_parquet}
+)
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording and the plant that its sidecar names.
+
+    Commands that a row leaves empty are filled in with the one in force.
+
+    Raises:
+        RecordingError: if the file, its sidecar, or anything in them is not as contract 1 says.
+    """
+    read_table_head(path, RecordingError)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        mend = "tables from elsewhere need a mapping file: name it in the sidecar or in case.yaml"
+        raise RecordingError("is neither .csv nor .parquet", where=str(path), mend=mend)
+
+    def choose(names: Sequence[str]) -> Mapping[str, CellKind]:
+        check_names(names, path)
+        return {name: "word" if CATALOGUE[name].words else "number" for name in names}
+
+    columns = contract_columns(reader(path, choose), path)
+    plant = read_sidecar(path).get("plant")
+    return Recording(path.name, columns, plant=plant if isinstance(plant, str) else None)
+
+
+def read_sidecar(path: Path) -> dict[str, Any]:
+    """Read the free keys of `NAME.yaml` beside the recording `NAME.csv`; none without a sidecar.
+
+    Raises:
+        RecordingError: if there is a sidecar that is no YAML, or its `plant` is neither a name nor keys.
+    """
+    sidecar = path.with_suffix(".yaml")
+    if not sidecar.exists():
+        return {}
+    keys = read_yaml(sidecar, RecordingError)
+    if not isinstance(keys.get("plant", ""), str | dict):
+        where = f"{sidecar}, key plant"
+        raise RecordingError("is no plant", where=where, mend="name a plant configuration")
+    return keys
+
+
+def write_recording(recording: Recording, path: Path) -> None:
+    """Write a recording's columns as CSV or Parquet, by suffix; never leaves half a file behind.
+
+    NaN becomes an empty cell, columns of whole numbers are written as integers, modes as words, and all
+    other numbers with every digit they need to be read back the same. The sidecar is the user's: it is not
+    written, and `kinds` and `output_quantum` of a mapped recording live in its mapping file.
+
+    Raises:
+        RecordingError: if the suffix is another or the file cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        raise RecordingError("is neither .csv nor .parquet", where=str(path), mend="change the suffix")
+    table = pa.table({name: _cells(name, values) for name, values in recording.columns.items()})
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        if suffix == ".csv":
+            _write_csv(table, partial)
+        else:
+            pyarrow.parquet.write_table(table, partial)
+        partial.replace(path)
+    except OSError as failure:
+        what = f"cannot be written: {failure.strerror}"
+        raise RecordingError(what, where=str(path), mend="check the folder and the space left") from None
+    finally:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+def _write_csv(table: pa.Table, path: Path) -> None:
+    options = pyarrow.csv.WriteOptions(include_header=False, quoting_style="none")
+    with path.open("wb") as file:
+        file.write((",".join(table.column_names) + "\n").encode())
+        pyarrow.csv.write_csv(table, file, options)
+
+
+def _cells(name: str, values: FloatArray) -> pa.Array:
+    empty = np.isnan(values)
+    filled = np.where(empty, 0.0, values)
+    column = CATALOGUE.get(name)
+    if column is not None and column.words:
+        words = np.array(column.words, dtype=object)[filled.astype(np.int64)]
+        return pa.array(words, type=pa.string(), mask=empty)
+    if np.all(filled == np.rint(filled)) and np.all(np.abs(filled) <= _LARGEST_EXACT_INTEGER):
+        return pa.array(filled.astype(np.int64), mask=empty)
+    return pa.array(values, mask=empty)

@@ -1,0 +1,75 @@
+"""A run of a brick or of a bench, as an immutable table in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+InputKind = Literal["power_pct", "voltage_v", "current_a", "torque_nm", "force_n"]
+OutputKind = Literal[
+    "position_rad", "position_deg", "position_m", "speed_rad_per_s", "speed_deg_per_s", "speed_m_per_s"
+]
+DriveMode = Literal["drive", "float", "coast", "brake"]
+
+DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
+
+
+@final
+@dataclass(frozen=True)
+class SignalKinds:
+    """What the `input` and `output` columns of a mapped recording are."""
+
+    input: InputKind
+    output: OutputKind
+
+
+@final
+@dataclass(frozen=True)
+class Recording:
+    """One run: named columns over a common, non-decreasing `time_s`.
+
+    Attributes:
+        name: the file's name, or what the maker calls it.
+        columns: float64 arrays of equal length by column name (contract 1). NaN is a cell that was not
+            sampled in that row. Modes are held as indices into `DRIVE_MODES`.
+        kinds: for a recording that came in through a mapping file, the kinds of its `input` (SI, except
+            power_pct) and `output` (SI: rad, m, rad/s, m/s); None for a brick's recording.
+        output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.
+        plant: the plant named by the recording's sidecar, if any.
+    """
+
+    name: str
+    columns: Mapping[str, FloatArray]
+    kinds: SignalKinds | None = None
+    output_quantum: float = 0.0
+    plant: str | None = None
+
+    def __post_init__(self) -> None:
+        frozen = {}
+        for key, values in self.columns.items():
+            array = np.array(values, dtype=np.float64)
+            array.flags.writeable = False
+            frozen[key] = array
+        object.__setattr__(self, "columns", MappingProxyType(frozen))
+
+    @property
+    def time_s(self) -> FloatArray:
+        """The stamps, s, shape (rows,)."""
+        return self.columns["time_s"]
+
+    @property
+    def rows(self) -> int:
+        """How many polls the recording holds."""
+        return int(self.time_s.size)
+
+    @property
+    def duration_s(self) -> float:
+        """From the first stamp to the last, s."""
+        return float(self.time_s[-1] - self.time_s[0])

@@ -1,0 +1,96 @@
+"""YAML files that people write: read safely, and refused with the line or key that is wrong."""
+
+from __future__ import annotations
+
+import typing
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.recording.source import nearest, quoted, read_head
+
+LARGEST_YAML_BYTES = 2**20
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+def read_yaml(path: Path, error: type[NxtTwinError]) -> dict[str, Any]:
+    """Read a YAML file of keys and values; an empty document has none.
+
+    Raises:
+        NxtTwinError: of class `error`, if the file cannot be read or its text is no YAML mapping.
+    """
+    advice = "check that it is the YAML file you mean"
+    read_head(path, error, largest_bytes=LARGEST_YAML_BYTES, advice=advice)
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError:
+        raise error("is not UTF-8 text", where=str(path), mend="save it as UTF-8") from None
+    except yaml.MarkedYAMLError as failure:
+        mark = failure.problem_mark
+        line = f", line {mark.line + 1}" if mark else ""
+        what = f"is no valid YAML: {failure.problem}"
+        raise error(what, where=f"{path}{line}", mend="check indentation, colons and brackets") from None
+    except (yaml.YAMLError, ValueError, RecursionError) as failure:
+        raise error(f"is no valid YAML: {failure}", where=str(path)) from None
+    if document is None:
+        return {}
+    if not isinstance(document, dict):
+        raise error("holds no keys", where=str(path), mend="write lines of the form `key: value`")
+    return {str(key): value for key, value in document.items()}
+
+
+def read_model(path: Path, model: type[ModelT], error: type[NxtTwinError]) -> ModelT:
+    """Read a YAML file into `model`.
+
+    Raises:
+        NxtTwinError: of class `error`, as `read_yaml`, or naming the first key that the model refuses.
+    """
+    document = read_yaml(path, error)
+    try:
+        return model.model_validate(document)
+    except ValidationError as failure:
+        # A misspelled key is named before the one that it leaves missing.
+        first = min(failure.errors(), key=lambda problem: problem["type"] != "extra_forbidden")
+        keys, model_there = _keys(first["loc"], model)
+        where = f"{path}, key {'.'.join(keys)}" if keys else str(path)
+        what, mend = _complaint(dict(first), keys, model_there)
+        raise error(what, where=where, mend=mend) from None
+
+
+def _keys(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[tuple[str, ...], type[BaseModel]]:
+    """The keys down to the one complained of, as a person would write them, and the model that it is in."""
+    keys: list[str] = []
+    for part in location:
+        keys.append(str(part))
+        field = model.model_fields.get(str(part))
+        inner = None if field is None else _inner_model(field.annotation)
+        if inner is None:
+            break
+        model = inner
+    return tuple(keys), model
+
+
+def _inner_model(annotation: object) -> type[BaseModel] | None:
+    for option in (annotation, *typing.get_args(annotation)):
+        if isinstance(option, type) and issubclass(option, BaseModel):
+            return option
+    return None
+
+
+def _complaint(problem: dict[str, Any], keys: tuple[str, ...], model: type[BaseModel]) -> tuple[str, str]:
+    """What is wrong, and what to do about it."""
+    match problem["type"]:
+        case "extra_forbidden":
+            return "unknown key", f"nearest known: {nearest(keys[-1], model.model_fields)}"
+        case "missing":
+            return "is missing", "add it"
+        case "literal_error":
+            return f"{quoted(problem['input'])} is not known", f"write {problem['ctx']['expected']}"
+        case "value_error":
+            return str(problem["ctx"]["error"]), ""
+        case _:
+            return f"{problem['msg']}, not {quoted(problem['input'])}", ""

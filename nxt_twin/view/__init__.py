@@ -1,0 +1,1 @@
+"""What eyes get: the report and its pictures."""

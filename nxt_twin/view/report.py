@@ -1,0 +1,139 @@
+"""A diagnosis as one HTML file that opens anywhere: no network, no scripts, pictures inside."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+import nxt_twin
+from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
+from nxt_twin.view import numbers, wording
+from nxt_twin.view.leftover_plot import leftover_figure
+from nxt_twin.view.run_plot import picture_of, run_figure
+from nxt_twin.view.svg import inline_svg
+from nxt_twin.view.telling import most_telling
+
+_MOST_RUNS_DRAWN = 5
+_MOST_SPELLS = 8
+_LONGEST_FILE_NAME = 120
+
+
+@final
+@dataclass(frozen=True)
+class _DrawnRun:
+    """A held-out run, its picture, and what the picture's caption has to explain."""
+
+    run: HeldOutRun
+    svg: str
+    shaded: bool
+    stale_count: int
+
+
+def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
+    """Write the report into `folder`, made where it is missing, as `<case name>.html`.
+
+    Characters that file systems refuse become `_` in the file's name.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        OSError: the folder or the file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{_file_name(diagnosis.name)}.html"
+    path.write_text(render_report(diagnosis), encoding="utf-8", newline="\n")
+    return path
+
+
+def render_report(diagnosis: Diagnosis) -> str:
+    """The report as the text of one self-contained HTML page; the same diagnosis gives the same text."""
+    fit, mismatch = diagnosis.fit, diagnosis.mismatch
+    page = _environment().get_template("report.html.j2")
+    return page.render(
+        diagnosis=diagnosis,
+        improves=wording.improves(diagnosis),
+        drawn=[
+            _draw(diagnosis, run, number)
+            for number, run in enumerate(most_telling(diagnosis)[:_MOST_RUNS_DRAWN])
+        ],
+        leftover_svg=_draw_leftover(diagnosis),
+        confusable=[effect for effect in diagnosis.effects if effect.confusable_with],
+        spells=sorted(mismatch.when, key=lambda spell: -spell.strength)[:_MOST_SPELLS],
+        anchored=any("anchor" in note.lower() for note in diagnosis.notes),
+        largest_fit=_largest(fit.baseline, fit.improved, fit.floor),
+        largest_rmse=_largest(
+            *(error for run in diagnosis.held_out for error in (run.baseline_rmse, run.improved_rmse))
+        ),
+        largest_regime=_largest(*(finding.strength for finding in mismatch.regimes)),
+        version=nxt_twin.__version__,
+    )
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("nxt_twin.view"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "capitalise": wording.capitalise,
+        "chance": numbers.chance,
+        "p_value": numbers.p_value,
+        "plain": numbers.plain,
+        "seconds": numbers.seconds,
+        "tenths": numbers.tenths,
+        "spelled_out": wording.spelled_out,
+    }
+    environment.globals |= {
+        "bar": _bar,
+        "change": numbers.change,
+        "counted": wording.counted,
+        "equations": wording.EQUATIONS,
+        "times_smaller": numbers.times_smaller,
+        "verdicts": wording.VERDICTS,
+        "with_doubt": numbers.with_doubt,
+    }
+    return environment
+
+
+def _largest(*values: float) -> float:
+    return max((value for value in values if math.isfinite(value)), default=0.0)
+
+
+def _bar(value: float, largest: float) -> str:
+    """The length of a bar in percent of its cell; a value that is not finite fills it."""
+    if not math.isfinite(value):
+        return "100"
+    return f"{100 * max(value / largest, 0.0):.1f}" if largest > 0 else "0"
+
+
+def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
+    picture = picture_of(diagnosis, run)
+    label = (
+        f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"
+    )
+    svg = inline_svg(run_figure(picture), f"run{number}", label)
+    return _DrawnRun(run, svg, bool(picture.spells), int(np.count_nonzero(run.stale > 0.5)))
+
+
+def _draw_leftover(diagnosis: Diagnosis) -> str:
+    """The picture of the unknown torque; empty where none was estimated."""
+    leftover = diagnosis.leftover
+    if leftover is None or leftover.time_s.size == 0:
+        return ""
+    figure = leftover_figure(leftover, improves=wording.improves(diagnosis))
+    return inline_svg(figure, "leftover", "What the model lacks against speed, position and time")
+
+
+def _file_name(case: str) -> str:
+    name = re.sub(r'[<>:"/\\|?*\x00-\x1f]', "_", case).strip(" .")[:_LONGEST_FILE_NAME]
+    return name or "diagnosis"
