@@ -22,7 +22,7 @@ ANSWER_SCHEMA: Final = "nxt-twin/answer/1"
 
 def encoded(answer: Mapping[str, Any]) -> bytes:
     """The answer as it is written and sealed."""
-    return json.dumps(answer, sort_keys=True).encode()
+    return json.dumps(answer).encode()
 
 
 def seal(answer: bytes) -> str:

@@ -43,7 +43,13 @@ class Hidden:
     def plus(self, effect: ConcealedEffect, size: Size, draw: Draw) -> Hidden:
         """The same with one more effect."""
         extra = draw.by_recording or ({},) * len(self.by_recording)
-        listed = {"id": effect.id, "known": effect.known, "size": size, "params": dict(draw.params)}
+        listed = {
+            "id": effect.id,
+            "known": effect.known,
+            "size": size,
+            "main": next(iter(draw.params)),
+            "params": dict(draw.params),
+        }
         return Hidden(
             motor=replace(self.motor, **draw.motor),
             sensing=replace(self.sensing, **draw.sensing),

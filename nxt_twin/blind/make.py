@@ -118,7 +118,7 @@ def make_set(
     duration_s: float = 15.0,
     recordings: int = 3,
 ) -> Iterator[Path]:
-    """Make and write each planned case in turn (see `sets.plan_set`); yields each case's folder when it stands."""
+    """Make and write each planned case in turn (see `sets.plan_set`), and yield its folder."""
     for plan in plans:
         case = make_case(
             plan.seed,

@@ -135,9 +135,7 @@ def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
     return bare
 
 
-def _found(
-    workshop: Workshop, best: Structure, baseline: Structure
-) -> tuple[tuple[Effect, Weight], ...]:
+def _found(workshop: Workshop, best: Structure, baseline: Structure) -> tuple[tuple[Effect, Weight], ...]:
     weighed = [
         (best.plant.layout.effect(effect_id), _without(workshop, best, effect_id)[1])
         for effect_id in sorted(best.plant.active - baseline.plant.active)
@@ -145,9 +143,7 @@ def _found(
     return tuple(sorted(weighed, key=lambda item: -item[1].total))
 
 
-def _rivals(
-    workshop: Workshop, best: Structure, effect: Effect, ranked: list[Effect]
-) -> tuple[Rival, ...]:
+def _rivals(workshop: Workshop, best: Structure, effect: Effect, ranked: list[Effect]) -> tuple[Rival, ...]:
     """Effects that were near at some time, or are declared confusable, put in the place of `effect`."""
     bare, _ = _without(workshop, best, effect.id)
     wanted = [*effect.confusable_with, *(other.id for other in ranked)]

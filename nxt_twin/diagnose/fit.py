@@ -111,7 +111,12 @@ def fit(
     covariance = np.linalg.pinv(hessian, hermitian=True) * np.outer(search.scale, search.scale)
     cost = float(search.cost(x[None])[0])
     return Fitted(
-        moved(plant, variables, x), tuple(variables), covariance, cost, float(objective) - cost, search.readings
+        moved(plant, variables, x),
+        tuple(variables),
+        covariance,
+        cost,
+        float(objective) - cost,
+        search.readings,
     )
 
 

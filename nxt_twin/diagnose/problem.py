@@ -85,7 +85,9 @@ def problem_of(
     read = [signals_of(recording, port) for recording in [*recordings, *holdout]]
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
-        raise DiagnosisError(f"its recordings are driven by {', '.join(sorted(kinds))}", where=name, mend="split it")
+        raise DiagnosisError(
+            f"its recordings are driven by {', '.join(sorted(kinds))}", where=name, mend="split it"
+        )
     plant = plant_from_config(config, read[0].input_kind)
     supplied = [with_supply(signals, plant) for signals in read]
     fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]

@@ -33,7 +33,8 @@ def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
         case "voltage_v":
             volts = push
     return Scale(
-        torque=0.5 * constant * volts / _base(plant, "resistance"), speed=0.6 * volts / _base(plant, "back_emf")
+        torque=0.5 * constant * volts / _base(plant, "resistance"),
+        speed=0.6 * volts / _base(plant, "back_emf"),
     )
 
 

@@ -64,39 +64,7 @@ def run(
             fading = math.exp(-step_s * disturbance_rate)
             for piece in range(pieces):
                 elapsed_s = t + piece * step_s - out_time_s[0]
-                duty = held
-{duty}
-                resistance = {resistance}
-{resistance_terms}
-                inductance = 0.0
-{inductance}
-                drop = 0.0
-{drop}
-                limit = math.inf
-{limit}
-                force, coupling = {drive}
-                drive_torque = force - coupling * speed
-                before = speed
-                mid_angle = angle + 0.5 * step_s * before
-                damping = 0.0
-{damping}
-                load_torque = 0.0
-{torque}
-                inverse = 1.0 / (2.0 * inertia / step_s + coupling + damping)
-                free = (
-                    (2.0 * inertia / step_s - coupling - damping) * before
-                    + 2.0 * (force + load_torque + inertia * disturbance)
-                ) * inverse
-                direction = math.copysign(1.0, free)
-                level = 0.0
-{friction}
-                bite = 2.0 * level * inverse
-                after = 0.0 if abs(free) <= bite else free - direction * bite
-{advance}
-                current = {current}
-                angle += 0.5 * step_s * (before + after)
-                speed = after
-                disturbance *= fading
+{step}
             t = stop
         reading = measured[k]
         if restart[k]:
@@ -154,38 +122,113 @@ def run_many(
         )
 '''
 
+_STEP = """\
+duty = held
+{duty}
+resistance = {resistance}
+{resistance_terms}
+inductance = 0.0
+{inductance}
+drop = 0.0
+{drop}
+limit = math.inf
+{limit}
+force, coupling = {drive}
+drive_torque = force - coupling * speed
+before = speed
+mid_angle = angle + 0.5 * step_s * before
+damping = 0.0
+{damping}
+load_torque = 0.0
+{torque}
+inverse = 1.0 / (2.0 * inertia / step_s + coupling + damping)
+free = (
+    (2.0 * inertia / step_s - coupling - damping) * before
+    + 2.0 * (force + load_torque + inertia * disturbance)
+) * inverse
+direction = math.copysign(1.0, free)
+level = 0.0
+{friction}
+bite = 2.0 * level * inverse
+after = 0.0 if abs(free) <= bite else free - direction * bite
+{advance}
+current = {current}
+angle += 0.5 * step_s * (before + after)
+speed = after
+disturbance *= fading
+"""
+
+_STEPPING = """
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def step_many(values_of_all, active_of_all, state, commands, modes, supply_v, elapsed_s, step_s):
+    disturbance = 0.0
+    fading = 0.0
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        inertia = base__inertia
+        held = commands[i]
+        mode = modes[i]
+        angle = state[i, 0]
+        speed = state[i, 1]
+        current = state[i, 2]
+{load}
+{step}
+        state[i, 0] = angle
+        state[i, 1] = speed
+        state[i, 2] = current
+{store}
+"""
+
 TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
 """Columns of a kernel's trace, one row a sample, after the sample's correction."""
 
 
 def source(plan: Layout) -> str:
     """The kernel's source text for `plan`."""
-    symbols = [parameter.symbol for parameter in plan.base.parameters]
-    torque_per_current = plan.base.torque_per_current
-    return _FRAME.format(
+    step = _step(plan)
+    states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
+    running = _FRAME.format(
         kind=plan.base.kind,
         frame=plan.frame,
         imports="\n".join(_imports(plan)),
         unpack=_indent(_unpack(plan), 4),
         delay=_indent(_stage(plan, "delay"), 4),
-        states_zero_outer=_indent(_states_zero(plan), 4),
-        states_zero=_indent(_states_zero(plan), 12),
-        duty=_indent(_stage(plan, "duty"), 16),
-        resistance="base__resistance" if "resistance" in symbols else "0.0",
-        resistance_terms=_indent(_stage(plan, "resistance"), 16),
-        inductance=_indent(_stage(plan, "inductance"), 16),
-        drop=_indent(_stage(plan, "drop"), 16),
-        limit=_indent(_stage(plan, "limit"), 16),
-        drive=_drive_call(plan),
-        damping=_indent(_stage(plan, "damping"), 16),
-        torque=_indent(_stage(plan, "torque"), 16),
-        friction=_indent(_stage(plan, "friction"), 16),
-        advance=_indent(_stage(plan, "advance"), 16),
+        states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
+        states_zero=_indent((f"{state} = 0.0" for state in states), 12),
+        step=_indent(iter(step), 16),
         outlier=_indent(_stage(plan, "outlier"), 16),
-        current=f"(force - 0.5 * coupling * (before + after)) / base__{torque_per_current}"
-        if torque_per_current
-        else "0.0",
     )
+    stepping = _STEPPING.format(
+        unpack=_indent(_unpack(plan), 8),
+        load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
+        step=_indent(iter(step), 8),
+        store=_indent((f"state[i, {3 + n}] = {state}" for n, state in enumerate(states)), 8),
+    )
+    return running + stepping
+
+
+def _step(plan: Layout) -> list[str]:
+    """One step, line by line, as it stands in both of the kernel's functions."""
+    symbols = [parameter.symbol for parameter in plan.base.parameters]
+    constant = plan.base.torque_per_current
+    current = f"(force - 0.5 * coupling * (before + after)) / base__{constant}" if constant else "0.0"
+    return _STEP.format(
+        duty="\n".join(_stage(plan, "duty")),
+        resistance="base__resistance" if "resistance" in symbols else "0.0",
+        resistance_terms="\n".join(_stage(plan, "resistance")),
+        inductance="\n".join(_stage(plan, "inductance")),
+        drop="\n".join(_stage(plan, "drop")),
+        limit="\n".join(_stage(plan, "limit")),
+        drive=_drive_call(plan),
+        damping="\n".join(_stage(plan, "damping")),
+        torque="\n".join(_stage(plan, "torque")),
+        friction="\n".join(_stage(plan, "friction")),
+        advance="\n".join(_stage(plan, "advance")),
+        current=current,
+    ).splitlines()
 
 
 def fingerprint(plan: Layout) -> str:
@@ -238,12 +281,6 @@ def _unpack(plan: Layout) -> Iterator[str]:
         yield f"{slot.owner}__{slot.symbol} = values[{i}]"
     for i, effect in enumerate(plan.effects):
         yield f"with_{effect.id} = active[{i}]"
-
-
-def _states_zero(plan: Layout) -> Iterator[str]:
-    for effect in plan.effects:
-        for state in effect.states:
-            yield f"{effect.id}__{state} = 0.0"
 
 
 def _drive_call(plan: Layout) -> str:

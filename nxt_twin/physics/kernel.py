@@ -22,10 +22,11 @@ CACHE_VARIABLE = "NXT_TWIN_CACHE"
 
 @final
 class Kernel:
-    """The compiled entry point of a layout; it releases the interpreter lock while it runs."""
+    """The compiled entry points of a layout; they release the interpreter lock while they run."""
 
     def __init__(self, module: ModuleType) -> None:
         self.run_many: Callable[..., None] = module.run_many
+        self.step_many: Callable[..., None] = module.step_many
 
 
 @cache

@@ -11,9 +11,10 @@ from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.errors import DiagnosisError, NxtTwinError
 from nxt_twin.view import palette, wording
 from nxt_twin.view.numbers import plain, times_smaller
-from nxt_twin.view.run_plot import draw_run, picture_of
+from nxt_twin.view.run_plot import draw_run
 from nxt_twin.view.svg import drawn_svg
 from nxt_twin.view.telling import most_telling
+from nxt_twin.view.traces import picture_of
 
 _WIDTH_IN = 12.0
 _DOTS_PER_INCH = 100

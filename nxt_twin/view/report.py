@@ -15,13 +15,14 @@ import nxt_twin
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.leftover_plot import leftover_figure
-from nxt_twin.view.run_plot import picture_of, run_figure
+from nxt_twin.view.run_plot import run_figure
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.telling import most_telling
+from nxt_twin.view.traces import picture_of
 
 _MOST_RUNS_DRAWN = 5
 _MOST_SPELLS = 8
-_LONGEST_FILE_NAME = 120
+_LONGEST_FILE_NAME = 200  # bytes: file systems refuse more than 255
 
 
 @final
@@ -135,5 +136,5 @@ def _draw_leftover(diagnosis: Diagnosis) -> str:
 
 
 def _file_name(case: str) -> str:
-    name = re.sub(r'[<>:"/\\|?*\x00-\x1f]', "_", case).strip(" .")[:_LONGEST_FILE_NAME]
-    return name or "diagnosis"
+    name = re.sub(r'[<>:"/\\|?*\x00-\x1f]', "_", case).strip(" .")
+    return name.encode()[:_LONGEST_FILE_NAME].decode(errors="ignore") or "diagnosis"

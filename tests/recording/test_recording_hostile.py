@@ -77,14 +77,13 @@ def test_any_yaml_is_read_or_refused(text):
 
 
 @settings(max_examples=60, deadline=None)
-@given(position=st.integers(0, 700), byte=st.integers(0, 255))
-def test_a_mat_file_with_a_wrong_byte_is_read_or_refused(position, byte):
+@given(length=st.integers(0, 700))
+def test_a_mat_file_that_was_cut_short_is_read_or_refused(length):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mat"
         savemat(path, {name: np.arange(10.0) for name in "tuy"})
-        content = bytearray(path.read_bytes())
-    content[position % len(content)] = byte
-    _read_or_refuse(lambda path: read_mapped(path, MAT_MAPPING), "run.mat", bytes(content))
+        content = path.read_bytes()[:length]
+    _read_or_refuse(lambda path: read_mapped(path, MAT_MAPPING), "run.mat", content)
 
 
 @pytest.mark.parametrize(

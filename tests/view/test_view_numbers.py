@@ -2,7 +2,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nxt_twin.view.numbers import chance, change, p_value, plain, tenths, times_smaller, with_doubt
@@ -30,11 +30,13 @@ magnitudes = st.floats(1e-12, 1e12)
 signed = magnitudes | magnitudes.map(lambda value: -value)
 
 
+@settings(deadline=None)
 @given(signed)
 def test_a_plain_number_reads_back_to_half_a_percent(value):
     assert read_back(plain(value)) == pytest.approx(value, rel=0.0051)
 
 
+@settings(deadline=None)
 @given(signed, magnitudes)
 def test_an_estimate_reads_back_to_a_fraction_of_its_doubt(value, std):
     read_value, read_std = read_estimate(with_doubt(value, std))
@@ -42,6 +44,7 @@ def test_an_estimate_reads_back_to_a_fraction_of_its_doubt(value, std):
     assert abs(read_value - value) <= 0.51 * std + 1e-6 * abs(value)
 
 
+@settings(deadline=None)
 @given(signed, magnitudes)
 def test_no_number_is_longer_than_a_table_cell(value, std):
     assert len(with_doubt(value, std)) <= 40

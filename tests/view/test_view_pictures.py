@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import view_samples as samples
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -65,6 +65,7 @@ def test_the_first_run_shown_is_the_one_that_tells_most():
     assert left == sorted(left, reverse=True)
 
 
+@settings(deadline=None)
 @given(
     arrays.arrays(np.float64, st.integers(1, 400), elements=st.floats(-1e6, 1e6) | st.just(np.nan)),
     st.integers(2, 40),

@@ -14,7 +14,7 @@ def _clock_skew(now: Situation) -> Draw:
     span_s = now.sized((8e-3, 12e-3), (20e-3, 35e-3), (60e-3, 0.1))
     rate_error = now.sign() * now.between(1e-3, 1e-2)
     return Draw(
-        params={"rate_error": rate_error, "lag_span_s": span_s},
+        params={"lag_span_s": span_s, "rate_error": rate_error},
         sensing={
             "rate_error": rate_error,
             "lag_span_s": span_s,

@@ -23,7 +23,8 @@ class Draw:
     """One effect with its numbers drawn.
 
     Attributes:
-        params: the true values, under contract 5's names (an unknown effect's under its own).
+        params: the true values, under contract 5's names (an unknown effect's under its own); the
+            main one first.
         motor: fields of `Motor` that the effect changes.
         sensing: fields of `Sensing` that it changes.
         absent: fields of `Motor` that make the same motor without the effect, where that is not simply the

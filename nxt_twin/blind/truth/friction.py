@@ -7,7 +7,6 @@ import math
 from nxt_twin.blind.truth.compiled import compiled
 from nxt_twin.blind.truth.motor import Motor
 
-CARRIED_ROUNDING_NM = 1e-4
 SLOWEST_LEVEL_NM = 1e-9
 STEEPEST = 2.0
 
@@ -26,7 +25,7 @@ def sliding_level(motor: Motor, t: float, theta: float, omega: float, carried: f
         else:
             level += motor.stiction_excess_nm / (1.0 + ratio * ratio)
     if motor.friction_per_torque != 0.0:
-        level += motor.friction_per_torque * math.sqrt(carried * carried + CARRIED_ROUNDING_NM**2)
+        level += motor.friction_per_torque * carried
     if motor.cold_extra_torque_nm != 0.0:
         level += motor.cold_extra_torque_nm * math.exp(-t / motor.warmup_time_s)
     if motor.binding_torque_nm != 0.0:

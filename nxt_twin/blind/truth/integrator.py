@@ -42,9 +42,9 @@ def _rates(
     elif int(motor.surprise) == surprises.BELT_SLIP:
         out[OMEGA_LOAD] = surprises.load_rate(motor, omega, x[OMEGA_LOAD])
 
-    level = friction.sliding_level(
-        motor, t, theta, omega, drive - outside, surprises.film_torque(motor, memory)
-    )
+    carried = math.sqrt(math.sqrt(drive**4 + outside**4))  # about the larger of the two
+    film = surprises.film_torque(motor, memory)
+    level = friction.sliding_level(motor, t, theta, omega, carried, film)
     stiffness = friction.bristle_stiffness(motor)
     out[BEND] = friction.bristle_rate(motor, stiffness, level, omega, x[BEND])
     held = friction.bristle_torque(motor, stiffness, inertia, omega, x[BEND], out[BEND])

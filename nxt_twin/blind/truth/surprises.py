@@ -31,6 +31,7 @@ from nxt_twin.blind.truth.motor import Motor
 SLIP_ROUNDING_RAD_S = 0.05
 QUICK_PER_S = 2000.0
 FILM_PER_S = 20.0
+SPENT_DUTY = 1e-3
 
 
 @compiled
@@ -101,10 +102,11 @@ def memory_rate(
     if kind == SHAKEN_GREASE:
         return (abs(acceleration) - memory) / motor.surprise_b
     if kind == RISING_SLEW:
-        wanted = QUICK_PER_S * (duty - memory)
-        if abs(duty) > abs(memory):
-            return min(max(wanted, -motor.surprise_a), motor.surprise_a)
-        return wanted
+        goal = duty if duty * memory >= 0.0 or abs(memory) < SPENT_DUTY else 0.0
+        wanted = QUICK_PER_S * (goal - memory)
+        if abs(goal) < abs(memory):
+            return wanted
+        return min(max(wanted, -motor.surprise_a), motor.surprise_a)
     if kind == THERMAL_FOLDBACK:
         return current * current - memory / motor.surprise_b
     if kind == LOST_FILM:

@@ -145,7 +145,9 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
         ),
     ),
     terms={"damping": _asymmetric_viscous},
-    confusable_with={"constant_load": "steady speeds of several sizes, both ways, tell a slope from an offset"},
+    confusable_with={
+        "constant_load": "steady speeds of several sizes, both ways, tell a slope from an offset"
+    },
     supersedes=("viscous_friction",),
 )
 

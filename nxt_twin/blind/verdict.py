@@ -1,0 +1,179 @@
+"""How one diagnosis compares with the sealed answer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal, final
+
+from nxt_twin.blind.answer import seal
+from nxt_twin.blind.case import SEAL_FILE
+from nxt_twin.errors import CaseError
+
+Kind = Literal["clean", "single", "pair", "triple", "unknown"]
+
+NO_ANSWER: Final = "none"
+_KINDS: Final[dict[int, Kind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
+_RIGHT_VERDICT: Final[dict[Kind, str]] = {
+    "clean": "adequate",
+    "single": "explained",
+    "pair": "explained",
+    "triple": "explained",
+    "unknown": "unexplained",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Judged:
+    """One case, judged.
+
+    Attributes:
+        name: of the case.
+        kind: how much was hidden in it, and whether a library holds it.
+        hidden: ids of what was hidden.
+        sizes: small, medium or large, in the order of `hidden`.
+        effect_rms_deg: by how much the effects moved the encoder's reading.
+        verdict: the diagnosis's, or `none` where there was no diagnosis.
+        named: ids that the diagnosis names.
+        considered: those, and all that it calls confusable with them.
+        exact: whether the verdict fits and the named ids are the hidden ones, no more and no fewer; of an
+            unknown effect, whether it was refused.
+        holds: whether everything hidden is among `considered`.
+        misnamed: whether an explanation names an effect that is not there, nor anything that it is said to be
+            confusable with.
+        parameter_error: relative error of the main parameter, by hidden id that was named.
+        parameter_error_own: the same with torques and inertias taken relative to the motor's inertia, and
+            resistances, inductances and currents relative to its resistance: encoder and voltage alone do not
+            tell more.
+        fit_ratio: error of the improved model over the noise floor, on held-out data.
+    """
+
+    name: str
+    kind: Kind
+    hidden: tuple[str, ...]
+    sizes: tuple[str, ...]
+    effect_rms_deg: float
+    verdict: str
+    named: tuple[str, ...]
+    considered: frozenset[str]
+    exact: bool
+    holds: bool
+    misnamed: bool
+    parameter_error: Mapping[str, float]
+    parameter_error_own: Mapping[str, float]
+    fit_ratio: float | None
+
+
+def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
+    """Read an answer, having checked that it is the one that was sealed with the case.
+
+    Raises:
+        CaseError: if the case has no seal, or the answer is another than was sealed.
+    """
+    seal_file = case_folder / SEAL_FILE
+    try:
+        sealed = seal_file.read_text(encoding="utf-8").strip()
+        answer = answer_file.read_bytes()
+    except OSError as failure:
+        raise CaseError(f"cannot be read: {failure.strerror}", where=str(failure.filename)) from None
+    if seal(answer) != sealed:
+        raise CaseError("is not the answer that was sealed with the case", where=str(answer_file))
+    return dict(json.loads(answer))
+
+
+@final
+@dataclass(frozen=True)
+class Given:
+    """What a diagnosis says, as far as it is judged.
+
+    Attributes:
+        verdict: its verdict, or `none` where there was no diagnosis.
+        params: value of each parameter, by named id.
+        alike: ids said to be confusable, by named id.
+        refit: the re-fitted values of base parameters that moved.
+        fit_ratio: improved error over floor, None where the floor is not known.
+    """
+
+    verdict: str
+    params: Mapping[str, Mapping[str, float]]
+    alike: Mapping[str, frozenset[str]]
+    refit: Mapping[str, float]
+    fit_ratio: float | None
+
+
+NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None)
+
+
+def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
+    """Take from a diagnosis (contract 4) what is judged.
+
+    Raises:
+        CaseError: if a key is missing or of another type.
+    """
+    try:
+        effects = diagnosis["effects"]
+        improved, floor = diagnosis["fit"]["improved"], diagnosis["fit"]["floor"]
+        return Given(
+            verdict=str(diagnosis["verdict"]),
+            params={
+                one["id"]: {name: float(cell["value"]) for name, cell in one["params"].items()}
+                for one in effects
+            },
+            alike={one["id"]: frozenset(other["id"] for other in one["confusable_with"]) for one in effects},
+            refit={name: float(moved["to"]) for name, moved in diagnosis["refit"].items()},
+            fit_ratio=float(improved) / float(floor) if improved is not None and floor else None,
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as failure:
+        raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend="see contract 4") from None
+
+
+def judge(answer: Mapping[str, Any], given: Given) -> Judged:
+    """Compare what was given with the answer."""
+    effects = answer["effects"]
+    hidden = frozenset(effect["id"] for effect in effects)
+    kind: Kind = _KINDS[len(hidden)] if all(effect["known"] for effect in effects) else "unknown"
+    named = frozenset(given.params)
+    considered = named.union(*given.alike.values())
+    ratios = {one["id"]: _ratios(answer, given, one) for one in effects if _compares(given, one)}
+    return Judged(
+        name=answer["case"],
+        kind=kind,
+        hidden=tuple(effect["id"] for effect in effects),
+        sizes=tuple(effect["size"] for effect in effects),
+        effect_rms_deg=float(answer["effect_rms_deg"]),
+        verdict=given.verdict,
+        named=tuple(given.params),
+        considered=considered,
+        exact=given.verdict == _RIGHT_VERDICT[kind] and (kind == "unknown" or named == hidden),
+        holds=given.verdict != NO_ANSWER and hidden <= considered,
+        misnamed=given.verdict == "explained"
+        and any(hidden.isdisjoint({one} | given.alike[one]) for one in named),
+        parameter_error={key: abs(pair[0] - 1.0) for key, pair in ratios.items()},
+        parameter_error_own={key: abs(pair[1] - 1.0) for key, pair in ratios.items()},
+        fit_ratio=given.fit_ratio,
+    )
+
+
+def _compares(given: Given, effect: Mapping[str, Any]) -> bool:
+    return effect["id"] in given.params and effect["main"] in given.params[effect["id"]]
+
+
+def _ratios(answer: Mapping[str, Any], given: Given, effect: Mapping[str, Any]) -> tuple[float, float]:
+    """Found over true main parameter: as printed, and relative to the motor's own inertia or resistance."""
+    name = effect["main"]
+    ratio = given.params[effect["id"]][name] / float(effect["params"][name])
+    if "_nm" in name or name.endswith("_kg_m2"):
+        return ratio, ratio / _believed(answer, given, "inertia_kg_m2")
+    if name.endswith(("_ohm", "_h", "_per_joule")):
+        return ratio, ratio / _believed(answer, given, "resistance_ohm")
+    if name.endswith("_a"):
+        return ratio, ratio * _believed(answer, given, "resistance_ohm")
+    return ratio, ratio
+
+
+def _believed(answer: Mapping[str, Any], given: Given, key: str) -> float:
+    """A base parameter as the diagnosis has it, over its true value."""
+    return float(given.refit.get(key, answer["baseline"][key])) / float(answer["base"][key])

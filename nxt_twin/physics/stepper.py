@@ -1,0 +1,95 @@
+"""Plants that are stepped from outside, tick by tick, as a mock brick does."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+
+from nxt_twin.errors import PlantError
+from nxt_twin.physics.kernel import kernel
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import IntArray
+from nxt_twin.recording.recording import FloatArray
+
+_ANGLE, _SPEED, _CURRENT = 0, 1, 2
+
+
+@final
+class Stepper:
+    """Several plants of one kind, at rest at angle zero, that advance together.
+
+    Args:
+        plants: of one layout. Faults of the recording in them (stale samples) have no meaning here.
+
+    Raises:
+        PlantError: the plants are of different kinds, or none is given.
+    """
+
+    def __init__(self, plants: Sequence[Plant]) -> None:
+        if len({plant.layout for plant in plants}) != 1:
+            raise PlantError("a stepper takes one or more plants of one kind", where="plants")
+        plan = plants[0].layout
+        self._kernel = kernel(plan)
+        vectors = [plant.vectors() for plant in plants]
+        self._values = np.array([values for values, _ in vectors])
+        self._active = np.array([active for _, active in vectors])
+        states = sum(len(effect.states) for effect in plan.effects)
+        self._state = np.zeros((len(plants), 3 + states))
+        self._elapsed_s = 0.0
+        self._delays_s = [_delay_s(plant) for plant in plants]
+        self._waiting: list[deque[tuple[float, float, int]]] = [deque() for _ in plants]
+        self._in_force = np.zeros(len(plants))
+        self._mode_in_force = np.zeros(len(plants), dtype=np.int64)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angles, rad, shape (plants,)."""
+        return self._state[:, _ANGLE]
+
+    @property
+    def speed(self) -> FloatArray:
+        """Speeds, rad/s, shape (plants,)."""
+        return self._state[:, _SPEED]
+
+    @property
+    def current(self) -> FloatArray:
+        """Winding currents, A, shape (plants,)."""
+        return self._state[:, _CURRENT]
+
+    def step(self, duty: FloatArray, mode: IntArray, supply_v: float, step_s: float) -> None:
+        """Advance by `step_s` with these duties (-1…1) and drive modes, each of shape (plants,)."""
+        self._take(duty, mode)
+        self._kernel.step_many(
+            self._values,
+            self._active,
+            self._state,
+            self._in_force,
+            self._mode_in_force,
+            supply_v,
+            self._elapsed_s,
+            step_s,
+        )
+        self._elapsed_s += step_s
+
+    def _take(self, duty: FloatArray, mode: IntArray) -> None:
+        """Bring into force what was commanded a plant's delay ago."""
+        for i, delay_s in enumerate(self._delays_s):
+            if delay_s == 0.0:
+                self._in_force[i], self._mode_in_force[i] = duty[i], mode[i]
+                continue
+            queue = self._waiting[i]
+            queue.append((self._elapsed_s + delay_s, float(duty[i]), int(mode[i])))
+            while queue and queue[0][0] <= self._elapsed_s + 1e-9:
+                _, self._in_force[i], self._mode_in_force[i] = queue.popleft()
+
+
+def _delay_s(plant: Plant) -> float:
+    total = 0.0
+    for effect in plant.effects:
+        if "delay" in effect.terms:
+            values = [plant.values[slot] for slot in plant.layout.parameters if slot.owner == effect.id]
+            total += float(effect.terms["delay"](*values))  # type: ignore[arg-type]
+    return total

@@ -1,0 +1,121 @@
+"""A held-out run as the curves that are drawn of it: what was measured, and what each model says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun, Spell
+from nxt_twin.recording.recording import FloatArray
+from nxt_twin.view import palette
+from nxt_twin.view.thinning import envelope, finite, some
+from nxt_twin.view.wording import improves, quantity
+
+BoolArray = NDArray[np.bool_]
+
+_MOST_MARKS = 120
+
+
+@final
+@dataclass(frozen=True)
+class RunPicture:
+    """One held-out run and what is said of it.
+
+    Attributes:
+        spells: the stretches of this run in which the baseline fails, strongest first.
+        improves: whether there is an improved model to draw beside the baseline.
+        floor: the error that noise alone would give, in `unit`.
+    """
+
+    run: HeldOutRun
+    quantity: str
+    unit: str
+    spells: tuple[Spell, ...]
+    improves: bool
+    floor: float
+
+
+@final
+@dataclass(frozen=True)
+class Trace:
+    """What one model says of a run, and how far off it is where the measurement is to be trusted."""
+
+    name: str
+    colour: str
+    values: FloatArray
+    error: FloatArray
+    rmse: float
+
+
+def picture_of(diagnosis: Diagnosis, run: HeldOutRun) -> RunPicture:
+    """Gather what the picture of one held-out run shows."""
+    start_s, end_s = run.time_s[0], run.time_s[-1]
+    spells = [
+        spell
+        for spell in diagnosis.mismatch.when
+        if spell.recording == run.recording and spell.end_s > start_s and spell.start_s < end_s
+    ]
+    spells.sort(key=lambda spell: -spell.strength)
+    return RunPicture(
+        run=run,
+        quantity=quantity(diagnosis.mismatch.channel),
+        unit=diagnosis.fit.unit,
+        spells=tuple(spells),
+        improves=improves(diagnosis),
+        floor=diagnosis.fit.floor,
+    )
+
+
+def traces_of(picture: RunPicture) -> list[Trace]:
+    """The re-fitted baseline and, where there is one, the improved model."""
+    run = picture.run
+    measured = trusted(run)
+    baseline = finite(run.baseline)
+    traces = [Trace("baseline", palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)]
+    if picture.improves:
+        improved = finite(run.improved)
+        traces.append(Trace("improved", palette.IMPROVED, improved, improved - measured, run.improved_rmse))
+    return traces
+
+
+def trusted(run: HeldOutRun) -> FloatArray:
+    """What was measured, NaN where it is stale or missing."""
+    return np.where(run.stale > 0.5, np.nan, finite(run.measured))
+
+
+def stale_samples(run: HeldOutRun) -> BoolArray:
+    """Which samples hold a reading that is judged stale."""
+    return (run.stale > 0.5) & np.isfinite(run.measured)
+
+
+def ordinate_bounds(measured: FloatArray, traces: list[Trace]) -> tuple[float, float]:
+    """Ordinate limits that show the measurement whole, and of a run-away prediction as much as fits."""
+    low, high = float(np.nanmin(measured)), float(np.nanmax(measured))
+    reach = 0.6 * (high - low) or np.inf
+    lowest = min(float(np.nanmin(trace.values, initial=low)) for trace in traces)
+    highest = max(float(np.nanmax(trace.values, initial=high)) for trace in traces)
+    return widened(max(lowest, low - reach), min(highest, high + reach))
+
+
+def widened(low: float, high: float) -> tuple[float, float]:
+    """The limits with some air around them, also where they are equal."""
+    margin = 0.07 * (high - low) or max(abs(low), 1.0) * 1e-3
+    return low - margin, high + margin
+
+
+def draw_measured(
+    axes: Axes, run: HeldOutRun, part: slice, factor: float, columns: int, *, dots: bool
+) -> None:
+    """Draw what was measured, as a line or as dots, and the stale samples beside it as crosses."""
+    time_s, measured, stale = run.time_s[part], factor * finite(run.measured[part]), stale_samples(run)[part]
+    style = {"marker": "o", "markersize": 3.4, "linestyle": "none"} if dots else {"linewidth": 2.8}
+    axes.plot(*envelope(time_s[~stale], measured[~stale], columns), color=palette.MEASURED, **style)
+    marked = some(np.flatnonzero(stale), _MOST_MARKS)
+    axes.plot(
+        time_s[marked], measured[marked], linestyle="none", marker="x", markersize=4,
+        markeredgewidth=1.1, color=palette.STALE, zorder=4,
+    )  # fmt: skip
