@@ -20,7 +20,7 @@ EMPTIEST_V: Final = 7.2
 MOVING_START_CHANCE: Final = 0.08
 PUSH_MEMORY_S: Final = 0.05
 
-ABRUPT: Final = ("steps", "reversals", "multisine")
+ABRUPT: Final = ("steps", "reversals")
 SLOW: Final = ("ramps", "coast_downs")
 
 

@@ -20,6 +20,7 @@ GAIN_NATS = 6.0
 CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
+FREE_RUN_RATIO = 1.01  # a structure that predicts one step better and runs freely worse has learnt noise
 
 _SHORT_LIST = 5
 _QUICK_ITERATIONS = 5
@@ -88,7 +89,13 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
 
 
 def _worth_it(weight: Weight) -> bool:
-    return weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS
+    return (
+        weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS and weight.free_run_ratio < FREE_RUN_RATIO
+    )
+
+
+def _keeps_its_place(weight: Weight) -> bool:
+    return weight.total > KEEP_NATS and weight.check_gain > 0.0 and weight.free_run_ratio < FREE_RUN_RATIO
 
 
 def _forward(workshop: Workshop, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
@@ -111,7 +118,7 @@ def _pruned(workshop: Workshop, best: Structure, baseline: Structure) -> Structu
         weakest: tuple[float, Structure] | None = None
         for effect_id in sorted(best.plant.active - baseline.plant.active):
             simpler, weight = _without(workshop, best, effect_id)
-            if weight.total < KEEP_NATS and (weakest is None or weight.total < weakest[0]):
+            if not _keeps_its_place(weight) and (weakest is None or weight.total < weakest[0]):
                 weakest = (weight.total, simpler)
         if weakest is None:
             return best
@@ -148,7 +155,7 @@ def _rivals(workshop: Workshop, best: Structure, effect: Effect, ranked: list[Ef
     bare, _ = _without(workshop, best, effect.id)
     wanted = [*effect.confusable_with, *(other.id for other in ranked)]
     allowed = {other.id: other for other in candidates(bare.plant, workshop.problem.signals[0])}
-    rivals = []
+    rivals: list[Rival] = []
     for other_id in dict.fromkeys(wanted):
         if other_id == effect.id or other_id not in allowed or len(rivals) >= _SHORT_LIST:
             continue

@@ -68,10 +68,21 @@ class Fitted:
 @final
 @dataclass(frozen=True)
 class Target:
-    """The readings to fit: recordings, and for each of them which samples count."""
+    """The readings to fit.
+
+    Attributes:
+        jobs: the recordings; one recording may come several times, thinned in different ways.
+        counted: which samples of each count, shape (samples,).
+        evidence: what one reading is worth, less than 1 where a recording comes several times.
+    """
 
     jobs: tuple[Job, ...]
     counted: tuple[BoolArray, ...]
+    evidence: float = 1.0
+
+    def cost(self, results: Sequence[Result]) -> FloatArray:
+        """Negative log-likelihood of the counted readings for each parameter set, nats."""
+        return self.evidence * cost_of(results, self.counted)
 
 
 def values_of(plant: Plant, variables: Sequence[Variable]) -> FloatArray:
@@ -94,28 +105,29 @@ def fit(
 ) -> Fitted:
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors."""
     search = _Search(simulator, plant, tuple(variables), target)
-    x = np.clip(values_of(plant, variables), search.lower, search.upper)
-    objective = search.objective(x[None])[0]
+    x: FloatArray = np.clip(values_of(plant, variables), search.lower, search.upper)
+    objective = float(search.objective(x[None])[0])
     for _ in range(iterations if variables else 0):
         hessian, gradient = search.normal_equations(x)
         steps = [_step(hessian, gradient, damping) for damping in _DAMPINGS]
-        trials = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
+        trials: FloatArray = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
         objectives = search.objective(trials)
         best = int(np.nanargmin(objectives))
         gain = objective - objectives[best]
         if gain > 0.0:
-            x, objective = trials[best], objectives[best]
+            x, objective = trials[best], float(objectives[best])
         if gain < _PATIENCE_NATS:
             break
     hessian, _ = search.normal_equations(x)
-    covariance = np.linalg.pinv(hessian, hermitian=True) * np.outer(search.scale, search.scale)
+    covariance = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
+    covariance *= np.outer(search.scale, search.scale)
     cost = float(search.cost(x[None])[0])
     return Fitted(
         moved(plant, variables, x),
         tuple(variables),
         covariance,
         cost,
-        float(objective) - cost,
+        objective - cost,
         search.readings,
     )
 
@@ -123,13 +135,12 @@ def fit(
 def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArray:
     """Negative log-likelihood of the counted readings for each parameter set, nats; inf where a run blew up."""
     total = sum(result.cost[:, mask].sum(axis=1) for result, mask in zip(results, counted, strict=True))
-    return np.nan_to_num(np.asarray(total), nan=np.inf)
+    return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
 
 
 def _step(hessian: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
     damped = hessian + damping * np.diag(np.maximum(np.diag(hessian), 1e-12))
-    solution: FloatArray = np.linalg.lstsq(damped, -gradient, rcond=1e-12)[0]
-    return solution
+    return np.asarray(np.linalg.lstsq(damped, -gradient, rcond=1e-12)[0], dtype=np.float64)
 
 
 @final
@@ -154,7 +165,7 @@ class _Search:
             mask & np.isfinite(job.signals.measured) & ~job.start.at
             for job, mask in zip(target.jobs, target.counted, strict=True)
         )
-        self.readings = int(sum(mask.sum() for mask in self._counted))
+        self.readings = int(target.evidence * sum(mask.sum() for mask in self._counted))
 
     def run(self, x: FloatArray) -> list[Result]:
         values = np.repeat(self._values[None], x.shape[0], axis=0)
@@ -164,7 +175,8 @@ class _Search:
         return self._simulator.run(values, active, self._target.jobs)
 
     def cost(self, x: FloatArray) -> FloatArray:
-        return cost_of(self.run(x), self._counted)
+        cost: FloatArray = self._target.cost(self.run(x))
+        return cost
 
     def objective(self, x: FloatArray) -> FloatArray:
         prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
@@ -184,7 +196,9 @@ class _Search:
         hessian = np.zeros((size, size))
         gradient = np.zeros(size)
         for job, result, mask in zip(self._target.jobs, self.run(sets), self._counted, strict=True):
-            inverse = np.sqrt(result.weight[-1, mask]) / job.observer.innovation_std[mask]
+            inverse = (
+                np.sqrt(self._target.evidence * result.weight[-1, mask]) / job.observer.innovation_std[mask]
+            )
             slope = (result.predicted[:size, mask] - result.predicted[size:-1, mask]) * inverse
             slope = np.nan_to_num(slope / width[:, None])
             residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize
 
-from nxt_twin.diagnose.fit import Target, cost_of
+from nxt_twin.diagnose.fit import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Job, Simulator
+from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.smooth import smoothed
 from nxt_twin.recording.recording import FloatArray
 
@@ -53,7 +52,7 @@ def with_noise(target: Target, noise: Noise) -> Target:
         replace(job, observer=observer(job.signals, noise), disturbance_time_s=noise.disturbance_time_s)
         for job in target.jobs
     )
-    return Target(jobs, target.counted)
+    return replace(target, jobs=jobs)
 
 
 def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> tuple[Noise, float]:
@@ -77,14 +76,9 @@ def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -
 
 
 def _cost(simulator: Simulator, plant: Plant, target: Target, noise: Noise) -> float:
-    jobs: list[Job] = list(with_noise(target, noise).jobs)
     values, active = plant.vectors()
-    results = simulator.run(values[None], active[None], jobs)
-    counted = [
-        mask & np.isfinite(job.signals.measured) & ~job.start.at
-        for job, mask in zip(jobs, itertools.chain(target.counted), strict=True)
-    ]
-    return float(cost_of(results, counted)[0])
+    tuned = with_noise(target, noise)
+    return float(tuned.cost(simulator.run(values[None], active[None], tuned.jobs))[0])
 
 
 def _fitted(signals: Signals) -> FloatArray:

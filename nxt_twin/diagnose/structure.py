@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import Fitted, Target, cost_of, fit
+from nxt_twin.diagnose.fit import Fitted, Target, fit
 from nxt_twin.diagnose.noise import estimate, with_noise
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.variables import starts_of, variables_of
@@ -16,9 +17,13 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Simulator
+from nxt_twin.physics.simulate import Result, Simulator, free_job
+from nxt_twin.physics.start import restarts
 
 _SHARE_ROUNDS = 3
+_SETTLE_ROUNDS = 4
+_RESTING_NATS = 1.0
+_CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 @final
@@ -30,11 +35,13 @@ class Structure:
         fitted: the fit on the target's readings.
         noise: under which it was fitted.
         check_cost: negative log-likelihood of the readings that only check, nats.
+        free_run_rms: error of free runs over the readings that only check, in their SI unit.
     """
 
     fitted: Fitted
     noise: Noise
     check_cost: float
+    free_run_rms: float
 
     @property
     def plant(self) -> Plant:
@@ -50,10 +57,12 @@ class Weight:
     Attributes:
         gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
         check_gain: in likelihood of readings that were not.
+        free_run_ratio: its error in free runs over that of the simpler one.
     """
 
     gain: float
     check_gain: float
+    free_run_ratio: float
 
     @property
     def total(self) -> float:
@@ -67,7 +76,8 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     further += _shares(richer.plant) - _shares(simpler.plant)
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
-    return Weight(gain - penalty, simpler.check_cost - richer.check_cost)
+    ratio = richer.free_run_rms / max(simpler.free_run_rms, 1e-15)
+    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, ratio)
 
 
 @final
@@ -77,6 +87,9 @@ class Workshop:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.simulator = simulator
         self.problem = problem
+        self._free_jobs = [
+            free_job(job.signals, restarts(job.signals, problem.window_s)) for job in problem.target.jobs
+        ]
 
     def fit(self, plant: Plant, noise: Noise, *, iterations: int = 12) -> Structure:
         """Fit `plant` on the target's readings under `noise`."""
@@ -92,9 +105,13 @@ class Workshop:
         return self._fit_on(target, plant, noise, 15)
 
     def settle(self, structure: Structure) -> Structure:
-        """The structure under the noise that suits it best."""
-        noise, _ = estimate(self.simulator, structure.plant, self.problem.target, structure.noise)
-        return self.fit(structure.plant, noise)
+        """The structure under the noise that suits it best: noise and parameters in turn until both rest."""
+        for _ in range(_SETTLE_ROUNDS):
+            noise, _ = estimate(self.simulator, structure.plant, self.problem.target, structure.noise)
+            before, structure = structure, self.fit(structure.plant, noise)
+            if before.fitted.cost - structure.fitted.cost < _RESTING_NATS:
+                break
+        return structure
 
     def start_with(self, plant: Plant, effect: Effect, noise: Noise) -> Plant:
         """`plant` with `effect` added at the likeliest of its starting values."""
@@ -105,7 +122,7 @@ class Workshop:
         values = np.array([trial.vectors()[0] for trial in trials])
         active = np.array([trial.vectors()[1] for trial in trials])
         target = with_noise(self.problem.target, noise)
-        costs = cost_of(self.simulator.run(values, active, target.jobs), target.counted)
+        costs = target.cost(self.simulator.run(values, active, target.jobs))
         return trials[int(np.argmin(costs))]
 
     def _shrunk(self, plant: Plant) -> Plant:
@@ -123,8 +140,33 @@ class Workshop:
         fitted = replace(fitted, plant=plant)
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], tuned.jobs)
-        check = float(cost_of(results, self.problem.check)[0])
-        return Structure(fitted, noise, check)
+        return Structure(
+            fitted, noise, self._check_cost(plant, target, noise), self._free_run_rms(plant, results)
+        )
+
+    def _check_cost(self, plant: Plant, target: Target, noise: Noise) -> float:
+        """The checking readings' cost under the kindest of a few noises.
+
+        A structure that fits well is sure of itself; on other inputs that must not count against it.
+        """
+        values, active = plant.vectors()
+        checking = replace(target, counted=self.problem.check)
+        costs = []
+        for factor in _CHECK_NOISES:
+            tuned = with_noise(checking, replace(noise, disturbance_std=factor * noise.disturbance_std))
+            costs.append(float(tuned.cost(self.simulator.run(values[None], active[None], tuned.jobs))[0]))
+        return min(costs)
+
+    def _free_run_rms(self, plant: Plant, corrected: Sequence[Result]) -> float:
+        """RMS error of free runs over the checking readings; those that a fault explains are left out."""
+        values, active = plant.vectors()
+        runs = self.simulator.run(values[None], active[None], self._free_jobs)
+        errors = []
+        for job, run, seen, check in zip(self._free_jobs, runs, corrected, self.problem.check, strict=True):
+            judged = check & np.isfinite(job.signals.measured) & ~job.start.at
+            judged &= (seen.weight[0] > 0.5) | (seen.weight[0] == 0.0)
+            errors.append((job.signals.measured - run.predicted[0])[judged])
+        return float(np.sqrt(np.nan_to_num(np.mean(np.concatenate(errors) ** 2), nan=np.inf)))
 
     def _with_shares(self, plant: Plant, target: Target) -> Plant:
         """Set the share of each fault to the mean probability with which it explains a reading."""

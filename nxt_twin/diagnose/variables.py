@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -80,7 +79,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant) -> Variable:
         lower=min(parameter.lower * parameter.si, centre),
         upper=max(parameter.upper * parameter.si, centre),
         centre=centre,
-        spread=parameter.spread * scale if math.isfinite(parameter.spread) else math.inf,
+        spread=scale * (parameter.spread if given is None else parameter.doubt),
     )
 
 

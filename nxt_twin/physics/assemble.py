@@ -7,7 +7,8 @@ active mask, so that one compilation serves every combination that a diagnosis t
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
 from nxt_twin.physics.effect import Stage
@@ -213,8 +214,8 @@ def source(plan: Layout) -> str:
 def _step(plan: Layout) -> list[str]:
     """One step, line by line, as it stands in both of the kernel's functions."""
     symbols = [parameter.symbol for parameter in plan.base.parameters]
-    constant = plan.base.torque_per_current
-    current = f"(force - 0.5 * coupling * (before + after)) / base__{constant}" if constant else "0.0"
+    settle = plan.base.current_after
+    current = _call(plan, "_current_after", settle) if settle else "0.0"
     return _STEP.format(
         duty="\n".join(_stage(plan, "duty")),
         resistance="base__resistance" if "resistance" in symbols else "0.0",
@@ -222,7 +223,7 @@ def _step(plan: Layout) -> list[str]:
         inductance="\n".join(_stage(plan, "inductance")),
         drop="\n".join(_stage(plan, "drop")),
         limit="\n".join(_stage(plan, "limit")),
-        drive=_drive_call(plan),
+        drive=_call(plan, "_drive", plan.base.drive),
         damping="\n".join(_stage(plan, "damping")),
         torque="\n".join(_stage(plan, "torque")),
         friction="\n".join(_stage(plan, "friction")),
@@ -260,7 +261,8 @@ def _helpers(plan: Layout) -> list[FunctionType]:
 
 def _functions(plan: Layout) -> list[FunctionType]:
     terms = [effect.terms[stage] for effect in plan.effects for stage in effect.terms]
-    return [function for function in [plan.base.drive, *terms] if isinstance(function, FunctionType)]
+    own = [plan.base.drive, plan.base.current_after]
+    return [function for function in [*own, *terms] if isinstance(function, FunctionType)]
 
 
 def _imports(plan: Layout) -> Iterator[str]:
@@ -271,6 +273,8 @@ def _imports(plan: Layout) -> Iterator[str]:
     for helper in _helpers(plan):
         yield f"register_jitable({helper.__module__}.{helper.__name__})"
     yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
+    if settle := plan.base.current_after:
+        yield f"_current_after = njit({settle.__module__}.{settle.__name__})"
     for effect in plan.effects:
         for stage, term in effect.terms.items():
             yield f"_{effect.id}_{stage} = njit({term.__module__}.{term.__name__})"
@@ -283,13 +287,13 @@ def _unpack(plan: Layout) -> Iterator[str]:
         yield f"with_{effect.id} = active[{i}]"
 
 
-def _drive_call(plan: Layout) -> str:
-    function = plan.base.drive
+def _call(plan: Layout, name: str, function: Callable[..., object]) -> str:
+    """A call of one of the base's functions, each argument by its name in the kernel."""
     own = {parameter.symbol for parameter in plan.base.parameters}
     formed = {"resistance", "supply_v"}
-    names = function.__code__.co_varnames[: function.__code__.co_argcount]
+    names = inspect.signature(function).parameters
     arguments = (f"base__{name}" if name in own - formed else name for name in names)
-    return f"_drive({', '.join(arguments)})"
+    return f"{name}({', '.join(arguments)})"
 
 
 def _stage(plan: Layout, stage: Stage) -> Iterator[str]:

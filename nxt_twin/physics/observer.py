@@ -13,9 +13,14 @@ from typing import final
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.smooth import half_window_s
+from nxt_twin.physics.start import Start
 from nxt_twin.recording.recording import FloatArray
+
+_SLOPE_STD = 2.0  # of a speed read off a few readings, in reading deviations over the smoother's half window
 
 
 @final
@@ -47,21 +52,13 @@ class Observer:
 
 def observer(signals: Signals, noise: Noise) -> Observer:
     """The optimal gains for `signals` under `noise`; a reading that is missing has none."""
-    rows = signals.time_s.size
-    gains = np.zeros((rows, 3))
-    std = np.zeros(rows)
-    _riccati(
-        signals.time_s,
-        np.isfinite(signals.measured),
-        noise.reading_std**2,
-        noise.disturbance_std**2,
-        1.0 / noise.disturbance_time_s,
-        noise.damping_per_s,
-        signals.is_speed,
-        gains,
-        std,
-    )
-    return Observer(gains, std)
+    known = np.isfinite(signals.measured)
+    return _observe(signals, noise, known, np.arange(known.size) == 0)
+
+
+def free_run_std(signals: Signals, noise: Noise, start: Start) -> FloatArray:
+    """How far off each reading of a run that nothing corrects between starts is under `noise`, shape (samples,)."""
+    return _observe(signals, noise, np.zeros(signals.time_s.size, dtype=bool), start.at).innovation_std
 
 
 def free(signals: Signals, reading_std: float) -> Observer:
@@ -70,16 +67,32 @@ def free(signals: Signals, reading_std: float) -> Observer:
     return Observer(np.zeros((rows, 3)), np.full(rows, reading_std))
 
 
+def _observe(signals: Signals, noise: Noise, known: NDArray[np.bool_], reset: NDArray[np.bool_]) -> Observer:
+    rows = signals.time_s.size
+    gains, std = np.zeros((rows, 3)), np.zeros(rows)
+    start_speed_std = _SLOPE_STD * noise.reading_std / half_window_s(signals)
+    variances = np.array([noise.reading_std, start_speed_std, noise.disturbance_std]) ** 2
+    rates_per_s = (noise.damping_per_s, 1.0 / noise.disturbance_time_s)
+    _riccati(signals.time_s, known, reset, variances, rates_per_s, 1 if signals.is_speed else 0, gains, std)
+    return Observer(gains, std)
+
+
 @njit(cache=True, nogil=True)
-def _riccati(  # type: ignore[no-untyped-def]  # compiled: numba infers the types
-    time_s, known, reading_var, disturbance_var, leak_per_s, damping_per_s, is_speed, gains, std
+def _riccati(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba infers the types
+    time_s,  # noqa: ANN001
+    known,  # noqa: ANN001
+    reset,  # noqa: ANN001
+    variances,  # noqa: ANN001
+    rates_per_s,  # noqa: ANN001
+    read,  # noqa: ANN001
+    gains,  # noqa: ANN001
+    std,  # noqa: ANN001
 ):
-    covariance = np.zeros((3, 3))
-    covariance[0, 0] = reading_var
-    covariance[1, 1] = 1e-6 * disturbance_var
-    covariance[2, 2] = disturbance_var
+    damping_per_s, leak_per_s = rates_per_s
+    reading_var, _, disturbance_var = variances
+    covariance = np.diag(variances)
     transition = np.eye(3)
-    h = 1 if is_speed else 0
+    std[0] = math.sqrt(reading_var)
     for k in range(1, time_s.shape[0]):
         dt = time_s[k] - time_s[k - 1]
         hold = math.exp(-damping_per_s * dt)
@@ -96,13 +109,14 @@ def _riccati(  # type: ignore[no-untyped-def]  # compiled: numba infers the type
         covariance[1, 1] += fresh * dt * dt / 3.0
         covariance[1, 2] += 0.5 * fresh * dt
         covariance[2, 1] += 0.5 * fresh * dt
-        variance = covariance[h, h] + reading_var
+        if reset[k]:
+            covariance = np.diag(variances)
+        variance = covariance[read, read] + reading_var
         std[k] = math.sqrt(variance)
         if not known[k]:
             continue
+        row = covariance[read].copy()
         for i in range(3):
-            gains[k, i] = covariance[i, h] / variance
-        row = covariance[h].copy()
-        for i in range(3):
+            gains[k, i] = covariance[i, read] / variance
             for m in range(3):
                 covariance[i, m] -= gains[k, i] * row[m]

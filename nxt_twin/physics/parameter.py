@@ -59,7 +59,8 @@ class Parameter:
         dimension: how it scales from an NXT motor to another plant.
         starts: values, in `unit` and at NXT scale, from which a fit begins; the first is the typical one.
         lower, upper: bounds in `unit` at NXT scale.
-        spread: standard deviation of the weak prior round the start, as a fraction of it; inf is no prior.
+        spread: standard deviation of the weak prior round the first start, as a fraction of it; inf is none.
+        doubt: the same round a value that a plant file gives.
         si: factor from `unit` to SI.
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
@@ -74,6 +75,7 @@ class Parameter:
     lower: float
     upper: float
     spread: float = math.inf
+    doubt: float = math.inf
     si: float = 1.0
     frozen: bool = False
     tied_to: str | None = None

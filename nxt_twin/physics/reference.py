@@ -5,9 +5,10 @@ It interprets what `assemble` writes out. It is slow, and shares neither source 
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Mapping
-from typing import final
+from collections.abc import Callable, Mapping
+from typing import Any, final
 
 import numpy as np
 
@@ -127,9 +128,7 @@ class _Axis:
         drive["inductance"] = self.formed("inductance", scope, 0.0)
         drive["drop"] = self.formed("drop", scope, 0.0)
         drive["limit"] = self.formed("limit", scope, math.inf, chained="limit")
-        function = self._plant.layout.base.drive
-        names = function.__code__.co_varnames[: function.__code__.co_argcount]
-        force, coupling = function(*(drive[name] for name in names))
+        force, coupling = _call(self._plant.layout.base.drive, drive)
         scope |= {"angle": self._angle + 0.5 * step_s * before, "inertia": inertia}
         damping = coupling + self.formed("damping", scope, 0.0)
         load = self.formed("torque", scope, 0.0)
@@ -144,9 +143,10 @@ class _Axis:
         bite = 2.0 * level / (2 * inertia / step_s + damping)
         after = 0.0 if abs(free) <= bite else free - math.copysign(bite, free)
         self._advance({**scope, "before": before, "after": after})
-        if self._plant.layout.base.torque_per_current:
-            constant = self._base[self._plant.layout.base.torque_per_current]
-            self._current = (force - 0.5 * coupling * (before + after)) / constant
+        settle = self._plant.layout.base.current_after
+        if settle:
+            ends = {"force": force, "coupling": coupling, "before": before, "after": after}
+            self._current = _call(settle, {**drive, **ends})
         self._angle += 0.5 * step_s * (before + after)
         self._speed = after
         self._disturbance *= fading
@@ -164,3 +164,7 @@ class _Axis:
         return [
             own[name] if name in own else states[name] if name in states else scope[name] for name in names
         ]
+
+
+def _call(function: Callable[..., Any], scope: Mapping[str, float]) -> Any:  # noqa: ANN401  # as the function
+    return function(*(scope[name] for name in inspect.signature(function).parameters))

@@ -17,21 +17,12 @@ from nxt_twin.physics.layout import BASE_OWNER, Layout, Slot
 from nxt_twin.physics.observer import Observer, free
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.start import Start
 from nxt_twin.recording.recording import FloatArray
 
 BoolArray = NDArray[np.bool_]
 
 STEP_S = 1e-3
-
-
-@final
-@dataclass(frozen=True)
-class Start:
-    """Where a run takes its state from outside: at flagged samples, always including the first."""
-
-    at: BoolArray
-    position: FloatArray
-    speed: FloatArray
 
 
 @final
@@ -149,17 +140,6 @@ class Simulator:
 def _empty_result(sets: int, job: Job) -> Result:
     rows = job.signals.time_s.size
     return Result(np.empty((sets, rows)), np.empty((sets, rows)), np.empty((sets, rows)))
-
-
-def at_rest(signals: Signals) -> Start:
-    """Start once, at the first reading, standing still."""
-    rows = signals.time_s.size
-    first = signals.measured[np.isfinite(signals.measured)][0]
-    at = np.zeros(rows, dtype=bool)
-    at[0] = True
-    return Start(
-        at, np.full(rows, 0.0 if signals.is_speed else first), np.full(rows, first * signals.is_speed)
-    )
 
 
 def with_supply(signals: Signals, plant: Plant) -> Signals:

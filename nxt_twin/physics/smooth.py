@@ -6,7 +6,6 @@ import numpy as np
 from numba import njit
 
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Start
 from nxt_twin.recording.recording import FloatArray
 
 _HALF_WINDOW_S = 0.03
@@ -40,26 +39,6 @@ def smoothed(signals: Signals) -> tuple[FloatArray, FloatArray]:
         moved = np.concatenate([[0.0], np.cumsum(np.diff(signals.time_s) * position[1:])])
         return moved, position
     return position, speed
-
-
-def restarts(signals: Signals, every_s: float) -> Start:
-    """Start anew from the smoothed readings every `every_s` seconds, and at rest or moving at the first."""
-    position, speed = smoothed(signals)
-    window = np.floor((signals.time_s - signals.time_s[0]) / every_s)
-    at = np.diff(window, prepend=-1.0) > 0.0
-    known = np.isfinite(signals.measured)
-    at &= known | (np.arange(at.size) == 0)
-    return Start(at, position, np.where(np.abs(speed) < _resolution(signals), 0.0, speed))
-
-
-def moving_start(signals: Signals) -> Start:
-    """Start once, at the first reading, with the speed that the first readings show."""
-    return restarts(signals, np.inf)
-
-
-def _resolution(signals: Signals) -> float:
-    """The smallest speed that the quantum lets the smoother see."""
-    return 0.0 if signals.is_speed else signals.quantum / half_window_s(signals)
 
 
 @njit(cache=True, nogil=True)

@@ -5,7 +5,8 @@ import numpy as np
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Job, at_rest, free_job
+from nxt_twin.physics.simulate import Job, free_job
+from nxt_twin.physics.start import at_rest
 
 NXT = {
     "kind": "dc_motor",

@@ -5,7 +5,8 @@ from physics_samples import NXT, job_with_readings, rotary_plant, signals
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.reference import predict
-from nxt_twin.physics.simulate import Simulator, at_rest, free_job
+from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.start import at_rest
 from nxt_twin.physics.stepper import Stepper
 
 MOTOR = layout("dc_motor", "motor")

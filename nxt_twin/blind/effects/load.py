@@ -17,8 +17,8 @@ def _backlash(now: Situation) -> Draw:
         motor={
             "gap_rad": math.radians(gap_deg),
             "load_inertia_kg_m2": inertia,
-            "load_drag_nm_s_per_rad": inertia / now.between(1.0, 3.0),
-            "contact_nm_per_rad15": now.between(500.0, 1500.0),
+            "load_drag_nm_s_per_rad": inertia / now.between(10.0, 30.0),
+            "contact_nm_per_rad15": now.between(3000.0, 8000.0),
         },
     )
 
@@ -66,9 +66,11 @@ def _cogging(now: Situation) -> Draw:
 
 
 def _payload_inertia(now: Situation) -> Draw:
+    """A payload from the second recording on, or from some time within one of the first two on."""
     inertia = now.sized((3e-4, 4.5e-4), (7e-4, 1.2e-3), (2e-3, 3.6e-3))
-    onset_s = float(now.rng.choice((0.0, now.rng.uniform(0.3, 0.6) * now.duration_s)))
-    first = int(now.rng.integers(0, min(2, now.recordings))) if onset_s else min(1, now.recordings - 1)
+    within = now.recordings == 1 or now.rng.random() < 0.5
+    first = int(now.rng.integers(min(2, now.recordings))) if within else 1
+    onset_s = float(now.rng.uniform(0.3, 0.6) * now.duration_s) if within else 0.0
     starts = [NEVER_S] * first + [onset_s] + [0.0] * (now.recordings - first - 1)
     return Draw(
         params={"added_inertia_kg_m2": inertia, "from_recording": first + 1.0, "from_s": onset_s},

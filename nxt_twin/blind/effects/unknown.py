@@ -28,7 +28,8 @@ def _angle_speed_drag(now: Situation) -> Draw:
 
 
 def _amplifier_memory(now: Situation) -> Draw:
-    return _surprise(surprises.AMPLIFIER_MEMORY, now.sized((0.8, 1.0), (0.5, 0.65), (0.3, 0.4)))
+    share = now.sized((0.8, 1.0), (0.5, 0.65), (0.3, 0.4))
+    return _surprise(surprises.AMPLIFIER_MEMORY, share, now.between(0.3, 0.8))
 
 
 def _resonant_fan(now: Situation) -> Draw:

@@ -67,7 +67,7 @@ class Motor:
     load_inertia_kg_m2: float = 0.0
     load_drag_nm_s_per_rad: float = 0.0
     gap_rad: float = 0.0  # zero: the load hangs on a spring without play
-    contact_nm_per_rad15: float = 800.0
+    contact_nm_per_rad15: float = 5000.0
     contact_loss_s_per_rad: float = 0.25
     shaft_stiffness_nm_per_rad: float = 0.0
     shaft_damping_nm_s_per_rad: float = 0.0

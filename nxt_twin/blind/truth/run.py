@@ -15,6 +15,7 @@ from nxt_twin.blind.truth.sensing import Sensing
 FloatArray = NDArray[np.float64]
 
 BATTERY_REFRESH_S = 0.167
+SPIN_UP_S = 0.5
 
 
 @final
@@ -57,9 +58,6 @@ class Run:
     terminal_v: FloatArray
 
 
-SPIN_UP_S = 0.5
-
-
 def true_run(motor: Motor, sensing: Sensing, commands: Commands) -> Run:
     """Simulate one recording without its quantisation and noise."""
     read_s = commands.read_s
@@ -95,20 +93,15 @@ def _duty(motor: Motor, commands: Commands) -> FloatArray:
     duty = commands.power_pct / 100.0
     duty = np.sign(duty) * np.abs(duty) ** motor.power_exponent
     if int(motor.surprise) == surprises.AMPLIFIER_MEMORY:
-        duty = _with_memory(duty, motor.surprise_a)
+        duty = _with_memory(duty, commands.read_s, motor.surprise_a, motor.surprise_b)
     return np.asarray(duty, dtype=np.float64)
 
 
-def _with_memory(duty: FloatArray, share: float) -> FloatArray:
-    """Saturate at `share` of full duty as long as the last different command had the other sign."""
-    out = duty.copy()
-    before = 0.0
-    for row in range(1, duty.size):
-        if duty[row] != duty[row - 1]:
-            before = duty[row - 1]
-        if duty[row] * before < 0.0:
-            out[row] = share * np.tanh(duty[row] / share)
-    return out
+def _with_memory(duty: FloatArray, issued_s: FloatArray, share: float, memory_s: float) -> FloatArray:
+    """Saturate at `share` of full duty for `memory_s` after each change of the command's sign."""
+    turned = np.sign(duty) * np.sign(np.concatenate([[0.0], duty[:-1]])) < 0.0
+    last_turn_s = np.maximum.accumulate(np.where(turned, issued_s, -np.inf))
+    return np.where(issued_s - last_turn_s < memory_s, share * np.tanh(duty / share), duty)
 
 
 def _start(motor: Motor, commands: Commands) -> FloatArray:

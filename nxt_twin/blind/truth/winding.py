@@ -8,7 +8,7 @@ from nxt_twin.blind.truth.compiled import compiled
 from nxt_twin.blind.truth.motor import Motor
 
 DRIVE, FLOAT, COAST, BRAKE = 0, 1, 2, 3
-DECAY_S = 1e-4
+SETTLE_S = 2e-4
 BRUSH_ROUNDING_A = 0.005
 FOLDBACK_V_PER_A = 300.0
 
@@ -31,23 +31,30 @@ def current_rate(
 ) -> float:
     """di/dt (A/s) of the mean winding current; `heat` is the relative rise of the resistance.
 
-    drive: mean voltage duty·supply, the off phase shorted. float: the winding sees supply minus back-emf for
-    the duty's share of the time, is open for the rest, and conducts only forwards.
-    coast: open. brake: shorted.
+    drive: mean voltage duty·supply, the off phase shorted. brake: shorted. coast: open.
+    float: the current starts afresh in every PWM period, so inductance does not carry it on.
     """
-    if mode == COAST or (mode == FLOAT and duty == 0.0):
-        return -current / DECAY_S
+    resistance = motor.resistance_ohm * (1.0 + heat)
     emf = motor.back_emf_v_s_per_rad * omega
     supply = terminal_v(motor, t, duty, current, mode)
-    against = motor.drop_v * math.tanh(current / BRUSH_ROUNDING_A)
-    if mode == DRIVE:
-        volts = duty * supply - emf - against
-    elif mode == BRAKE:
-        volts = -emf - against
-    else:
-        volts = abs(duty) * (math.copysign(supply, duty) - emf - against)
-        if current * duty <= 0.0 and (math.copysign(supply, duty) - emf) * duty <= 0.0:
-            return -current / DECAY_S
+    if mode == COAST:
+        return -current / SETTLE_S
+    if mode == FLOAT:
+        return (_floating_current(motor, supply, emf, resistance, duty) - current) / SETTLE_S
+    volts = duty * supply if mode == DRIVE else 0.0
+    volts -= emf + motor.drop_v * math.tanh(current / BRUSH_ROUNDING_A)
     if motor.current_limit_a > 0.0 and abs(current) > motor.current_limit_a:
         volts -= FOLDBACK_V_PER_A * (current - math.copysign(motor.current_limit_a, current))
-    return (volts - motor.resistance_ohm * (1.0 + heat) * current) / motor.inductance_h
+    return (volts - resistance * current) / motor.inductance_h
+
+
+@compiled
+def _floating_current(motor: Motor, supply: float, emf: float, resistance: float, duty: float) -> float:
+    """Mean current (A) with the off phase open: flows for the duty's share of the time, and only forwards."""
+    if duty == 0.0:
+        return 0.0
+    side = math.copysign(1.0, duty)
+    flowing = max(supply - side * emf - motor.drop_v, 0.0) / resistance
+    if motor.current_limit_a > 0.0:
+        flowing = min(flowing, motor.current_limit_a)
+    return duty * flowing

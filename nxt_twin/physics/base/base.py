@@ -18,12 +18,12 @@ class Base:
     """A base model: its kind in plant files, its own parameters and its drive.
 
     The symbols of the drive's arguments are quantities of the step or symbols of `parameters`;
-    the first parameter is the inertia. `torque_per_current` is the symbol of the torque constant, None for a
-    plant without a winding.
+    the first parameter is the inertia. `current_after` gives the winding current (A) at the end of a step, None
+    for a plant without a winding.
     """
 
     kind: str
     frames: tuple[Frame, ...]
     parameters: tuple[Parameter, ...]
     drive: Drive
-    torque_per_current: str | None = None
+    current_after: Callable[..., float] | None = None

@@ -68,18 +68,38 @@ def drive(
         else:
             source -= math.copysign(drop, net)
             net -= math.copysign(drop, net)
-    if share * abs(net + lag * current) > limit * impedance:
-        return torque_constant * math.copysign(limit, net), 0.0
+    if abs(net + lag * current) > limit * impedance:
+        return torque_constant * share * math.copysign(limit, net + lag * current), 0.0
     gain = torque_constant * share / impedance
     return gain * (source + lag * current), gain * back_emf
+
+
+def current_after(
+    mode: int,
+    force: float,
+    coupling: float,
+    before: float,
+    after: float,
+    current: float,
+    inductance: float,
+    torque_constant: float,
+) -> float:
+    """The winding current (A) at the end of a step, from that of its middle and of its beginning.
+
+    Without inductance, or where nothing carries the current on, the middle's stands for the step.
+    """
+    middle = (force - 0.5 * coupling * (before + after)) / torque_constant
+    if inductance <= 0.0 or coupling == 0.0 or mode == MODE_FLOAT:
+        return middle
+    return 2.0 * middle - current
 
 
 DC_MOTOR = Base(
     kind="dc_motor",
     frames=("motor",),
     parameters=(
-        Parameter("inertia_kg_m2", "inertia", "kg·m²", INERTIA, (1.2e-3,), 1e-5, 0.2, spread=0.7),
-        Parameter("resistance_ohm", "resistance", "Ω", NUMBER, (7.6,), 0.05, 500.0, frozen=True),
+        Parameter("inertia_kg_m2", "inertia", "kg·m²", INERTIA, (1.2e-3,), 1e-5, 0.2, doubt=0.7),
+        Parameter("resistance_ohm", "resistance", "Ω", NUMBER, (7.6,), 0.05, 500.0, doubt=0.1),
         Parameter(
             "torque_constant_nm_per_a",
             "torque_constant",
@@ -88,7 +108,7 @@ DC_MOTOR = Base(
             (0.4908,),
             1e-3,
             50.0,
-            spread=0.15,
+            doubt=0.15,
         ),
         Parameter(
             "back_emf_v_s_per_rad",
@@ -103,5 +123,5 @@ DC_MOTOR = Base(
         Parameter("supply_v", "supply_v", "V", NUMBER, (8.0,), 0.5, 60.0, frozen=True),
     ),
     drive=drive,
-    torque_per_current="torque_constant",
+    current_after=current_after,
 )

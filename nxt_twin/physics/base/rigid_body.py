@@ -23,7 +23,7 @@ RIGID_BODY = Base(
             (1.2e-3,),
             1e-6,
             1.0,
-            spread=1.0,
+            doubt=1.0,
             elsewhere={"linear": ("inertia", "kg")},
         ),
     ),

@@ -27,6 +27,7 @@ COULOMB_FRICTION = Effect(
             (0.02, 0.06),
             0.0,
             3.0,
+            doubt=1.0,
             elsewhere={"rotary": ("coulomb_friction", "N·m"), "linear": ("coulomb_friction", "N")},
         ),
     ),
@@ -58,6 +59,7 @@ VISCOUS_FRICTION = Effect(
             (2e-3, 6e-3),
             0.0,
             1.0,
+            doubt=0.5,
             elsewhere={
                 "rotary": ("viscous_friction", "N·m·s/rad"),
                 "linear": ("viscous_friction", "N·s/m"),

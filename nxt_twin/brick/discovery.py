@@ -1,0 +1,157 @@
+"""Search for bricks on all ways at once. Looking moves nothing, and says why where nothing is found."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, final
+
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.errors import BrickError, LinkRefusedError, Refusal
+
+SEARCH_TIMEOUT_S: Final = 8.0
+
+
+@final
+@dataclass(frozen=True)
+class FoundBrick:
+    """A brick that can be opened.
+
+    Attributes:
+        url: what to open it by.
+        what: what is known of it without opening it.
+    """
+
+    url: str
+    what: str
+
+
+@final
+@dataclass(frozen=True)
+class Reason:
+    """Why a way led to no brick, or not to one that is there.
+
+    Attributes:
+        what: the obstacle.
+        cause: its kind; None where the search itself went wrong.
+        mend: what to do about it; may be empty.
+    """
+
+    what: str
+    cause: Refusal | None
+    mend: str = ""
+
+
+@final
+@dataclass(frozen=True)
+class WayReport:
+    """What one way led to; without bricks there is at least one reason.
+
+    Attributes:
+        way: the way's name, such as ``usb``.
+        bricks: those that can be opened.
+        reasons: why there are no others.
+    """
+
+    way: str
+    bricks: tuple[FoundBrick, ...] = ()
+    reasons: tuple[Reason, ...] = ()
+
+
+Look = Callable[[Clock], WayReport]
+"""Looks along one way; raises `BrickError` where it cannot."""
+
+
+def search(
+    clock: Clock, ways: Mapping[str, Look], *, timeout_s: float = SEARCH_TIMEOUT_S
+) -> tuple[WayReport, ...]:
+    """Look along all ways at once.
+
+    Args:
+        clock: passed on to the ways.
+        ways: the ways by name, such as `default_ways` gives.
+        timeout_s: how long to wait for all of them together, in real time.
+
+    Returns:
+        One report a way, in their order; a way that did not come back in time says so.
+    """
+    reports: queue.SimpleQueue[WayReport] = queue.SimpleQueue()
+
+    def walk(way: str, look: Look) -> None:
+        reports.put(_report_of(way, look, clock))
+
+    for way, look in ways.items():
+        # A way that hangs in a driver must not keep the program from ending.
+        threading.Thread(target=walk, args=(way, look), name=f"search-{way}", daemon=True).start()
+    back = _collect(reports, len(ways), clock, timeout_s)
+    late = Reason(f"the search did not come back within {timeout_s:g} s", cause=None)
+    return tuple(back.get(way, WayReport(way, reasons=(late,))) for way in ways)
+
+
+def default_ways() -> Mapping[str, Look]:
+    """Every way that this package knows."""
+    return _DEFAULT_WAYS
+
+
+def reason_of(error: BrickError) -> Reason:
+    """The reason that an error gives."""
+    place = f"{error.where}: " if error.where else ""
+    cause = error.cause if isinstance(error, LinkRefusedError) else None
+    return Reason(f"{place}{error.what}", cause, error.mend)
+
+
+def _report_of(way: str, look: Look, clock: Clock) -> WayReport:
+    try:
+        return look(clock)
+    except BrickError as error:
+        return WayReport(way, reasons=(reason_of(error),))
+    except ImportError as error:
+        return WayReport(way, reasons=(Reason(str(error), Refusal.NO_DRIVER, "reinstall nxt-twin"),))
+    except OSError as error:
+        return WayReport(way, reasons=(Reason(f"the search failed: {error}", cause=None),))
+
+
+def _collect(
+    reports: queue.SimpleQueue[WayReport], count: int, clock: Clock, timeout_s: float
+) -> dict[str, WayReport]:
+    back: dict[str, WayReport] = {}
+    give_up_s = clock.now_s() + timeout_s
+    while len(back) < count:
+        try:
+            report = reports.get(timeout=max(0.0, give_up_s - clock.now_s()))
+        except queue.Empty:
+            break
+        back[report.way] = report
+    return back
+
+
+def _look_on_usb(clock: Clock) -> WayReport:
+    from nxt_twin.brick.search.usb import look_on_usb
+
+    return look_on_usb(clock)
+
+
+def _look_on_serial_ports(clock: Clock) -> WayReport:
+    from nxt_twin.brick.search.serial_ports import look_on_serial_ports
+
+    return look_on_serial_ports(clock)
+
+
+def _look_on_bluetooth(clock: Clock) -> WayReport:
+    from nxt_twin.brick.search.bluetooth import look_on_bluetooth
+
+    return look_on_bluetooth(clock)
+
+
+def _look_on_tcp(clock: Clock) -> WayReport:
+    from nxt_twin.brick.search.tcp import look_on_tcp
+
+    return look_on_tcp(clock)
+
+
+_DEFAULT_WAYS: Final[Mapping[str, Look]] = MappingProxyType(
+    {"usb": _look_on_usb, "serial": _look_on_serial_ports, "bt": _look_on_bluetooth, "tcp": _look_on_tcp}
+)

@@ -1,0 +1,1 @@
+"""What on this machine keeps a brick from being reached, and the mend."""

@@ -1,0 +1,1 @@
+"""The ways to a brick, one a file; all of them are a `Link`."""

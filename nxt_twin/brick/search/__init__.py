@@ -1,0 +1,1 @@
+"""Where bricks may be, one way a file; looking moves nothing."""

@@ -1,0 +1,104 @@
+"""`nxt-twin diagnose`: say what physics a model leaves out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+import yaml
+from rich.console import Console
+from rich.table import Table
+
+from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
+from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.engine import Answer
+from nxt_twin.diagnose.engine import diagnose as run_diagnosis
+from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.recording.case import read_as_case
+from nxt_twin.view.report import write_report
+
+
+def diagnose(
+    paths: Annotated[
+        list[Path], typer.Argument(help="Case folders or recordings, each diagnosed by itself.")
+    ],
+    json: JsonOption = None,
+    model_out: Annotated[
+        Path | None, typer.Option(help="Write the improved plant as YAML (of several cases: a folder).")
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write an HTML report into this folder.")] = None,
+    seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
+) -> None:
+    """Find the physics that a model leaves out, from recordings.
+
+    Re-fits the baseline, locates the mismatch, tries every known effect, and judges on data that was not
+    fitted. Exit status 0 whatever the verdict; 1 if a case cannot be diagnosed.
+    """
+    failed = False
+    for path in paths:
+        try:
+            answer = _diagnose_one(path, seed)
+        except NxtTwinError as error:
+            fail(str(error))
+            failed = True
+            continue
+        many = len(paths) > 1
+        if json:
+            emit_json(_place(json, answer.diagnosis.name, "json", many=many), to_json(answer.diagnosis))
+        if model_out:
+            _write_model(Path(_place(str(model_out), answer.diagnosis.name, "yaml", many=many)), answer)
+        page = write_report(answer.diagnosis, report) if report else None
+        if json != "-":
+            show(answer.diagnosis, page)
+    if failed:
+        raise typer.Exit(1)
+
+
+def show(diagnosis: Diagnosis, page: Path | None) -> None:
+    """Print a diagnosis for a person."""
+    console = Console(highlight=False)
+    console.print(f"\n[bold]{diagnosis.name}[/bold]: [bold]{diagnosis.verdict}[/bold]", soft_wrap=True)
+    console.print(diagnosis.sentence, soft_wrap=True, markup=False)
+    table = Table(box=None, padding=(0, 2, 0, 0), show_header=False)
+    fit = diagnosis.fit
+    table.add_row(
+        fit.metric, f"{fit.baseline:.4g} → {fit.improved:.4g} {fit.unit}", f"(noise alone {fit.floor:.3g})"
+    )
+    for effect in diagnosis.effects:
+        for name, estimate in effect.params.items():
+            table.add_row(
+                f"{effect.id}", f"{name} = {estimate.value:.4g} ± {estimate.std:.2g}", estimate.unit
+            )
+        for other in effect.confusable_with:
+            table.add_row("", f"could be {other.id}", other.why)
+    for name, moved in diagnosis.refit.items():
+        table.add_row(
+            "re-fitted", f"{name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g}", moved.unit
+        )
+    console.print(table)
+    for note in diagnosis.notes:
+        console.print(f"· {note}", soft_wrap=True, markup=False)
+    if diagnosis.next_experiment:
+        console.print(f"next: {diagnosis.next_experiment.input}", soft_wrap=True, markup=False)
+    if page:
+        console.print(f"report: {page}", soft_wrap=True, markup=False)
+
+
+def _diagnose_one(path: Path, seed: int) -> Answer:
+    with progress(str(path)) as tell:
+        return run_diagnosis(read_as_case(path), seed=seed, progress=tell)
+
+
+def _place(target: str, name: str, ending: str, *, many: bool) -> str:
+    """The file for one of several cases in the folder `target`, or `target` itself for a single case."""
+    if target == "-" or (not many and not Path(target).is_dir()):
+        return target
+    return str(Path(target) / f"{name}.{ending}")
+
+
+def _write_model(path: Path, answer: Answer) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    config = yaml.safe_dump(answer.plant.to_config(), sort_keys=False, allow_unicode=True)
+    path.write_text(config, encoding="utf-8")

@@ -1,0 +1,46 @@
+"""`nxt-twin doctor`: what on this machine would keep a brick from being reached, and the mend."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from nxt_twin.brick.doctor.checks import examine
+from nxt_twin.brick.doctor.finding import Finding, Verdict
+from nxt_twin.brick.doctor.gather import gather_facts
+
+_STYLES = {Verdict.OK: "green", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"}
+
+
+def doctor(
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+) -> None:
+    """Say what on this machine would keep a brick from being reached, and how to mend it.
+
+    Changes nothing. Exit status 1 if anything fails.
+    """
+    findings = examine(gather_facts())
+    if as_json:
+        print(json.dumps({"schema": "nxt-twin/doctor/1", "findings": [asdict(each) for each in findings]}))
+    else:
+        console = Console(highlight=False, soft_wrap=True)
+        for finding in findings:
+            console.print(_line(finding))
+    if any(finding.verdict is Verdict.FAIL for finding in findings):
+        raise typer.Exit(1)
+
+
+def _line(finding: Finding) -> Text:
+    line = Text.assemble(
+        (f"{finding.verdict:<4}", _STYLES[finding.verdict]), f"  {finding.check}: {finding.what}"
+    )
+    if finding.why:
+        line.append(f"\n      why:  {finding.why}")
+    if finding.mend:
+        line.append(f"\n      mend: {finding.mend}")
+    return line

@@ -1,0 +1,43 @@
+"""`nxt-twin fit`: fit a plant's parameters as it stands, looking for nothing else."""
+
+from __future__ import annotations
+
+import json as json_format
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+import yaml
+
+from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.diagnose.engine import fit_as_it_stands
+from nxt_twin.recording.case import read_as_case
+
+
+def fit(
+    path: Annotated[Path, typer.Argument(help="A case folder or a recording.")],
+    json: JsonOption = None,
+    model_out: Annotated[Path | None, typer.Option(help="Write the fitted plant as YAML.")] = None,
+) -> None:
+    """Fit the parameters of a case's plant on everything that it does not hold out."""
+    with progress(str(path)):
+        structure = fit_as_it_stands(read_as_case(path))
+    plant, fitted = structure.plant, structure.fitted
+    stds = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
+    rows = []
+    for variable, std in zip(fitted.variables, stds, strict=True):
+        for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
+            parameter = plant.layout.parameters[slot]
+            value = plant.values[slot] / parameter.si
+            name = parameter.name if slot.owner == "base" else f"{slot.owner}.{parameter.name}"
+            rows.append(
+                {"name": name, "value": value, "std": std * ratio / parameter.si, "unit": parameter.unit}
+            )
+    if model_out:
+        model_out.write_text(yaml.safe_dump(plant.to_config(), sort_keys=False), encoding="utf-8")
+    if json:
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/fit/1", "parameters": rows}))
+    if json != "-":
+        for row in rows:
+            print(f"{row['name']} = {row['value']:.5g} ± {row['std']:.2g} {row['unit']}")

@@ -1,0 +1,51 @@
+"""`nxt-twin mock`: serve a brick made of software until interrupted."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, final
+
+import typer
+
+from nxt_twin.mock.run import Served, serve
+
+
+@final
+class _MachineClock:
+    def now_s(self) -> float:
+        return time.monotonic()
+
+    def sleep(self, duration_s: float) -> None:
+        time.sleep(duration_s)
+
+
+def mock(
+    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Listen here; port 0 is any.")] = None,
+    pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
+    world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
+    seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
+    profile: Annotated[str, typer.Option(help="Delays of the link: none, usb or bluetooth.")] = "none",
+    as_json: Annotated[bool, typer.Option("--json", help="Say in JSON where it is reached.")] = False,
+) -> None:
+    """Serve a mock brick until interrupted; framing as on Bluetooth."""
+
+    def announce(served: Served) -> None:
+        if as_json:
+            print(json.dumps({"name": served.name, "urls": served.urls}), flush=True)
+        else:
+            print(f"Mock brick '{served.name}' at {'  '.join(served.urls)}", flush=True)
+
+    try:
+        serve(
+            clock=_MachineClock(),
+            announce=announce,
+            tcp=tcp,
+            pty=pty,
+            world=world,
+            seed=seed,
+            profile=profile,
+        )
+    except KeyboardInterrupt:
+        return

@@ -1,0 +1,120 @@
+"""Judge plants on what no fit has seen, and whether what is left is noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.fit import BoolArray
+from nxt_twin.diagnose.problem import HeldOut, Problem
+from nxt_twin.diagnose.residuals import Residuals
+from nxt_twin.physics.observer import Noise, free_run_std, observer
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Job, Simulator, free_job
+from nxt_twin.physics.start import moving_start, restarts
+from nxt_twin.recording.recording import FloatArray
+
+_RIDGE = 3.0
+_FOLDS = 6
+_SPEED_BINS = 8
+_BLOCK_S = 1.0
+
+
+@final
+@dataclass(frozen=True)
+class FreeRun:
+    """A held-out recording run freely by one plant; arrays of shape (samples,), in SI units.
+
+    `judged` marks the readings that count: held out, not a restart's own, and not stale.
+    """
+
+    held_out: HeldOut
+    predicted: FloatArray
+    stale: BoolArray
+    judged: BoolArray
+
+    @property
+    def rms(self) -> float:
+        """RMS error of the judged readings."""
+        return _rms((self.held_out.signals.measured - self.predicted)[self.judged])
+
+
+def free_runs(
+    simulator: Simulator, problem: Problem, plant: Plant, best: Plant, noise: Noise
+) -> list[FreeRun]:
+    """Run `plant` freely over all that is held out; `best` and `noise` tell which readings are stale."""
+    found = []
+    for part in problem.held_out:
+        stale = _stale(simulator, part, best, noise)
+        clean = replace(part.signals, measured=np.where(stale, np.nan, part.signals.measured))
+        start = restarts(clean, problem.window_s)
+        run = simulator.trace(plant, free_job(clean, start))
+        judged = part.counted & ~stale & ~start.at
+        found.append(FreeRun(part, run["predicted"], stale, judged))
+    return found
+
+
+def overall(runs: Sequence[FreeRun]) -> float:
+    """RMS error over the judged readings of all runs, each reading alike."""
+    errors = [(run.held_out.signals.measured - run.predicted)[run.judged] for run in runs]
+    return _rms(np.concatenate(errors))
+
+
+def noise_floor(problem: Problem, noise: Noise) -> float:
+    """The RMS error that noise alone gives free runs over what is held out, by linear theory."""
+    variances = [
+        (free_run_std(part.signals, noise, part.start) ** 2)[part.counted & ~part.start.at]
+        for part in problem.held_out
+    ]
+    return float(np.sqrt(np.mean(np.concatenate(variances))))
+
+
+def leftover_nats(residuals: Residuals) -> float:
+    """How much of the innovations a flexible function of the plant's state foretells, nats, out of fold.
+
+    Speed in bins, direction, command, angle, time and what follows a command. A model that lacks nothing leaves
+    innovations that nothing foretells, and this is then about zero or less.
+    """
+    features = _features(residuals)
+    block = np.floor(residuals.time_s / _BLOCK_S).astype(int) + 7 * residuals.run
+    folds = block % _FOLDS
+    foretold = np.zeros(residuals.normalised.size)
+    for fold in range(_FOLDS):
+        known, asked = folds != fold, folds == fold
+        normal = features[known].T @ features[known] + _RIDGE * np.eye(features.shape[1])
+        weights = np.linalg.solve(normal, features[known].T @ residuals.normalised[known])
+        foretold[asked] = features[asked] @ weights
+    left = residuals.normalised - foretold
+    return float(0.5 * np.sum(residuals.normalised**2 - left**2))
+
+
+def _features(residuals: Residuals) -> FloatArray:
+    speed = residuals.speed
+    direction = np.sign(speed) * (np.abs(speed) > 1e-3 * np.std(speed))
+    edges = np.quantile(speed, np.linspace(0.0, 1.0, _SPEED_BINS + 1))[1:-1]
+    bins = np.eye(_SPEED_BINS)[np.searchsorted(edges, speed)]
+    command = residuals.command / max(float(np.std(residuals.command)), 1e-12)
+    relative = speed / max(float(np.std(speed)), 1e-12)
+    recent = np.exp(-residuals.since_command_s / 0.05) * residuals.command_change
+    turns = [f(n * residuals.position) for n in (1, 2) for f in (np.sin, np.cos)]
+    elapsed = residuals.time_s / max(float(residuals.time_s.max()), 1e-9) - 0.5
+    columns = [direction, command, np.abs(command), relative * command, recent, elapsed, elapsed * direction]
+    columns += [np.square(relative) * direction, residuals.acceleration, np.abs(residuals.acceleration)]
+    return np.column_stack([bins, *columns, *turns])
+
+
+def _stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Noise) -> BoolArray:
+    if not any("outlier" in effect.terms for effect in best.effects):
+        return np.zeros(part.signals.time_s.size, dtype=bool)
+    seen = observer(part.signals, noise)
+    job = Job(part.signals, seen, moving_start(part.signals), noise.disturbance_time_s)
+    weight = simulator.trace(best, job)["weight"]
+    doubted: BoolArray = (weight > 0.0) & (weight < 0.5)
+    return doubted
+
+
+def _rms(errors: FloatArray) -> float:
+    return float(np.sqrt(np.mean(errors**2))) if errors.size else float("nan")

@@ -1,0 +1,145 @@
+"""What a diagnosis says to a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, HeldOutRun, Mismatch, NextExperiment, Verdict
+from nxt_twin.diagnose.problem import Problem
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.plant import Plant
+from nxt_twin.recording.recording import FloatArray
+
+_BAD_RUN_RATIO = 2.5
+
+
+def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
+    """What is wrong, in one sentence."""
+    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
+    named = _listed([effect.name for effect in effects])
+    if verdict == "adequate":
+        return (
+            f"Nothing is missing: with its parameters re-fitted the model predicts unseen data to "
+            f"{fit.improved:.3g} {fit.unit}."
+        )
+    if verdict == "explained":
+        return f"The model leaves out {named}; with that in it, the free-run error falls {figures}."
+    if effects:
+        return (
+            f"Something is missing that no known effect accounts for; {named} helps ({figures}), "
+            f"and what is left is more than noise."
+        )
+    return (
+        "Something is missing, and it is no effect that this tool knows; "
+        f"the free-run error on data that was not fitted stays at {fit.improved:.3g} {fit.unit}."
+    )
+
+
+def why_confusable(effect: Effect, other: Effect, behind: float) -> str:
+    """Why these recordings leave it open which of two effects it is."""
+    told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
+    likeness = (
+        f"in its place it does better by {-behind:.1f} nats"
+        if behind < 0.0
+        else f"in its place it does worse by only {behind:.1f} nats"
+    )
+    return f"{likeness}; {told}" if told else f"{likeness} on these recordings"
+
+
+def experiment_between(effect: Effect, other: Effect) -> NextExperiment:
+    """What would tell two effects apart."""
+    told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
+    fallback = "slow ramps through zero both ways, steps of several sizes, and coast-downs without current"
+    return NextExperiment(
+        why=f"these recordings do not tell {effect.name} from {other.name}", input=told or fallback
+    )
+
+
+def experiment_for_unknown() -> NextExperiment:
+    """What to record when nothing known accounts for the mismatch."""
+    return NextExperiment(
+        why="what is left follows the plant's state, and no known effect has its shape",
+        input="the same input twice, then at half the size, then from another angle: "
+        "what repeats is physics, and what it changes with says which",
+    )
+
+
+def notes(
+    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], mismatch: Mismatch, window_s: float
+) -> tuple[str, ...]:
+    """Plain remarks: how the error is counted, anchors, bad runs, faults of the recording."""
+    said = [f"Each free run starts from the measured state and lasts {window_s:.3g} s."]
+    if plant.layout.frame == "motor":
+        said.append(
+            "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "
+            "and torque constant as their anchor, and are off by as much as these are."
+        )
+    for run in runs:
+        count = int(run.stale.sum())
+        if count:
+            at = ", ".join(f"{t:.3f}" for t in run.time_s[run.stale > 0.0][:6])
+            more = ", …" if count > 6 else ""
+            said.append(
+                f"{run.recording}: {count} readings were taken before they were stamped (at {at}{more} s), "
+                "a fault of the transport and not of the motor; they are left out of the errors."
+            )
+    said.extend(_bad_runs(problem, runs))
+    said.extend(_at_bounds(problem, plant))
+    if mismatch.when and not runs:
+        said.append("Nothing could be held out.")
+    return tuple(said)
+
+
+def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
+    """Which held-out runs stay bad beside the others, and what about them was never fitted."""
+    errors = np.array([run.improved_rmse for run in runs])
+    if errors.size < 3:
+        return []
+    usual = float(np.nanmedian(errors))
+    largest = max(float(np.abs(s.command).max()) for s in problem.signals)
+    fastest = max(_fastest(s.time_s, s.measured) for s in problem.signals)
+    said = []
+    for part, run in zip(problem.held_out, runs, strict=True):
+        if not run.improved_rmse > _BAD_RUN_RATIO * usual:
+            continue
+        signals = part.signals
+        reasons = []
+        command = float(np.abs(signals.command).max())
+        if command > 1.02 * largest:
+            reasons.append(f"its commands reach {command / largest:.2f} times the largest that was fitted")
+        if _fastest(signals.time_s, signals.measured) > 1.05 * fastest:
+            reasons.append("it runs faster than anything that was fitted")
+        if signals.command.size > 5 * max(s.command.size for s in problem.signals):
+            reasons.append("its input varies all the time, the fitted ones hardly")
+        why = _listed(reasons) if reasons else "nothing in its inputs says why"
+        said.append(f"{run.recording} stays bad ({run.improved_rmse:.3g} beside a usual {usual:.3g}): {why}.")
+    return said
+
+
+def _fastest(time_s: FloatArray, measured: FloatArray) -> float:
+    known = np.isfinite(measured)
+    t, y = time_s[known], measured[known]
+    far = max(1, int(np.searchsorted(t, t[0] + 0.2)))
+    return float(np.max(np.abs(y[far:] - y[:-far]) / np.maximum(t[far:] - t[:-far], 1e-6)))
+
+
+def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
+    said = []
+    for slot, parameter in plant.layout.parameters.items():
+        if slot not in plant.values or parameter.frozen or parameter.tied_to:
+            continue
+        scaled = parameter.scaled(problem.scale)
+        value = plant.values[slot] / parameter.si
+        if value <= scaled.lower and scaled.lower == 0.0:
+            said.append(f"{parameter.name} went to 0: these recordings show nothing of it.")
+        elif value >= scaled.upper:
+            said.append(f"{parameter.name} went to its upper bound {scaled.upper:.3g} {parameter.unit}.")
+    return said
+
+
+def _listed(items: Sequence[str]) -> str:
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} and {items[-1]}"

@@ -1,0 +1,1 @@
+"""The brick's body: battery, motors and sensors, as the firmware's hardware."""

@@ -1,0 +1,76 @@
+"""The three motors: bridges, plants and encoders."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, Protocol, final
+
+import numpy as np
+
+from nxt_twin.physics.base.dc_motor import MODE_BRAKE, MODE_COAST, MODE_DRIVE, MODE_FLOAT
+from nxt_twin.physics.signals import IntArray
+from nxt_twin.recording.recording import FloatArray
+
+_PULSE_STEPS: Final = 125
+"""The pulse width counter's top: a speed of 100 is on all the time, and more than that no more."""
+_COUNTS_PER_RAD: Final = 180.0 / math.pi
+
+
+class Plants(Protocol):
+    """Plants that advance together; `nxt_twin.physics.stepper.Stepper` is one."""
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angles, rad."""
+        ...
+
+    @property
+    def current(self) -> FloatArray:
+        """Winding currents, A."""
+        ...
+
+    def step(self, duty: FloatArray, mode: IntArray, supply_v: float, step_s: float) -> None:
+        """Advance with these duties (-1 to 1) and drive modes."""
+        ...
+
+
+@final
+class Motors:
+    """Three motors behind their bridges.
+
+    Args:
+        plants: the three plants.
+    """
+
+    def __init__(self, plants: Plants) -> None:
+        self._plants = plants
+        count = len(plants.angle)
+        self._duty = np.zeros(count)
+        self._mode = np.full(count, MODE_COAST, dtype=np.int64)
+        self._set = [(0, False)] * count
+
+    def set(self, port: int, speed: int, *, brake: bool) -> None:
+        """Set a bridge, as `Hardware.set_motor` says."""
+        if self._set[port] == (speed, brake):
+            return
+        self._set[port] = (speed, brake)
+        steps = min(abs(speed) * _PULSE_STEPS // 100, _PULSE_STEPS)
+        self._duty[port] = math.copysign(steps / _PULSE_STEPS, speed)
+        if steps:
+            self._mode[port] = MODE_DRIVE if brake else MODE_FLOAT
+        else:
+            self._mode[port] = MODE_BRAKE if brake else MODE_COAST
+
+    def step(self, supply_v: float, duration_s: float) -> float:
+        """Advance, and give the current that the motors draw from the supply, A."""
+        self._plants.step(self._duty, self._mode, supply_v, duration_s)
+        return float(self._duty.dot(self._plants.current))
+
+    def counts(self) -> list[int]:
+        """The encoders' counts since power-on."""
+        return [math.floor(angle * _COUNTS_PER_RAD) for angle in self._plants.angle.tolist()]
+
+    def angles_rad(self) -> list[float]:
+        """The hubs' true angles, rad."""
+        angles: list[float] = self._plants.angle.tolist()
+        return angles

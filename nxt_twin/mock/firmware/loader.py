@@ -1,0 +1,329 @@
+"""The loader: files by handle, searches, and the table of files.
+
+Source: LEGO NXT firmware 1.29, c_loader.c and d_loader.c.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Final, final
+
+from firmware_protocol import (
+    LoaderMap,
+    ModuleId,
+    Status,
+    decode_io_map,
+    encode_io_map,
+    fold_case,
+    limits,
+    pattern_matches,
+)
+from firmware_protocol.names import NAME_LENGTH_MAX
+from nxt_twin.mock.firmware.flash import SectorTable, StoredFile, free_bytes, sectors_needed
+from nxt_twin.mock.firmware.module import Module
+
+_BEFORE_FIRST: Final = -1
+
+
+class LoaderRefusal(Exception):  # noqa: N818 - a refusal is what it is
+    """The loader says no.
+
+    Args:
+        status: why.
+        handle: the handle that the reply names beside it.
+    """
+
+    def __init__(self, status: Status, handle: int = 0) -> None:
+        self.status = status
+        self.handle = handle
+        super().__init__(f"{status.text} (handle {handle})")
+
+
+class Use(Enum):
+    """What a handle is used for."""
+
+    FREE = "free"
+    READING = "reading"
+    SEARCHING = "searching"
+    WRITING = "writing"
+
+
+@final
+class Handle:
+    """One of the sixteen handles; what a closed one knew stays until it is used again."""
+
+    __slots__ = ("buffered", "failed", "file", "index", "pattern", "position", "remaining", "use")
+
+    def __init__(self) -> None:
+        self.use = Use.FREE
+        self.pattern = ""
+        self.index = 0
+        self.file: StoredFile | None = None
+        self.position = 0
+        self.remaining = 0
+        self.buffered = False
+        self.failed = False
+
+
+@final
+class Loader(Module):
+    """Files in flash, newest first."""
+
+    module_id = ModuleId.LOADER
+    name = "Loader.mod"
+
+    def __init__(self) -> None:
+        self.files: list[StoredFile] = []
+        self.handles = tuple(Handle() for _ in range(limits.FILE_HANDLE_COUNT))
+        self._sectors = SectorTable()
+        self._free = 0
+        self._function_pointer = 0
+        self._recount()
+        self.free_flash = self._free
+        """Free bytes as the IO map publishes them, which is not always up to date."""
+
+    def open_read(self, name: str) -> tuple[int, int]:
+        """A handle for reading, and the number of bytes to read.
+
+        An empty file is refused as missing, and then handle 0 is closed in place of the one it got.
+        """
+        number, file = self._find_by_name(name)
+        if file.size == 0:
+            self.close(0)
+            raise LoaderRefusal(Status.FILE_NOT_FOUND)
+        handle = self.handles[number]
+        handle.file = file
+        handle.position = 0
+        return number, len(file.data)
+
+    def open_write(self, name: str, size: int, *, linear: bool = False, appendable: bool = False) -> int:
+        """A handle for writing a new file of `size` bytes."""
+        number = self._take_handle()
+        try:
+            self._check_new(number, name, size)
+            sectors = self._sectors.take(sectors_needed(size), linear=linear)
+            if sectors is None:
+                status = Status.NO_LINEAR_SPACE if linear else Status.UNDEFINED_ERROR
+                raise LoaderRefusal(status, number)
+        except LoaderRefusal:
+            self.close(number)
+            raise
+        handle = self.handles[number]
+        handle.file = StoredFile(name, size, linear, appendable, sectors)
+        handle.position, handle.remaining, handle.failed = 0, size, False
+        handle.use = Use.WRITING
+        if appendable:
+            self._insert(handle.file)
+            handle.index = 0
+        self._free = free_bytes(self._sectors.free)
+        self.free_flash = self._free
+        return number
+
+    def _check_new(self, number: int, name: str, size: int) -> None:
+        handle = self.handles[number]
+        if len(name) > NAME_LENGTH_MAX:
+            raise LoaderRefusal(Status.ILLEGAL_FILE_NAME, number)
+        self._aim(handle, name)
+        if self._search(handle) is not None or self._is_downloading(name):
+            raise LoaderRefusal(Status.FILE_EXISTS, number)
+        unlisted = sum(h.use is Use.WRITING and not _appendable(h) for h in self.handles)
+        if len(self.files) + unlisted >= limits.FILE_COUNT:
+            raise LoaderRefusal(Status.NO_MORE_FILES, number)
+        self._take_buffer(number)
+        if size > self._free:
+            raise LoaderRefusal(Status.NO_SPACE, number)
+
+    def open_append(self, name: str) -> tuple[int, int]:
+        """A handle for appending to a data file, and how many bytes still fit."""
+        number, file = self._find_by_name(name)
+        try:
+            if self._is_downloading(name):
+                raise LoaderRefusal(Status.FILE_IS_BUSY, number)
+            if not file.appendable:
+                raise LoaderRefusal(Status.APPEND_NOT_POSSIBLE, number)
+            room = file.size - len(file.data)
+            if room == 0:
+                raise LoaderRefusal(Status.FILE_IS_FULL, number)
+            self._take_buffer(number)
+        except LoaderRefusal:
+            self.close(number)
+            raise
+        handle = self.handles[number]
+        handle.file, handle.use = file, Use.WRITING
+        handle.position, handle.remaining, handle.failed = len(file.data), room, False
+        return number, room
+
+    def read(self, number: int, length: int) -> tuple[bytes, Status]:
+        """The next bytes of a file; fewer than asked for, with that status, at its end."""
+        handle = self._handle_for(number, Use.READING)
+        if handle.file is None:
+            return b"", Status.END_OF_FILE
+        data = bytes(handle.file.data[handle.position : handle.position + length])
+        handle.position += len(data)
+        return data, Status.OK if len(data) == length else Status.END_OF_FILE
+
+    def write(self, number: int, data: bytes) -> tuple[int, Status]:
+        """Append to a file that is being written: how many bytes fitted, and whether all ever did."""
+        handle = self._handle_for(number, Use.WRITING)
+        if len(data) > handle.remaining:
+            data = data[: handle.remaining]
+            handle.failed = True
+        if handle.file is not None:
+            handle.file.data += data
+        handle.position += len(data)
+        handle.remaining -= len(data)
+        return len(data), Status.END_OF_FILE_EXPECTED if handle.failed else Status.OK
+
+    def close(self, number: int) -> Status:
+        """Close a handle; a file that is not complete vanishes, unless it is a data file. Never refused."""
+        if number >= len(self.handles):
+            return Status.OK
+        handle = self.handles[number]
+        if handle.use is Use.FREE:
+            return Status.HANDLE_ALREADY_CLOSED
+        if handle.use is Use.WRITING and handle.file is not None and not handle.file.appendable:
+            if handle.failed or handle.remaining:
+                self._recount()
+            else:
+                self._insert(handle.file)
+        handle.buffered = False
+        handle.use = Use.FREE
+        return Status.OK
+
+    def crop(self, number: int) -> Status:
+        """Close a data file and give back what is free in it."""
+        status = self.close(number)
+        if status == Status.OK and number < len(self.handles):
+            file = self.handles[number].file
+            if file is not None and file in self.files and len(file.data) < file.size:
+                file.size = len(file.data)
+                file.sectors = file.sectors[: sectors_needed(file.size)]
+                self._recount()
+        self.free_flash = self._free
+        return status
+
+    def delete(self, name: str) -> None:
+        """Delete a file that nobody else reads or writes."""
+        try:
+            number, file = self._find_by_name(name)
+            self.close(number)
+            if any(h.file is file and h.use in (Use.READING, Use.WRITING) for h in self.handles):
+                raise LoaderRefusal(Status.FILE_IS_BUSY, number)
+            gone = self.files.index(file)
+            del self.files[gone]
+            self._recount()
+            for handle in self.handles:
+                if handle.use is not Use.FREE and handle.index > gone:
+                    handle.index -= 1
+        finally:
+            self.free_flash = self._free
+
+    def delete_all(self) -> None:
+        """Delete all files and close all handles."""
+        for number in range(len(self.handles)):
+            self.close(number)
+        self.files.clear()
+        self._recount()
+        self.free_flash = self._free
+
+    def find_first(self, pattern: str) -> tuple[int, StoredFile]:
+        """A search handle and the first file that the pattern finds."""
+        number = self._take_handle()
+        handle = self.handles[number]
+        file = None
+        if len(pattern) <= NAME_LENGTH_MAX:
+            self._aim(handle, pattern)
+            handle.use = Use.SEARCHING
+            file = self._search(handle)
+        if file is None:
+            self.close(number)
+            too_long = len(pattern) > NAME_LENGTH_MAX
+            raise LoaderRefusal(Status.ILLEGAL_FILE_NAME if too_long else Status.FILE_NOT_FOUND, number)
+        return number, file
+
+    def find_next(self, number: int) -> StoredFile:
+        """The next file of a search; the handle stays open, found or not, and is not checked."""
+        file = self._search(self.handles[number]) if number < len(self.handles) else None
+        if file is None:
+            raise LoaderRefusal(Status.FILE_NOT_FOUND, number)
+        return file
+
+    def find(self, name: str) -> StoredFile | None:
+        """The file of that name, found through a handle that is given back at once."""
+        try:
+            number, file = self.find_first(name)
+        except LoaderRefusal:
+            return None
+        self.close(number)
+        return file
+
+    def _take_handle(self) -> int:
+        for number, handle in enumerate(self.handles):
+            if handle.use is Use.FREE:
+                handle.use = Use.READING
+                handle.file = None
+                return number
+        raise LoaderRefusal(Status.NO_MORE_HANDLES)
+
+    def _find_by_name(self, name: str) -> tuple[int, StoredFile]:
+        number = self._take_handle()
+        handle = self.handles[number]
+        file = None
+        if len(name) <= NAME_LENGTH_MAX:
+            self._aim(handle, name)
+            file = self._search(handle)
+        if file is None:
+            self.close(number)
+            too_long = len(name) > NAME_LENGTH_MAX
+            raise LoaderRefusal(Status.ILLEGAL_FILE_NAME if too_long else Status.FILE_NOT_FOUND, number)
+        handle.file = file
+        return number, file
+
+    def _aim(self, handle: Handle, pattern: str) -> None:
+        handle.pattern = pattern
+        handle.index = _BEFORE_FIRST
+
+    def _search(self, handle: Handle) -> StoredFile | None:
+        for index in range(handle.index + 1, len(self.files)):
+            if pattern_matches(handle.pattern, self.files[index].name):
+                handle.index = index
+                return self.files[index]
+        return None
+
+    def _is_downloading(self, name: str) -> bool:
+        wanted = fold_case(name)
+        return any(h.use is Use.WRITING and fold_case(h.pattern) == wanted for h in self.handles)
+
+    def _take_buffer(self, number: int) -> None:
+        if sum(handle.buffered for handle in self.handles) >= limits.WRITE_BUFFER_COUNT:
+            raise LoaderRefusal(Status.NO_WRITE_BUFFERS, number)
+        self.handles[number].buffered = True
+
+    def _handle_for(self, number: int, use: Use) -> Handle:
+        if number >= len(self.handles) or self.handles[number].use is not use:
+            raise LoaderRefusal(Status.ILLEGAL_HANDLE, number)
+        return self.handles[number]
+
+    def _insert(self, file: StoredFile) -> None:
+        self.files.insert(0, file)
+        for handle in self.handles:
+            if handle.use is not Use.FREE:
+                handle.index += 1
+
+    def _recount(self) -> None:
+        self._sectors.rebuild(self.files)
+        self._free = free_bytes(self._sectors.free)
+
+    def export(self) -> bytes:
+        """The IO map."""
+        return encode_io_map(LoaderMap(self._function_pointer, self.free_flash))
+
+    def adopt(self, data: bytes) -> None:
+        """Take over the IO map."""
+        given = decode_io_map(LoaderMap, data)
+        self._function_pointer = given.function_pointer
+        self.free_flash = given.free_user_flash
+
+
+def _appendable(handle: Handle) -> bool:
+    return handle.file is not None and handle.file.appendable

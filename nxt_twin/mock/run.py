@@ -1,0 +1,120 @@
+"""Serve a mock brick in real time, until it is switched off or the user interrupts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from nxt_twin.mock.body.world import World, load_world
+from nxt_twin.mock.errors import ServeError
+from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.serve.clock import Clock
+from nxt_twin.mock.serve.endpoint import Endpoint
+from nxt_twin.mock.serve.host import Host
+from nxt_twin.mock.serve.profile import PROFILES, Profile
+from nxt_twin.mock.serve.tcp import TcpEndpoint
+
+DEFAULT_TCP = "127.0.0.1:0"
+"""Loopback, any free port."""
+
+
+@final
+@dataclass(frozen=True)
+class Served:
+    """What is being served.
+
+    Attributes:
+        name: the brick's name.
+        urls: where clients reach it.
+    """
+
+    name: str
+    urls: tuple[str, ...]
+
+
+def serve(
+    *,
+    clock: Clock,
+    announce: Callable[[Served], None],
+    tcp: str | None = None,
+    pty: Path | None = None,
+    world: Path | None = None,
+    seed: int = 0,
+    profile: str = "none",
+    stop: Callable[[], bool] = lambda: False,
+) -> None:
+    """Serve a mock brick; blocks until the brick is off, `stop` says so, or the user interrupts.
+
+    Args:
+        clock: the machine's clock.
+        announce: told once where the brick is reached.
+        tcp: HOST:PORT to listen at; with neither `tcp` nor `pty`, any free port of the loopback.
+        pty: where to put the symbolic link to a pseudo-terminal.
+        world: a world file; without it the brick is as LEGO ships it.
+        seed: of noise, jitter and faults.
+        profile: delays of the link, by name (`nxt_twin.mock.serve.profile.PROFILES`).
+        stop: asked once a tick.
+
+    Raises:
+        WorldError: the world file is none.
+        PlantError: a motor's plant in it is none.
+        ServeError: a place at which the brick cannot be served.
+    """
+    host = Host(_firmware(world, seed), clock)
+    link = _profile(profile)
+    endpoints: list[Endpoint] = []
+    try:
+        if tcp is not None or pty is None:
+            endpoints.append(TcpEndpoint(host, parse_address(tcp or DEFAULT_TCP), link, seed))
+        if pty is not None:
+            endpoints.append(_pty(host, pty, link, seed + 1))
+        announce(Served(host.firmware.radio.brick_name, tuple(endpoint.url for endpoint in endpoints)))
+        _run(host, endpoints, stop)
+    finally:
+        for endpoint in endpoints:
+            endpoint.close()
+
+
+def _run(host: Host, endpoints: Sequence[Endpoint], stop: Callable[[], bool]) -> None:
+    while host.running and not stop():
+        for endpoint in endpoints:
+            endpoint.take_in()
+        host.wait(host.next_tick_s)
+        for endpoint in endpoints:
+            endpoint.hand_out()
+
+
+def _pty(host: Host, link: Path, profile: Profile, seed: int) -> Endpoint:
+    try:
+        from nxt_twin.mock.serve.pty import PtyEndpoint
+    except ImportError:
+        mend = "serve it over TCP"
+        raise ServeError("this system has no pseudo-terminals", where=str(link), mend=mend) from None
+    return PtyEndpoint(host, link, profile, seed)
+
+
+def _firmware(world: Path | None, seed: int) -> Firmware:
+    surroundings = World() if world is None else load_world(world)
+    folder = None if world is None else world.parent
+    return Firmware(surroundings.body(seed, folder), surroundings.identity())
+
+
+def _profile(name: str) -> Profile:
+    if name not in PROFILES:
+        raise ServeError("is no profile", where=repr(name), mend=f"one of {', '.join(PROFILES)}")
+    return PROFILES[name]
+
+
+def parse_address(text: str) -> tuple[str, int]:
+    """Host and port of ``HOST:PORT``; an IPv6 host stands in brackets.
+
+    Raises:
+        ServeError: it is not of that form.
+    """
+    name, colon, port = text.rpartition(":")
+    name = name.removeprefix("[").removesuffix("]")
+    if not (colon and name and port.isascii() and port.isdigit() and int(port) <= 0xFFFF):
+        raise ServeError("is not HOST:PORT", where=repr(text), mend="such as 127.0.0.1:7000")
+    return name, int(port)

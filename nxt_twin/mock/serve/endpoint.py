@@ -1,0 +1,26 @@
+"""What the serving loop needs of a place where clients come and go."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+
+class Endpoint(ABC):
+    """Abstract: a place at which the mock brick is served to one client at a time, never blocking."""
+
+    @property
+    @abstractmethod
+    def url(self) -> str:
+        """What a client pastes to reach it."""
+
+    @abstractmethod
+    def take_in(self) -> None:
+        """Accept a client, notice that one has gone, and read what it has sent."""
+
+    @abstractmethod
+    def hand_out(self) -> None:
+        """Write what the brick has to say."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Stop serving."""

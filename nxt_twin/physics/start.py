@@ -1,0 +1,58 @@
+"""Where a run takes its state from outside: once at rest, or again and again from smoothed readings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nxt_twin.physics.signals import IntArray, Signals
+from nxt_twin.physics.smooth import half_window_s, smoothed
+from nxt_twin.recording.recording import FloatArray
+
+
+@final
+@dataclass(frozen=True)
+class Start:
+    """At which samples a run starts anew, always including the first, and from where; shape (samples,)."""
+
+    at: NDArray[np.bool_]
+    position: FloatArray
+    speed: FloatArray
+
+    def part(self, rows: IntArray) -> Start:
+        """The same for some of the samples."""
+        return Start(self.at[rows], self.position[rows], self.speed[rows])
+
+
+def at_rest(signals: Signals) -> Start:
+    """Start once, at the first reading, standing still."""
+    rows = signals.time_s.size
+    first = signals.measured[np.isfinite(signals.measured)][0]
+    at = np.zeros(rows, dtype=bool)
+    at[0] = True
+    return Start(
+        at, np.full(rows, 0.0 if signals.is_speed else first), np.full(rows, first * signals.is_speed)
+    )
+
+
+def restarts(signals: Signals, every_s: float) -> Start:
+    """Start anew from the smoothed readings every `every_s` seconds, beginning with the first."""
+    position, speed = smoothed(signals)
+    window = np.floor((signals.time_s - signals.time_s[0]) / every_s)
+    at = np.diff(window, prepend=-1.0) > 0.0
+    at &= np.isfinite(signals.measured) | (np.arange(at.size) == 0)
+    resolved = np.abs(speed) >= _speed_resolution(signals)
+    return Start(at, position, np.where(resolved, speed, 0.0))
+
+
+def moving_start(signals: Signals) -> Start:
+    """Start once, at the first reading, with the speed that the first readings show."""
+    return restarts(signals, np.inf)
+
+
+def _speed_resolution(signals: Signals) -> float:
+    """The smallest speed that the quantum lets the smoother see."""
+    return 0.0 if signals.is_speed else signals.quantum / half_window_s(signals)

@@ -1,0 +1,91 @@
+"""The links that are checked, each with the far end in the test's hand; another one is one more line."""
+
+from __future__ import annotations
+
+import os
+import socket
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+
+from nxt_twin.brick.clock import SystemClock
+from nxt_twin.brick.link import Link
+from nxt_twin.brick.links.serial_port import open_serial
+from nxt_twin.brick.links.sockets import SocketStream
+from nxt_twin.brick.links.stream import StreamLink
+from nxt_twin.brick.links.tcp import open_tcp
+
+
+@dataclass(frozen=True)
+class FarEnd:
+    """What the brick would hold in its hand.
+
+    Attributes:
+        read: takes the bytes that the link wrote.
+        write: sends bytes to the link, framed or not.
+        vanish: ends the connection without a word.
+    """
+
+    read: Callable[[], bytes]
+    write: Callable[[bytes], object]
+    vanish: Callable[[], None]
+
+
+@dataclass(frozen=True)
+class LinkPair:
+    """A link and its far end."""
+
+    link: Link
+    far: FarEnd
+
+
+@contextmanager
+def _socket_pair() -> Iterator[LinkPair]:
+    near, far = socket.socketpair()
+    link = StreamLink(SocketStream(near, "pair"), SystemClock(), "pair")
+    with far:
+        yield LinkPair(link, _socket_end(far))
+    link.close()
+
+
+@contextmanager
+def _tcp() -> Iterator[LinkPair]:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        link = open_tcp(f"127.0.0.1:{listener.getsockname()[1]}", SystemClock())
+        far, _ = listener.accept()
+        with far:
+            yield LinkPair(link, _socket_end(far))
+        link.close()
+
+
+@contextmanager
+def _pty() -> Iterator[LinkPair]:
+    controller, terminal = os.openpty()
+    tty.setraw(terminal)
+    link = open_serial(os.ttyname(terminal), SystemClock())
+    os.close(terminal)
+    gone: list[int] = []
+
+    def vanish() -> None:
+        os.close(controller)
+        gone.append(controller)
+
+    yield LinkPair(
+        link,
+        FarEnd(lambda: os.read(controller, 4096), lambda data: os.write(controller, data), vanish),
+    )
+    link.close()
+    if not gone:
+        os.close(controller)
+
+
+def _socket_end(far: socket.socket) -> FarEnd:
+    return FarEnd(lambda: far.recv(4096), far.sendall, far.close)
+
+
+LINKS: dict[str, Callable[[], AbstractContextManager[LinkPair]]] = {
+    "socket pair": _socket_pair,
+    "tcp": _tcp,
+    "pty": _pty,
+}
