@@ -7,8 +7,6 @@ from typing import Annotated
 
 import typer
 import yaml
-from rich.console import Console
-from rich.table import Table
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.diagnose.diagnosis import Diagnosis
@@ -58,32 +56,26 @@ def diagnose(
 
 def show(diagnosis: Diagnosis, page: Path | None) -> None:
     """Print a diagnosis for a person."""
-    console = Console(highlight=False)
-    console.print(f"\n[bold]{diagnosis.name}[/bold]: [bold]{diagnosis.verdict}[/bold]", soft_wrap=True)
-    console.print(diagnosis.sentence, soft_wrap=True, markup=False)
-    table = Table(box=None, padding=(0, 2, 0, 0), show_header=False)
     fit = diagnosis.fit
-    table.add_row(
-        fit.metric, f"{fit.baseline:.4g} → {fit.improved:.4g} {fit.unit}", f"(noise alone {fit.floor:.3g})"
-    )
+    print(f"\n{diagnosis.name}: {diagnosis.verdict}")
+    print(diagnosis.sentence)
+    print(f"  {fit.metric}: {fit.baseline:.4g} → {fit.improved:.4g} {fit.unit} (noise alone {fit.floor:.3g})")
     for effect in diagnosis.effects:
+        print(f"  {effect.id}, probability {effect.probability:.2f}")
         for name, estimate in effect.params.items():
-            table.add_row(
-                f"{effect.id}", f"{name} = {estimate.value:.4g} ± {estimate.std:.2g}", estimate.unit
-            )
+            print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g} {estimate.unit}")
         for other in effect.confusable_with:
-            table.add_row("", f"could be {other.id}", other.why)
+            print(f"    could be {other.id}: {other.why}")
+    if diagnosis.refit:
+        print("  re-fitted")
     for name, moved in diagnosis.refit.items():
-        table.add_row(
-            "re-fitted", f"{name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g}", moved.unit
-        )
-    console.print(table)
+        print(f"    {name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g} {moved.unit}")
     for note in diagnosis.notes:
-        console.print(f"· {note}", soft_wrap=True, markup=False)
+        print(f"  · {note}")
     if diagnosis.next_experiment:
-        console.print(f"next: {diagnosis.next_experiment.input}", soft_wrap=True, markup=False)
+        print(f"  next: {diagnosis.next_experiment.input}")
     if page:
-        console.print(f"report: {page}", soft_wrap=True, markup=False)
+        print(f"  report: {page}")
 
 
 def _diagnose_one(path: Path, seed: int) -> Answer:

@@ -25,7 +25,7 @@ from nxt_twin.diagnose.diagnosis import (
     Verdict,
 )
 from nxt_twin.diagnose.explain import RIVAL_NATS, Explanation, explain, probability
-from nxt_twin.diagnose.judge import FreeRun, free_runs, leftover_nats, noise_floor, overall
+from nxt_twin.diagnose.judge import FreeRun, free_runs, leftover_nats, noise_floor, overall, stale_readings
 from nxt_twin.diagnose.locate import regimes, spells
 from nxt_twin.diagnose.noise import first_guess
 from nxt_twin.diagnose.problem import Problem, problem_of
@@ -37,14 +37,17 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.recording.recording import FloatArray
 
 Progress = Callable[[str], None]
 
 STRUCTURED_NATS = 15.0
 STRUCTURED_TORQUE = 2e-3
 LARGE_TORQUE = 3e-2
+MOST_LEFT = 0.3
 """When what is left is more than noise: a flexible function of the state foretells it by so many nats and it is at
-least the second, or it is the third whatever foretells it; as fractions of a torque ordinary for the plant."""
+least the second, or it is the third whatever foretells it; as fractions of a torque ordinary for the plant. Where
+effects were found, it must also be the fourth of all that there was to explain."""
 
 
 @final
@@ -146,20 +149,29 @@ def _diagnosis(simulator: Simulator, evidence: _Evidence, seed: int) -> Diagnosi
         alternatives=_alternatives(simulator, evidence),
         fit=fit,
         next_experiment=_next_experiment(evidence, verdict),
-        notes=words.notes(problem, evidence.final.plant, held_out, mismatch, problem.window_s),
+        notes=words.notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence)),
         held_out=held_out,
         leftover=_leftover(evidence),
     )
 
 
 def _verdict(evidence: _Evidence) -> Verdict:
-    noise = evidence.final.noise
-    inertia = evidence.final.plant.values[Slot(BASE_OWNER, "inertia")]
-    share = noise.disturbance_std * inertia / evidence.problem.scale.torque
-    structured = leftover_nats(evidence.after) > STRUCTURED_NATS and share > STRUCTURED_TORQUE
-    if structured or share > LARGE_TORQUE:
-        return "unexplained"
-    return "explained" if evidence.explanation.found else "adequate"
+    """Adequate, explained or unexplained, by what is left beside what was found."""
+    left = leftover_nats(evidence.after)
+    before, after = (_torque_share(evidence.problem, s) for s in (evidence.baseline, evidence.final))
+    structured = left > STRUCTURED_NATS and after > STRUCTURED_TORQUE
+    large = after > LARGE_TORQUE
+    if not evidence.explanation.found:
+        return "unexplained" if structured or large else "adequate"
+    gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
+    mostly_left = structured and left > MOST_LEFT * (left + gained)
+    return "unexplained" if mostly_left or (large and after > 0.5 * before) else "explained"
+
+
+def _torque_share(problem: Problem, structure: Structure) -> float:
+    """The unknown torque that a structure leaves, as a fraction of one that is ordinary for the plant."""
+    inertia = structure.plant.values[Slot(BASE_OWNER, "inertia")]
+    return structure.noise.disturbance_std * inertia / problem.scale.torque
 
 
 def _mismatch(evidence: _Evidence, verdict: Verdict, seed: int) -> Mismatch:
@@ -258,6 +270,18 @@ def _held_out(evidence: _Evidence) -> list[HeldOutRun]:
             )
         )
     return listed
+
+
+def _stale(simulator: Simulator, evidence: _Evidence) -> dict[str, FloatArray]:
+    """Times of late-stamped readings by recording, s since its beginning."""
+    problem, final = evidence.problem, evidence.final
+    every = {s.name: s for s in [*problem.signals, *(part.signals for part in problem.held_out)]}
+    found = {}
+    for name, signals in every.items():
+        stale = stale_readings(simulator, signals, final.plant, final.noise)
+        if stale.any():
+            found[name] = (signals.time_s - signals.time_s[0])[stale]
+    return found
 
 
 def _leftover(evidence: _Evidence) -> Leftover:

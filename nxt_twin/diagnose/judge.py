@@ -13,6 +13,7 @@ from nxt_twin.diagnose.problem import HeldOut, Problem
 from nxt_twin.diagnose.residuals import Residuals
 from nxt_twin.physics.observer import Noise, free_run_std, observer
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start, restarts
 from nxt_twin.recording.recording import FloatArray
@@ -21,6 +22,7 @@ _RIDGE = 3.0
 _FOLDS = 6
 _SPEED_BINS = 8
 _BLOCK_S = 1.0
+_RECENT_S = 0.05
 
 
 @final
@@ -48,7 +50,7 @@ def free_runs(
     """Run `plant` freely over all that is held out; `best` and `noise` tell which readings are stale."""
     found = []
     for part in problem.held_out:
-        stale = _stale(simulator, part, best, noise)
+        stale = stale_readings(simulator, part.signals, best, noise)
         clean = replace(part.signals, measured=np.where(stale, np.nan, part.signals.measured))
         start = restarts(clean, problem.window_s)
         run = simulator.trace(plant, free_job(clean, start))
@@ -92,28 +94,27 @@ def leftover_nats(residuals: Residuals) -> float:
 
 
 def _features(residuals: Residuals) -> FloatArray:
-    speed = residuals.speed
-    direction = np.sign(speed) * (np.abs(speed) > 1e-3 * np.std(speed))
+    speed = residuals.speed / max(_rms(residuals.speed), 1e-12)
+    command = residuals.command / max(_rms(residuals.command), 1e-12)
+    direction = np.sign(speed) * (np.abs(speed) > 1e-3)
     edges = np.quantile(speed, np.linspace(0.0, 1.0, _SPEED_BINS + 1))[1:-1]
     bins = np.eye(_SPEED_BINS)[np.searchsorted(edges, speed)]
-    command = residuals.command / max(float(np.std(residuals.command)), 1e-12)
-    relative = speed / max(float(np.std(speed)), 1e-12)
-    recent = np.exp(-residuals.since_command_s / 0.05) * residuals.command_change
-    turns = [f(n * residuals.position) for n in (1, 2) for f in (np.sin, np.cos)]
+    recent = np.exp(-residuals.since_command_s / _RECENT_S) * residuals.command_change
+    turns = [wave(n * residuals.position) for n in (1, 2) for wave in (np.sin, np.cos)]
     elapsed = residuals.time_s / max(float(residuals.time_s.max()), 1e-9) - 0.5
-    columns = [direction, command, np.abs(command), relative * command, recent, elapsed, elapsed * direction]
-    columns += [np.square(relative) * direction, residuals.acceleration, np.abs(residuals.acceleration)]
+    columns = [direction, command, np.abs(command), speed * command, recent, elapsed, elapsed * direction]
+    columns += [np.square(speed) * direction, residuals.acceleration, np.abs(residuals.acceleration)]
     return np.column_stack([bins, *columns, *turns])
 
 
-def _stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Noise) -> BoolArray:
-    if not any("outlier" in effect.terms for effect in best.effects):
-        return np.zeros(part.signals.time_s.size, dtype=bool)
-    seen = observer(part.signals, noise)
-    job = Job(part.signals, seen, moving_start(part.signals), noise.disturbance_time_s)
-    weight = simulator.trace(best, job)["weight"]
-    doubted: BoolArray = (weight > 0.0) & (weight < 0.5)
-    return doubted
+def stale_readings(simulator: Simulator, signals: Signals, plant: Plant, noise: Noise) -> BoolArray:
+    """Readings that a fault in `plant` explains better than the motor's motion does, shape (samples,)."""
+    if not any("outlier" in effect.terms for effect in plant.effects):
+        return np.zeros(signals.time_s.size, dtype=bool)
+    job = Job(signals, observer(signals, noise), moving_start(signals), noise.disturbance_time_s)
+    weight = simulator.trace(plant, job)["weight"]
+    stale: BoolArray = np.isfinite(signals.measured) & ~job.start.at & (weight < 0.5)
+    return stale
 
 
 def _rms(errors: FloatArray) -> float:

@@ -163,8 +163,7 @@ class Workshop:
         runs = self.simulator.run(values[None], active[None], self._free_jobs)
         errors = []
         for job, run, seen, check in zip(self._free_jobs, runs, corrected, self.problem.check, strict=True):
-            judged = check & np.isfinite(job.signals.measured) & ~job.start.at
-            judged &= (seen.weight[0] > 0.5) | (seen.weight[0] == 0.0)
+            judged = check & np.isfinite(job.signals.measured) & ~job.start.at & (seen.weight[0] > 0.5)
             errors.append((job.signals.measured - run.predicted[0])[judged])
         return float(np.sqrt(np.nan_to_num(np.mean(np.concatenate(errors) ** 2), nan=np.inf)))
 

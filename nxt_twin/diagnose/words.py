@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, HeldOutRun, Mismatch, NextExperiment, Verdict
+from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, HeldOutRun, NextExperiment, Verdict
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.recording import FloatArray
+
+FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 
 _BAD_RUN_RATIO = 2.5
 
@@ -19,16 +22,20 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     """What is wrong, in one sentence."""
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
     named = _listed([effect.name for effect in effects])
+    helps = "help" if len(effects) > 1 else "helps"
+    those = "these" if len(effects) > 1 else "it"
     if verdict == "adequate":
         return (
             f"Nothing is missing: with its parameters re-fitted the model predicts unseen data to "
             f"{fit.improved:.3g} {fit.unit}."
         )
+    if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
+        return f"No physics is missing: the recording itself is at fault, by {named}."
     if verdict == "explained":
-        return f"The model leaves out {named}; with that in it, the free-run error falls {figures}."
+        return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
     if effects:
         return (
-            f"Something is missing that no known effect accounts for; {named} helps ({figures}), "
+            f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "
             f"and what is left is more than noise."
         )
     return (
@@ -67,28 +74,27 @@ def experiment_for_unknown() -> NextExperiment:
 
 
 def notes(
-    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], mismatch: Mismatch, window_s: float
+    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], stale: Mapping[str, FloatArray]
 ) -> tuple[str, ...]:
-    """Plain remarks: how the error is counted, anchors, bad runs, faults of the recording."""
-    said = [f"Each free run starts from the measured state and lasts {window_s:.3g} s."]
+    """Plain remarks: how the error is counted, anchors, faults of the recording, runs that stay bad.
+
+    `stale` holds the times (s) of late-stamped readings by recording.
+    """
+    said = [f"Each free run starts from the measured state and lasts {problem.window_s:.3g} s."]
     if plant.layout.frame == "motor":
         said.append(
             "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "
             "and torque constant as their anchor, and are off by as much as these are."
         )
-    for run in runs:
-        count = int(run.stale.sum())
-        if count:
-            at = ", ".join(f"{t:.3f}" for t in run.time_s[run.stale > 0.0][:6])
-            more = ", …" if count > 6 else ""
-            said.append(
-                f"{run.recording}: {count} readings were taken before they were stamped (at {at}{more} s), "
-                "a fault of the transport and not of the motor; they are left out of the errors."
-            )
+    for name, times_s in stale.items():
+        at = ", ".join(f"{t:.3f}" for t in times_s[:12])
+        more = ", …" if times_s.size > 12 else ""
+        said.append(
+            f"{name}: {times_s.size} readings were taken before they were stamped (at {at}{more} s), "
+            "a fault of the transport and not of the motor; they are left out of the errors."
+        )
     said.extend(_bad_runs(problem, runs))
     said.extend(_at_bounds(problem, plant))
-    if mismatch.when and not runs:
-        said.append("Nothing could be held out.")
     return tuple(said)
 
 
