@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench lock clean
+.PHONY: demo test check bench picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -20,6 +20,9 @@ check: $(VENV)/ready-dev
 
 bench: $(VENV)/ready-run
 	$(BIN)/python -m benchmarks
+
+picture: $(VENV)/ready-run
+	$(BIN)/python tools/readme_picture.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import time
 from pathlib import Path
 from typing import Annotated, final
@@ -37,6 +38,9 @@ def mock(
         else:
             print(f"Mock brick '{served.name}' at {'  '.join(served.urls)}", flush=True)
 
+    # A shell starts background jobs with the interrupt ignored; both signals are to end the mock tidily.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     try:
         serve(
             clock=_MachineClock(),

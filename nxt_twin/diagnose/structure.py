@@ -14,13 +14,15 @@ from nxt_twin.diagnose.noise import estimate, with_noise
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.variables import starts_of, variables_of
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Result, Simulator, free_job
 from nxt_twin.physics.start import restarts
 
 _SHARE_ROUNDS = 3
+_STARTS_FOLLOWED = 3
+_START_ITERATIONS = 3
 _SETTLE_ROUNDS = 4
 _RESTING_NATS = 1.0
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
@@ -114,22 +116,21 @@ class Workshop:
         return structure
 
     def start_with(self, plant: Plant, effect: Effect, noise: Noise) -> Plant:
-        """`plant` with `effect` added at the likeliest of its starting values."""
+        """`plant` with `effect` added, a few steps on from the likelier of its starting values."""
         trials = [
-            self._shrunk(plant.with_effect(effect.id, start))
+            _with_load_split(plant.with_effect(effect.id, start), effect)
             for start in starts_of(effect, self.problem.scale)
         ]
         values = np.array([trial.vectors()[0] for trial in trials])
         active = np.array([trial.vectors()[1] for trial in trials])
         target = with_noise(self.problem.target, noise)
         costs = target.cost(self.simulator.run(values, active, target.jobs))
-        return trials[int(np.argmin(costs))]
-
-    def _shrunk(self, plant: Plant) -> Plant:
-        """Take a new load's inertia off the body that carried it until now."""
-        body = Slot("base", "inertia")
-        loads = [value for slot, value in plant.values.items() if slot.symbol == "load_inertia"]
-        return plant.with_values({body: max(0.3 * plant.values[body], plant.values[body] - sum(loads[-1:]))})
+        likely = [trials[i] for i in np.argsort(costs)[:_STARTS_FOLLOWED]]
+        if len(likely) == 1:
+            return likely[0]
+        followed: list[Structure] = [self.fit(trial, noise, iterations=_START_ITERATIONS) for trial in likely]
+        totals = [structure.fitted.cost + structure.fitted.prior_cost for structure in followed]
+        return followed[int(np.argmin(totals))].plant
 
     def _fit_on(self, target: Target, plant: Plant, noise: Noise, iterations: int) -> Structure:
         tuned = with_noise(target, noise)
@@ -185,6 +186,17 @@ class Workshop:
                 share = effect.parameters[0]
                 new[Slot(effect.id, share.symbol)] = float(np.clip(doubts.mean(), share.lower, share.upper))
         return plant.with_values(new)
+
+
+def _with_load_split(plant: Plant, effect: Effect) -> Plant:
+    """Take a new load's inertia off the body, which has carried it until now."""
+    load = Slot(effect.id, "load_inertia")
+    if load not in plant.values:
+        return plant
+    body = Slot(BASE_OWNER, "inertia")
+    total = plant.values[body]
+    share = plant.values[load] / (plant.values[load] + plant.layout.parameters[body].starts[0])
+    return plant.with_values({body: (1.0 - share) * total, load: share * total})
 
 
 def _shares(plant: Plant) -> int:

@@ -62,8 +62,10 @@ def serve(
         PlantError: a motor's plant in it is none.
         ServeError: a place at which the brick cannot be served.
     """
-    host = Host(_firmware(world, seed), clock)
     link = _profile(profile)
+    firmware = _firmware(world, seed)
+    firmware.tick()  # loads the compiled plants, which takes a while, before the clock counts
+    host = Host(firmware, clock)
     endpoints: list[Endpoint] = []
     try:
         if tcp is not None or pty is None:

@@ -74,7 +74,7 @@ def run(
             current = 0.0
             disturbance = 0.0
             last_reading = speed if observe_speed else angle
-{states_zero}
+{states_restart}
         predicted_reading = speed if observe_speed else angle
         predicted[k] = predicted_reading
         weight[k] = 0.0
@@ -198,7 +198,7 @@ def source(plan: Layout) -> str:
         unpack=_indent(_unpack(plan), 4),
         delay=_indent(_stage(plan, "delay"), 4),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
-        states_zero=_indent((f"{state} = 0.0" for state in states), 12),
+        states_restart=_indent(_restart(plan), 12),
         step=_indent(iter(step), 16),
         outlier=_indent(_stage(plan, "outlier"), 16),
     )
@@ -285,6 +285,12 @@ def _unpack(plan: Layout) -> Iterator[str]:
         yield f"{slot.owner}__{slot.symbol} = values[{i}]"
     for i, effect in enumerate(plan.effects):
         yield f"with_{effect.id} = active[{i}]"
+
+
+def _restart(plan: Layout) -> Iterator[str]:
+    for effect in plan.effects:
+        for state in effect.states:
+            yield f"{effect.id}__{state} = {'speed' if state in effect.moving else '0.0'}"
 
 
 def _call(plan: Layout, name: str, function: Callable[..., object]) -> str:

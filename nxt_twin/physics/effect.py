@@ -57,6 +57,7 @@ class Effect:
         parameters: what is fitted. The first is the main one.
         terms: the law as functions, by stage.
         states: names of the extra states, zero at a restart.
+        moving: those of them that are speeds and start with the plant's own.
         frames: kinds of plant that can have it.
         supersedes: ids of effects whose parameters this one replaces while it is in the plant.
         inputs: kinds of input with which it makes sense; empty is all.
@@ -73,6 +74,7 @@ class Effect:
     terms: Mapping[Stage, Term]
     confusable_with: Mapping[str, str] = field(default_factory=dict)
     states: tuple[str, ...] = ()
+    moving: tuple[str, ...] = ()
     frames: tuple[Frame, ...] = FRAMES
     supersedes: tuple[str, ...] = ()
     inputs: tuple[InputKind, ...] = ()

@@ -77,7 +77,10 @@ class _Axis:
     def restart(self, angle: float, speed: float) -> None:
         self._angle, self._speed = angle, speed
         self._current = self._disturbance = 0.0
-        self._states = {effect.id: dict.fromkeys(effect.states, 0.0) for effect in self._plant.effects}
+        self._states = {
+            effect.id: {state: speed if state in effect.moving else 0.0 for state in effect.states}
+            for effect in self._plant.effects
+        }
 
     def reading(self, *, is_speed: bool) -> float:
         return self._speed if is_speed else self._angle

@@ -30,7 +30,9 @@ class ScriptedLink:
         script: from a telegram to what comes then; each item is bytes, an error, or a delay in s.
     """
 
-    def __init__(self, clock: VirtualClock, script: Callable[[bytes], list[bytes | BaseException | float]]) -> None:
+    def __init__(
+        self, clock: VirtualClock, script: Callable[[bytes], list[bytes | BaseException | float]]
+    ) -> None:
         self._clock = clock
         self._script = script
         self._coming: deque[bytes | BaseException | float] = deque()

@@ -61,7 +61,8 @@ def test_a_halted_endpoint_is_cleared_before_a_reset_is_thought_of():
     link = open_only(brick)
     link.send(b"\x01\x88")
     assert link.receive(1.0) == VERSIONS_REPLY
-    assert "reset" not in brick.calls
+    assert link.recovery is Recovery.CLEAR_HALT
+    assert brick.calls == ["clear halt"]
 
 
 def test_a_brick_that_stays_silent_is_reset_at_last():

@@ -102,12 +102,16 @@ class UsbLink:
 
     def drain(self) -> int:
         """Take out what an earlier session left unread, and tell how many telegrams that were."""
-        for count in range(_DRAIN_READS_MAX):
+        count = 0
+        for _ in range(_DRAIN_READS_MAX):
             try:
                 self.receive(_DRAIN_S)
-            except (LinkTimeoutError, GarbageError):
-                return count
-        return _DRAIN_READS_MAX
+                count += 1
+            except GarbageError:
+                continue
+            except LinkTimeoutError:
+                break
+        return count
 
     def clear_halt(self) -> None:
         """Set both endpoints going again, and their toggle bits with them."""
@@ -131,6 +135,8 @@ class UsbLink:
     def _failure(self, error: usb.core.USBError, endpoint: int) -> LinkError:
         if error.errno == errno.EPIPE:
             self._device.clear_halt(endpoint)
+            if self.recovery is not Recovery.RESET:
+                self.recovery = Recovery.CLEAR_HALT
             return GarbageError("the endpoint was halted, and is cleared now", where=self._url)
         if error.errno == errno.EOVERFLOW:
             return GarbageError("a packet came that is longer than any telegram", where=self._url)
@@ -212,7 +218,7 @@ def _claim(device: Any) -> None:  # noqa: ANN401
 
 
 def _make_answer(link: UsbLink, url: str, *, may_reset: bool) -> None:
-    if link.drain():
+    if link.drain() and link.recovery is Recovery.NONE:
         link.recovery = Recovery.DRAIN
     if link.answers():
         return

@@ -42,7 +42,7 @@ def scaled(raw: int, span: Range) -> int:
     """The reading stretched from a part of the range to the whole of it."""
     if span.percent == 0:
         return 0
-    return min(FULL_SCALE, (max(0, raw - span.zero) * 100 & 0xFFFF) // span.percent)
+    return min(FULL_SCALE, max(0, raw - span.zero) * 100 // span.percent)
 
 
 def normalised(sensor_type: int, raw: int, custom: Range) -> int | None:

@@ -37,7 +37,7 @@ class PtyEndpoint(Endpoint):
         self._device = os.ttyname(slave)
         tty.setraw(slave)
         os.close(slave)
-        os.set_blocking(self._master, False)  # noqa: FBT003 - the library's interface
+        os.set_blocking(self._master, False)
         try:
             _point(link, self._device)
         except OSError as error:

@@ -94,7 +94,7 @@ BACKLASH = Effect(
             "gap",
             "deg",
             ANGLE,
-            (5.0, 12.0, 2.0),
+            (6.0, 13.0, 2.5),
             0.1,
             60.0,
             spread=2.0,
@@ -105,6 +105,7 @@ BACKLASH = Effect(
     ),
     terms={"torque": _backlash_torque, "damping": _backlash_damping, "advance": _backlash_advance},
     states=("play", "play_load_speed"),
+    moving=("play_load_speed",),
     confusable_with={
         "shaft_compliance": "small reversals tell: play is free, a shaft springs back",
         "command_delay": "a delay acts on every command, play only where the torque changes sign",
@@ -158,7 +159,7 @@ SHAFT_COMPLIANCE = Effect(
             "stiffness",
             "N·m/rad",
             STIFFNESS,
-            (0.5, 4.0, 0.1),
+            (0.7, 0.2, 2.0),
             5e-3,
             50.0,
             spread=3.0,
@@ -168,5 +169,6 @@ SHAFT_COMPLIANCE = Effect(
     ),
     terms={"torque": _shaft_torque, "damping": _shaft_damping, "advance": _shaft_advance},
     states=("twist", "twist_load_speed"),
+    moving=("twist_load_speed",),
     confusable_with={"backlash": "small reversals tell: play is free, a shaft springs back"},
 )

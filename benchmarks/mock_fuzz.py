@@ -1,0 +1,118 @@
+"""Random and mutated telegrams: none may kill the mock, or draw a reply that the firmware could not give."""
+
+from __future__ import annotations
+
+from collections import Counter
+from random import Random
+from typing import Final
+
+import firmware_protocol as fp
+from firmware_protocol import Status, TelegramType
+from nxt_twin.mock.body.world import World
+from nxt_twin.mock.firmware.channel import Transport
+from nxt_twin.mock.firmware.firmware import Firmware, Power
+
+TELEGRAM_COUNT: Final = 200_000
+_NO_REPLY: Final = 0x80
+_REPLY_TICKS: Final = 2
+_FRESH_EVERY: Final = 2_000
+"""A brick that was told to boot or sleep, or whose motors run wild, is replaced now and then."""
+
+_NAMES: Final = (b"main.rxe", b"a.txt", b"*.*", b"*.txt", b"Comm.mod", b"", b"x" * 20)
+
+
+def fuzz(count: int, seed: int) -> Counter[str]:
+    """Send that many telegrams, half over each transport; what came back, by kind.
+
+    Raises:
+        AssertionError: a reply that the firmware could not give.
+    """
+    random = Random(seed)
+    seen: Counter[str] = Counter()
+    firmware = _fresh()
+    for number in range(count):
+        if number % _FRESH_EVERY == 0 or firmware.power is not Power.ON:
+            firmware = _fresh()
+        transport = random.choice((Transport.USB, Transport.BLUETOOTH))
+        telegram = _telegram(random)[: 64 if transport is Transport.USB else 128]
+        if telegram[:2] in (b"\x01\xa0", b"\x81\xa0"):  # erasing stalls the brick for seconds
+            continue
+        firmware.receive(transport, telegram if transport is Transport.USB else fp.frame(telegram))
+        for _ in range(_REPLY_TICKS):
+            firmware.tick()
+        seen[_judge(telegram, _reply(firmware, transport), transport)] += 1
+    return seen
+
+
+def report() -> list[str]:
+    """The proof, as lines to print."""
+    seen = fuzz(TELEGRAM_COUNT, seed=1)
+    kinds = ", ".join(f"{kind} {number}" for kind, number in seen.most_common(6))
+    return [f"mock fuzz: {sum(seen.values())} telegrams, no crash, no impossible reply; {kinds}"]
+
+
+def _fresh() -> Firmware:
+    world = World(sleep_timeout_min=0)
+    firmware = Firmware(world.body(), world.identity())
+    for name, data in (("main.rxe", b"MindstormsNXT\0" + bytes(40)), ("a.txt", b"hello")):
+        handle = firmware.loader.open_write(name, len(data), linear=name.endswith("rxe"))
+        firmware.loader.write(handle, data)
+        firmware.loader.close(handle)
+    return firmware
+
+
+def _telegram(random: Random) -> bytes:
+    if random.random() < 0.2:
+        return random.randbytes(random.randint(1, 128))
+    command = random.choice(fp.all_commands())
+    head = bytes((command.KIND | (_NO_REPLY if random.random() < 0.15 else 0), command.OPCODE))
+    body = bytearray(
+        random.choices((0, 1, 2, 3, 5, 0x20, 0xFF, random.randrange(256)), k=random.randint(0, 60))
+    )
+    if random.random() < 0.4:
+        body[:20] = random.choice(_NAMES).ljust(20, b"\0")
+    if random.random() < 0.2:
+        body[:4] = random.choice(list(fp.ModuleId)).to_bytes(4, "little")
+    telegram = bytearray(head + body)
+    while random.random() < 0.3:
+        telegram[random.randrange(len(telegram))] = random.randrange(256)
+    return bytes(telegram)
+
+
+def _reply(firmware: Firmware, transport: Transport) -> bytes | None:
+    replies = firmware.transmit(transport)
+    if not replies:
+        return None
+    return b"".join(replies) if transport is Transport.USB else replies[0][2:]
+
+
+def _judge(telegram: bytes, reply: bytes | None, transport: Transport) -> str:
+    """The kind of the reply; raises where there is none of its kind."""
+    kind = telegram[0] & ~_NO_REPLY
+    wanted = kind in (TelegramType.DIRECT, TelegramType.SYSTEM) and not telegram[0] & _NO_REPLY
+    if not wanted:
+        assert reply is None, (telegram, reply)
+        return "silence"
+    assert reply is not None, telegram
+    assert reply[0] == TelegramType.REPLY, (telegram, reply)
+    if len(telegram) > 1:
+        assert reply[1] == telegram[1], (telegram, reply)
+    try:
+        command = fp.find_command(kind, reply[1])
+    except fp.OpcodeError:
+        return _judge_unknown(telegram, reply, kind)
+    longest = 64 if transport is Transport.USB else 0xFFFF + 6
+    assert 3 <= len(reply) <= longest, (telegram, reply)
+    answer = fp.decode_answer(command, reply)
+    assert not answer.status.name.startswith("UNKNOWN_") or answer.status is Status.UNKNOWN_OPCODE, reply
+    assert answer.status is not Status.INSANE_PACKET, reply
+    assert len(reply) == 3 or answer.reply is not None, (telegram, reply)
+    return answer.status.name
+
+
+def _judge_unknown(telegram: bytes, reply: bytes, kind: int) -> str:
+    if kind == TelegramType.SYSTEM:
+        assert len(reply) == len(telegram) + 2, (telegram, reply)
+        return "stale bytes"
+    assert reply[2:] == bytes((Status.UNKNOWN_OPCODE,)), (telegram, reply)
+    return Status.UNKNOWN_OPCODE.name
