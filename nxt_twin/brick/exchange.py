@@ -134,10 +134,9 @@ class Exchange:
             LinkLostError: the link is gone.
         """
         self._check_length(asked.telegram)
-        if self._out_of_step:
-            self._resynchronise(self._policy.reply_timeout_s)
         if self._clock.now_s() >= self._keep_alive_at_s:
             self.keep_awake()
+        self._get_in_step()
         return self._converse(asked, self._policy.reply_timeout_s if timeout_s is None else timeout_s)
 
     def tell(self, request: Command[Any]) -> Stamped[None]:
@@ -161,6 +160,7 @@ class Exchange:
         Returns:
             The brick's sleep timeout, s; 0 for never.
         """
+        self._get_in_step()
         self._keep_alive_at_s = self._clock.now_s() + self._keep_alive_period_s
         reply = self._converse(_KEEP_ALIVE, self._policy.reply_timeout_s)
         return reply.having(reply.value.sleep_timeout_ms / 1000)
@@ -256,6 +256,10 @@ class Exchange:
             return True
         self._count("late")
         return False
+
+    def _get_in_step(self) -> None:
+        if self._out_of_step:
+            self._resynchronise(self._policy.reply_timeout_s)
 
     def _resynchronise(self, timeout_s: float) -> None:
         for attempt in range(_ATTEMPTS):

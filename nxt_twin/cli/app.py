@@ -6,35 +6,50 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
+from importlib import import_module
 
 import typer
 
-from nxt_twin.cli.blind import blind
-from nxt_twin.cli.demo import demo
-from nxt_twin.cli.diagnose import diagnose
-from nxt_twin.cli.fit import fit
 from nxt_twin.cli.output import fail
-from nxt_twin.cli.prepare import prepare
-from nxt_twin.cli.simulate import simulate
 from nxt_twin.errors import NxtTwinError
 
 _INTERRUPTED = 130
 
-app = typer.Typer(
-    name="nxt-twin",
-    help="A digital twin for the LEGO Mindstorms NXT that finds the physics its model leaves out.",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
+COMMANDS = (
+    "demo",
+    "diagnose",
+    "simulate",
+    "fit",
+    "prepare",
+    "blind",
+    "connect",
+    "mock",
+    "udev",
+    "doctor",
 )
-for command in (diagnose, simulate, fit, prepare, demo):
-    app.command()(command)
-app.add_typer(blind, name="blind")
+"""Each is a module of this package that holds a function, or a program of its own, of the same name."""
+
+
+def program(commands: Iterable[str] = COMMANDS) -> typer.Typer:
+    """The program with these commands; a command's module, and all that it needs, is only imported for it."""
+    app = typer.Typer(name="nxt-twin", no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback()(_about)
+    for name in commands:
+        command = getattr(import_module(f"nxt_twin.cli.{name}"), name)
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name)
+        else:
+            app.command(name)(command)
+    return app
 
 
 def main() -> None:
     """Run the program and leave with its exit status."""
+    arguments = _with_json_target(sys.argv[1:])
+    wanted = [arguments[0]] if arguments and arguments[0] in COMMANDS else COMMANDS
     try:
-        app(_with_json_target(sys.argv[1:]))
+        program(wanted)(arguments)
     except NxtTwinError as error:
         fail(str(error))
         sys.exit(1)
@@ -44,6 +59,10 @@ def main() -> None:
     except KeyboardInterrupt:
         fail("interrupted")
         sys.exit(_INTERRUPTED)
+
+
+def _about() -> None:
+    """A digital twin for the LEGO Mindstorms NXT that finds the physics its model leaves out."""
 
 
 def _with_json_target(arguments: list[str]) -> list[str]:

@@ -42,7 +42,7 @@ def make(
     with progress("making cases") as tell:
         for number, plan in enumerate(plans):
             tell(f"{plan.name}, {number + 1} of {len(plans)}")
-            polled = cast(Link, links[number % len(links)])
+            polled = cast("Link", links[number % len(links)])
             case = make_case(
                 plan.seed,
                 effects=plan.effects,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import json as json_format
 import sys
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -16,6 +16,7 @@ from nxt_twin.brick.discovery import SEARCH_TIMEOUT_S, WayReport, default_ways, 
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
+from nxt_twin.cli.output import JsonOption, emit_json
 
 
 def connect(
@@ -27,39 +28,40 @@ def connect(
         float, typer.Option("--timeout", min=0.1, help="How long to search, s.")
     ] = SEARCH_TIMEOUT_S,
     tap: Annotated[Path | None, typer.Option(help="Record every telegram into this file.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+    json: JsonOption = None,
 ) -> None:
     """Talk to a brick: who it is, firmware, battery, ports, free flash. Without a URL, search for bricks.
 
     Moves nothing. Exit status 1 if no brick is found or it cannot be reached.
     """
     if url is None:
-        _search(timeout_s, as_json=as_json)
+        _search(timeout_s, json)
     else:
         try:
-            _connect(url, tap, as_json=as_json)
+            _connect(url, tap, json)
         except LinkUrlError as error:
             raise typer.BadParameter(str(error), param_hint="URL") from error
 
 
-def _connect(url: str, tap: Path | None, *, as_json: bool) -> None:
+def _connect(url: str, tap: Path | None, json: str | None) -> None:
     clock = SystemClock()
     with (
         nullcontext() if tap is None else tap.open("w", encoding="utf-8") as sink,
         open_brick(url, clock, tap=sink) as brick,
     ):
         portrait = portray(brick)
-    if as_json:
-        print(json.dumps({"schema": "nxt-twin/connect/1", **asdict(portrait)}))
-    else:
+    if json:
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/connect/1", **asdict(portrait)}))
+    if json != "-":
         print("\n".join(_portrait_lines(portrait)))
 
 
-def _search(timeout_s: float, *, as_json: bool) -> None:
+def _search(timeout_s: float, json: str | None) -> None:
     reports = search(SystemClock(), default_ways(), timeout_s=timeout_s)
-    if as_json:
-        print(json.dumps({"schema": "nxt-twin/search/1", "ways": [asdict(report) for report in reports]}))
-    else:
+    if json:
+        ways = [asdict(report) for report in reports]
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/search/1", "ways": ways}))
+    if json != "-":
         for report in reports:
             _print_way(report)
     if not any(report.bricks for report in reports):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
+import json as json_format
 from dataclasses import asdict
-from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -13,21 +12,23 @@ from rich.text import Text
 from nxt_twin.brick.doctor.checks import examine
 from nxt_twin.brick.doctor.finding import Finding, Verdict
 from nxt_twin.brick.doctor.gather import gather_facts
+from nxt_twin.cli.output import JsonOption, emit_json
 
 _STYLES = {Verdict.OK: "green", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"}
 
 
 def doctor(
-    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+    json: JsonOption = None,
 ) -> None:
     """Say what on this machine would keep a brick from being reached, and how to mend it.
 
     Changes nothing. Exit status 1 if anything fails.
     """
     findings = examine(gather_facts())
-    if as_json:
-        print(json.dumps({"schema": "nxt-twin/doctor/1", "findings": [asdict(each) for each in findings]}))
-    else:
+    if json:
+        found = [asdict(each) for each in findings]
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/doctor/1", "findings": found}))
+    if json != "-":
         console = Console(highlight=False, soft_wrap=True)
         for finding in findings:
             console.print(_line(finding))

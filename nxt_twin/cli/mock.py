@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import json as json_format
 import signal
 import time
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Annotated, final
 
 import typer
 
+from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.mock.run import Served, serve
 
 
@@ -28,14 +29,15 @@ def mock(
     world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
     seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
     profile: Annotated[str, typer.Option(help="Delays of the link: none, usb or bluetooth.")] = "none",
-    as_json: Annotated[bool, typer.Option("--json", help="Say in JSON where it is reached.")] = False,
+    json: JsonOption = None,
 ) -> None:
     """Serve a mock brick until interrupted; framing as on Bluetooth."""
 
     def announce(served: Served) -> None:
-        if as_json:
-            print(json.dumps({"name": served.name, "urls": served.urls}), flush=True)
-        else:
+        if json:
+            answer = {"schema": "nxt-twin/mock/1", "name": served.name, "urls": served.urls}
+            emit_json(json, json_format.dumps(answer))
+        if json != "-":
             print(f"Mock brick '{served.name}' at {'  '.join(served.urls)}", flush=True)
 
     # A shell starts background jobs with the interrupt ignored; both signals are to end the mock tidily.

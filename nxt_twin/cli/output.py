@@ -22,7 +22,7 @@ JsonOption = Annotated[
 def emit_json(target: str, text: str) -> None:
     """Write `text` to the file `target`, or to standard output if it is `-`."""
     if target == "-":
-        print(text)
+        print(text, flush=True)
     else:
         path = Path(target)
         path.parent.mkdir(parents=True, exist_ok=True)

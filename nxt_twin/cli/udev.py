@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import json
+import json as json_format
 import sys
-from typing import Annotated
-
-import typer
 
 from nxt_twin.brick.doctor.udev import RULE_PATH, install_commands, rule_text
+from nxt_twin.cli.output import JsonOption, emit_json
 
 
 def udev(
-    as_json: Annotated[bool, typer.Option("--json", help="Print rule, path and commands as JSON.")] = False,
+    json: JsonOption = None,
 ) -> None:
     """Print the udev rule that lets you use a brick on USB without being root.
 
     The rule goes to standard output, to be piped into its file; how to do that goes to standard error.
     """
-    if as_json:
-        print(json.dumps({"rule": rule_text(), "path": RULE_PATH, "commands": install_commands()}))
+    if json:
+        answer = {"schema": "nxt-twin/udev/1", "rule": rule_text(), "path": RULE_PATH}
+        emit_json(json, json_format.dumps({**answer, "commands": install_commands()}))
+    if json == "-":
         return
     print(rule_text(), end="")
     print(f"To put it in force, file {RULE_PATH}:", *install_commands(), sep="\n    ", file=sys.stderr)

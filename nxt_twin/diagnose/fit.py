@@ -108,7 +108,7 @@ def fit(
     x: FloatArray = np.clip(values_of(plant, variables), search.lower, search.upper)
     objective = float(search.objective(x[None])[0])
     for _ in range(iterations if variables else 0):
-        hessian, gradient = search.normal_equations(x)
+        hessian, gradient = search.normal_equations(x, central=False)
         steps = [_step(hessian, gradient, damping) for damping in _DAMPINGS]
         trials: FloatArray = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
         objectives = search.objective(trials)
@@ -118,7 +118,7 @@ def fit(
             x, objective = trials[best], float(objectives[best])
         if gain < _PATIENCE_NATS:
             break
-    hessian, _ = search.normal_equations(x)
+    hessian, _ = search.normal_equations(x, central=True)
     covariance = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
     covariance *= np.outer(search.scale, search.scale)
     cost = float(search.cost(x[None])[0])
@@ -182,16 +182,19 @@ class _Search:
         prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
         return np.asarray(self.cost(x) + prior)
 
-    def normal_equations(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Gauss-Newton Hessian and gradient of the objective in scaled variables, by central differences."""
+    def normal_equations(self, x: FloatArray, *, central: bool) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Newton Hessian and gradient of the objective in scaled variables.
+
+        By one-sided differences, which do for a step, or by central ones, which a covariance needs.
+        """
         size = x.size
         step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
-        ahead = np.minimum(x + step, self.upper)
-        behind = np.maximum(x - step, self.lower)
-        sets = np.repeat(x[None], 2 * size + 1, axis=0)
-        for i in range(size):
-            sets[i, i] = ahead[i]
-            sets[size + i, i] = behind[i]
+        ahead = np.where(x + step <= self.upper, x + step, x - step)
+        behind = np.maximum(x - step, self.lower) if central else x
+        sets = np.repeat(x[None], 2 * size + 1 if central else size + 1, axis=0)
+        sets[np.arange(size), np.arange(size)] = ahead
+        if central:
+            sets[size + np.arange(size), np.arange(size)] = behind
         width = (ahead - behind) / self.scale
         hessian = np.zeros((size, size))
         gradient = np.zeros(size)
@@ -199,8 +202,8 @@ class _Search:
             inverse = (
                 np.sqrt(self._target.evidence * result.weight[-1, mask]) / job.observer.innovation_std[mask]
             )
-            slope = (result.predicted[:size, mask] - result.predicted[size:-1, mask]) * inverse
-            slope = np.nan_to_num(slope / width[:, None])
+            below = result.predicted[size : 2 * size, mask] if central else result.predicted[-1, mask]
+            slope = np.nan_to_num((result.predicted[:size, mask] - below) * inverse / width[:, None])
             residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse
             hessian += slope @ slope.T
             gradient -= slope @ np.nan_to_num(residual)

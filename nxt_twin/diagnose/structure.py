@@ -125,10 +125,10 @@ class Workshop:
         active = np.array([trial.vectors()[1] for trial in trials])
         target = with_noise(self.problem.target, noise)
         costs = target.cost(self.simulator.run(values, active, target.jobs))
-        likely = [trials[i] for i in np.argsort(costs)[:_STARTS_FOLLOWED]]
-        if len(likely) == 1:
+        likely = [trials[int(i)] for i in np.argsort(costs)[:_STARTS_FOLLOWED]]
+        if len(effect.parameters) == 1 or len(likely) == 1:
             return likely[0]
-        followed: list[Structure] = [self.fit(trial, noise, iterations=_START_ITERATIONS) for trial in likely]
+        followed = [self.fit(trial, noise, iterations=_START_ITERATIONS) for trial in likely]
         totals = [structure.fitted.cost + structure.fitted.prior_cost for structure in followed]
         return followed[int(np.argmin(totals))].plant
 

@@ -1,4 +1,4 @@
-"""Serve a mock brick in real time, until it is switched off or the user interrupts."""
+"""Serve a mock brick in real time until the user interrupts."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import ServeError
-from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.clock import Clock
 from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
-from nxt_twin.mock.serve.profile import PROFILES, Profile
+from nxt_twin.mock.serve.profile import Profile
 from nxt_twin.mock.serve.tcp import TcpEndpoint
+from nxt_twin.mock.start import profile_named, switch_on
 
 DEFAULT_TCP = "127.0.0.1:0"
 """Loopback, any free port."""
@@ -45,7 +44,9 @@ def serve(
     profile: str = "none",
     stop: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Serve a mock brick; blocks until the brick is off, `stop` says so, or the user interrupts.
+    """Serve a mock brick; blocks until `stop` says so or the user interrupts.
+
+    A brick that switches itself off hangs up on its client and is switched on again at once, with its files.
 
     Args:
         clock: the machine's clock.
@@ -62,10 +63,8 @@ def serve(
         PlantError: a motor's plant in it is none.
         ServeError: a place at which the brick cannot be served.
     """
-    link = _profile(profile)
-    firmware = _firmware(world, seed)
-    firmware.tick()  # loads the compiled plants, which takes a while, before the clock counts
-    host = Host(firmware, clock)
+    link = profile_named(profile)
+    host = Host(switch_on(world, seed), clock)
     endpoints: list[Endpoint] = []
     try:
         if tcp is not None or pty is None:
@@ -73,19 +72,26 @@ def serve(
         if pty is not None:
             endpoints.append(_pty(host, pty, link, seed + 1))
         announce(Served(host.firmware.radio.brick_name, tuple(endpoint.url for endpoint in endpoints)))
-        _run(host, endpoints, stop)
+        while not _run(host, endpoints, stop):
+            for endpoint in endpoints:
+                endpoint.hang_up()
+            host.restart(switch_on(world, seed, before=host.firmware))
     finally:
         for endpoint in endpoints:
             endpoint.close()
 
 
-def _run(host: Host, endpoints: Sequence[Endpoint], stop: Callable[[], bool]) -> None:
-    while host.running and not stop():
+def _run(host: Host, endpoints: Sequence[Endpoint], stop: Callable[[], bool]) -> bool:
+    """Serve until told to stop (True), or until the brick is off (False)."""
+    while host.running:
+        if stop():
+            return True
         for endpoint in endpoints:
             endpoint.take_in()
         host.wait(host.next_tick_s)
         for endpoint in endpoints:
             endpoint.hand_out()
+    return False
 
 
 def _pty(host: Host, link: Path, profile: Profile, seed: int) -> Endpoint:
@@ -95,18 +101,6 @@ def _pty(host: Host, link: Path, profile: Profile, seed: int) -> Endpoint:
         mend = "serve it over TCP"
         raise ServeError("this system has no pseudo-terminals", where=str(link), mend=mend) from None
     return PtyEndpoint(host, link, profile, seed)
-
-
-def _firmware(world: Path | None, seed: int) -> Firmware:
-    surroundings = World() if world is None else load_world(world)
-    folder = None if world is None else world.parent
-    return Firmware(surroundings.body(seed, folder), surroundings.identity())
-
-
-def _profile(name: str) -> Profile:
-    if name not in PROFILES:
-        raise ServeError("is no profile", where=repr(name), mend=f"one of {', '.join(PROFILES)}")
-    return PROFILES[name]
 
 
 def parse_address(text: str) -> tuple[str, int]:

@@ -1,5 +1,7 @@
 """A pyusb backend with bricks in it, so that pyusb's own code runs; faults are set by the test."""
 
+# ruff: noqa: ARG002, N803 - the methods are pyusb's
+
 from __future__ import annotations
 
 import array

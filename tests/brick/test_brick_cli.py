@@ -1,5 +1,7 @@
 """The commands connect, udev and doctor, as a user runs them."""
 
+# ruff: noqa: ARG001, ARG005 - what stands in for something takes what that takes
+
 from __future__ import annotations
 
 import json
@@ -69,7 +71,7 @@ def test_connect_says_who_the_brick_is_and_moves_nothing(run, link: ScriptedLink
 
 
 def test_connect_prints_json_and_nothing_else(run, link: ScriptedLink):
-    printed = json.loads(run("connect", "usb:", "--json").stdout)
+    printed = json.loads(run("connect", "usb:", "--json", "-").stdout)
     assert printed["name"] == "Robbie"
     assert printed["battery_v"] == 7.95
     assert [motor["port"] for motor in printed["motors"]] == ["A", "B", "C"]
@@ -101,7 +103,7 @@ def test_a_search_that_finds_nothing_fails_and_says_why(run, monkeypatch):
     searching(
         monkeypatch, WayReport("usb", reasons=(Reason("no rule", Refusal.NO_PERMISSION, "nxt-twin udev"),))
     )
-    result = run("connect", "--json")
+    result = run("connect", "--json", "-")
     assert result.exit_code == 1
     (way,) = json.loads(result.stdout)["ways"]
     assert way["reasons"] == [{"what": "no rule", "cause": "no_permission", "mend": "nxt-twin udev"}]
@@ -115,7 +117,7 @@ def test_udev_prints_nothing_but_the_rule_on_standard_output(run):
 
 
 def test_udev_prints_json(run):
-    printed = json.loads(run("udev", "--json").stdout)
+    printed = json.loads(run("udev", "--json", "-").stdout)
     assert printed["path"].endswith("70-nxt-twin.rules")
     assert 'TAG+="uaccess"' in printed["rule"]
 
@@ -123,7 +125,7 @@ def test_udev_prints_json(run):
 def test_doctor_fails_where_something_is_wrong_and_prints_json(run, monkeypatch):
     ill = doctor_module.gather_facts()
     monkeypatch.setattr(doctor_module, "gather_facts", lambda: type(ill)(system="Linux", python=(3, 11, 0)))
-    result = run("doctor", "--json")
+    result = run("doctor", "--json", "-")
     assert result.exit_code == 1
     checks = {finding["check"]: finding for finding in json.loads(result.stdout)["findings"]}
     assert checks["udev"]["verdict"] == "fail"

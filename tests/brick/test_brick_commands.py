@@ -29,7 +29,7 @@ VALUES = {
 
 
 def blank(telegram: bytes) -> bytes:
-    """The reply that the firmware would give if every byte of it were 0, with the repeated fields in place."""
+    """The reply of which every byte is 0, with the repeated fields in place."""
     request = fp.decode_request(telegram).request
     reply = bytearray(fp.encode_reply(request, fp.blank_reply(request)))
     head = question(request).head

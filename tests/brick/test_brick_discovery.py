@@ -1,5 +1,7 @@
 """The search for bricks: all ways at once, and a reason where there is none."""
 
+# ruff: noqa: ARG001, ARG005 - what stands in for something takes what that takes
+
 from __future__ import annotations
 
 import threading

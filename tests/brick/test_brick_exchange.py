@@ -165,8 +165,8 @@ def test_leaving_lets_engaged_motors_coast_and_waits_for_the_brick():
 @pytest.mark.parametrize("crash", [KeyboardInterrupt, ZeroDivisionError, SystemExit])
 def test_every_way_out_lets_engaged_motors_coast(crash):
     talk = Talk()
-    with pytest.raises(crash), talk.brick as brick:
-        brick.motors.drive(OutputPort.A, 50, confirm=False)
+    talk.brick.motors.drive(OutputPort.A, 50, confirm=False)
+    with pytest.raises(crash), talk.brick:
         raise crash
     assert COAST_ALL in talk.link.sent
     assert talk.link.closed
@@ -226,6 +226,14 @@ def test_a_brick_that_is_polled_for_long_is_kept_awake():
 def test_keep_awake_tells_the_sleep_timeout():
     talk = Talk([b"\x02\x0d\x00\xc0\x27\x09\x00"])
     assert talk.brick.device.keep_awake().value == 600.0
+
+
+def test_keep_awake_does_not_let_a_late_reply_through_to_the_next_request():
+    talk = Talk([1.5, motor_reply(0, 1)], [b"\x02\x0d\x00\xc0\x27\x09\x00"], [motor_reply(0, 2)])
+    with pytest.raises(LinkTimeoutError):
+        talk.brick.motors.read(OutputPort.A)
+    talk.brick.device.keep_awake()
+    assert talk.brick.motors.read(OutputPort.A).value.tacho_deg == 2
 
 
 def test_without_a_period_nobody_is_kept_awake():

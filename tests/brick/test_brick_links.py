@@ -1,5 +1,7 @@
 """URLs, and why links cannot be opened."""
 
+# ruff: noqa: ARG001, ARG005 - what stands in for something takes what that takes
+
 from __future__ import annotations
 
 import errno
@@ -53,7 +55,8 @@ def test_a_further_scheme_is_opened_by_what_the_caller_passes():
 
 def test_opening_one_way_imports_no_library_of_another():
     code = (
-        "import sys; from nxt_twin.brick.open import open_link; from nxt_twin.brick.clock import SystemClock\n"
+        "import sys\nfrom nxt_twin.brick.open import open_link\n"
+        "from nxt_twin.brick.clock import SystemClock\n"
         "try: open_link('tcp:127.0.0.1:1', SystemClock())\n"
         "except Exception as error: print(type(error).__name__)\n"
         "print([name for name in ('usb', 'serial', 'libusb_package') if name in sys.modules])"

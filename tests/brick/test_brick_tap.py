@@ -77,7 +77,8 @@ def test_a_last_line_that_a_crash_cut_off_is_left_out(recorded: str):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x\n", "[]\n", '{"schema": "other", "link": "x"}\n', '{"schema": "nxt-twin/tap/1", "link": "x"}\n{}\n',
+    ["", "x\n", "[]\n", '{"schema": "other", "link": "x"}\n',
+     '{"schema": "nxt-twin/tap/1", "link": "x"}\n{}\n',
      '{"schema": "nxt-twin/tap/1", "link": "x"}\n{"at_s": 1, "way": "in", "hex": "0g"}\n'],
 )  # fmt: skip
 def test_what_is_no_tap_is_refused(text: str):

@@ -1,4 +1,4 @@
-"""A brick as a function: bytes in, bytes out. Just enough of one for the checks; the mock is the real thing."""
+"""A brick as a function, bytes in, bytes out: just enough of one for the checks."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from firmware_protocol import Status
 from firmware_protocol.ultrasonic import ADDRESS, UltrasonicRegister
 
 DISTANCE_CM = 42
+_UNPLUGGED = (True, False, 0, 0, 1023, 1023, 1023, 0)
 ADDRESS_BYTES = bytes.fromhex("00165301020300")
 
 
@@ -19,9 +20,7 @@ class FakeBrick:
 
     def __init__(self) -> None:
         self.motors = [fp.GetOutputState.Reply(port, 0, 0, 0, 0, 0, 0, 0, 0, 0) for port in range(3)]
-        self.inputs = [
-            fp.GetInputValues.Reply(port, True, False, 0, 0, 1023, 1023, 1023, 0) for port in range(4)
-        ]
+        self.inputs = [fp.GetInputValues.Reply(port, *_UNPLUGGED) for port in range(4)]
         self.received = [b""] * 4
         self.files: dict[str, bytearray] = {}
         self.handles: dict[int, tuple[str, int]] = {}

@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 
+import serial
+
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.link import Link
-from nxt_twin.brick.links.serial_port import open_serial
+from nxt_twin.brick.links.serial_port import SerialStream, open_serial
 from nxt_twin.brick.links.sockets import SocketStream
 from nxt_twin.brick.links.stream import StreamLink
 from nxt_twin.brick.links.tcp import open_tcp
@@ -60,10 +62,10 @@ def _tcp() -> Iterator[LinkPair]:
 
 
 @contextmanager
-def _pty() -> Iterator[LinkPair]:
+def _pty(open_port: Callable[[str], Link]) -> Iterator[LinkPair]:
     controller, terminal = os.openpty()
     tty.setraw(terminal)
-    link = open_serial(os.ttyname(terminal), SystemClock())
+    link = open_port(os.ttyname(terminal))
     os.close(terminal)
     gone: list[int] = []
 
@@ -80,6 +82,11 @@ def _pty() -> Iterator[LinkPair]:
         os.close(controller)
 
 
+def _by_pyserial(device: str) -> Link:
+    """As on Windows, where ports are no files."""
+    return StreamLink(SerialStream(serial.Serial(device, write_timeout=5), "port"), SystemClock(), "port")
+
+
 def _socket_end(far: socket.socket) -> FarEnd:
     return FarEnd(lambda: far.recv(4096), far.sendall, far.close)
 
@@ -87,5 +94,6 @@ def _socket_end(far: socket.socket) -> FarEnd:
 LINKS: dict[str, Callable[[], AbstractContextManager[LinkPair]]] = {
     "socket pair": _socket_pair,
     "tcp": _tcp,
-    "pty": _pty,
+    "pty": lambda: _pty(lambda device: open_serial(device, SystemClock())),
+    "pty, by pyserial": lambda: _pty(_by_pyserial),
 }

@@ -25,7 +25,7 @@ from nxt_twin.brick.policy import STREAM_POLICY
 Answer = Callable[[bytes], bytes | None]
 OpenBrick = Callable[[], Brick]
 
-_WAKE_S = 0.05
+_WAKE_S = 0.02
 
 
 class DirectLink:

@@ -1,4 +1,4 @@
-"""``pytest tests/conformance --brick URL`` runs the checks on a brick of yours instead of the built-in ones."""
+"""``pytest tests/conformance --brick URL`` runs the checks on a brick of yours instead of on fakes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--brick",
         metavar="URL",
         default=None,
-        help="run the conformance checks on this brick: motors turn for a moment, an ultrasonic sensor is on 4",
+        help="check this brick: motors turn for a moment; the ultrasonic sensor has to be on port 4",
     )
 
 

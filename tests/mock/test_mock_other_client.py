@@ -143,7 +143,7 @@ def test_other_client_reads_who_the_brick_is(brick):
     assert brick.get_firmware_version() == ((1, 124), (1, 29))
     assert 7000 <= brick.get_battery_level() <= 9000
     assert brick.keep_alive() == 600_000
-    assert [module[0] for module in brick.find_modules("*.*")][0] == "Comm.mod"
+    assert next(brick.find_modules("*.*"))[0] == "Comm.mod"
 
 
 def test_other_client_runs_and_stops_a_motor(brick):
@@ -212,9 +212,9 @@ def test_other_client_exchanges_messages_with_a_program(brick):
     wait_until(lambda: _running(brick))
     assert brick.get_current_program_name() == "main.rxe"
     brick.message_write(3, b"hello")
-    assert brick.message_read(3, 0, True) == (0, b"hello\0")
+    assert brick.message_read(3, 0, remove=True) == (0, b"hello\0")
     with pytest.raises(nxt.error.EmptyMailboxError):
-        brick.message_read(3, 0, True)
+        brick.message_read(3, 0, remove=True)
     brick.stop_program()
     wait_until(lambda: not _running(brick))
 

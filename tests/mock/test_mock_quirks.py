@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import firmware_protocol as fp
 import pytest
 from mock_rig import BLUETOOTH, PROGRAM, USB, Rig
 
+import firmware_protocol as fp
 from firmware_protocol import Status
 from nxt_twin.mock.body.world import World
 from nxt_twin.mock.firmware.radio import RENAME_MS

@@ -10,7 +10,8 @@ import serial
 from firmware_protocol.bluetooth import DEFAULT_PIN
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkLostError, LinkRefusedError, LinkTimeoutError, LinkUrlError, Refusal
-from nxt_twin.brick.links.stream import StreamLink
+from nxt_twin.brick.links.stream import ByteStream, StreamLink
+from nxt_twin.brick.links.terminal import TerminalStream
 
 _WRITE_TIMEOUT_S: Final = 5.0
 _BUSY: Final = (errno.EBUSY, errno.EAGAIN)
@@ -20,7 +21,7 @@ _FAR: Final = (errno.EHOSTDOWN, errno.EHOSTUNREACH, errno.ECONNREFUSED, errno.ET
 
 @final
 class SerialStream:
-    """Reads and writes a serial port.
+    """Reads and writes a serial port by pyserial, as on Windows.
 
     Args:
         port: the open port, which the stream takes over.
@@ -80,7 +81,8 @@ def open_serial(device: str, clock: Clock) -> StreamLink:
         port = serial.Serial(device, write_timeout=_WRITE_TIMEOUT_S, **_exclusively())
     except (OSError, ValueError) as error:
         raise _refusal(url, device, error) from error
-    return StreamLink(SerialStream(port, url), clock, url)
+    stream: ByteStream = TerminalStream(port, url) if hasattr(port, "fileno") else SerialStream(port, url)
+    return StreamLink(stream, clock, url)
 
 
 def _exclusively() -> dict[str, Any]:

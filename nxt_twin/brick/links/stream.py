@@ -6,6 +6,7 @@ from collections import deque
 from typing import Final, Protocol, final
 
 from firmware_protocol import FrameSplitter, FrameTooLongError, frame
+from firmware_protocol.bluetooth import LENGTH_PREFIX_SIZE, RECEIVE_BUFFER_SIZE
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import GarbageError, HalfTelegramError, LinkTimeoutError
 
@@ -69,7 +70,10 @@ class StreamLink:
     def receive(self, timeout_s: float) -> bytes:
         """Wait for one telegram; errors as with `Link`."""
         if not self._ready:
-            self._fill(timeout_s)
+            data = self._stream.read(timeout_s)
+            if _is_one_frame(data) and not self._splitter.pending:
+                return data[LENGTH_PREFIX_SIZE:]
+            self._put_together(data, timeout_s)
         return self._ready.popleft()
 
     def close(self) -> None:
@@ -80,12 +84,9 @@ class StreamLink:
         """What a person calls this link."""
         return self._name
 
-    def _fill(self, timeout_s: float) -> None:
-        data = self._stream.read(timeout_s)
-        give_up_s = 0.0
+    def _put_together(self, data: bytes, timeout_s: float) -> None:
+        give_up_s = self._clock.now_s() + timeout_s
         while not self._split(data):
-            # The usual reply comes in one piece: the clock is asked only where it does not.
-            give_up_s = give_up_s or self._clock.now_s() + timeout_s
             left_s = give_up_s - self._clock.now_s()
             if not data or left_s <= 0:
                 self._give_up(timeout_s)
@@ -115,3 +116,9 @@ class StreamLink:
                 break
         self._splitter.reset()
         self._out_of_step = False
+
+
+def _is_one_frame(data: bytes) -> bool:
+    """Whether the bytes are exactly one telegram behind its length, as nearly always."""
+    size = len(data) - LENGTH_PREFIX_SIZE
+    return 0 < size <= RECEIVE_BUFFER_SIZE and data.startswith(size.to_bytes(LENGTH_PREFIX_SIZE, "little"))

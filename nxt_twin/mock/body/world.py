@@ -7,7 +7,7 @@ from pathlib import Path
 from random import Random
 from typing import Annotated, Any, Literal, final
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 
 from firmware_protocol.limits import BRICK_NAME_SIZE
 from nxt_twin.mock.body.battery import (
@@ -55,7 +55,13 @@ class CourseModel(_Part):
         return Course(self.points, between=self.between, repeat=self.repeat)
 
 
-Shown = float | CourseModel
+def _shape(shown: object) -> str:
+    return "course" if isinstance(shown, dict | CourseModel) else "number"
+
+
+Shown = Annotated[
+    Annotated[float, Tag("number")] | Annotated[CourseModel, Tag("course")], Discriminator(_shape)
+]
 """A sensor's value: a number, or a course."""
 
 
@@ -175,7 +181,7 @@ _DEFAULT_SENSORS: dict[int, TouchModel | AnalogModel | UltrasonicModel | Nothing
 }
 
 
-def _course(shown: Shown) -> Course:
+def _course(shown: float | CourseModel) -> Course:
     return shown.course() if isinstance(shown, CourseModel) else constant(shown)
 
 

@@ -5,6 +5,7 @@ Source: LEGO NXT firmware 1.29, m_sched.c.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, final
@@ -14,6 +15,7 @@ from firmware_protocol.limits import IO_MAP_SIZES
 from nxt_twin.mock.firmware.channel import Transport
 from nxt_twin.mock.firmware.comm import Comm
 from nxt_twin.mock.firmware.direct import DirectCommands
+from nxt_twin.mock.firmware.flash import StoredFile
 from nxt_twin.mock.firmware.hardware import Hardware
 from nxt_twin.mock.firmware.input import InputModule
 from nxt_twin.mock.firmware.loader import Loader
@@ -66,15 +68,18 @@ class Firmware:
     Args:
         hardware: motors, sensors and battery.
         identity: name, address and settings.
+        files: what is in flash already.
     """
 
-    def __init__(self, hardware: Hardware, identity: Identity | None = None) -> None:
+    def __init__(
+        self, hardware: Hardware, identity: Identity | None = None, files: Iterable[StoredFile] = ()
+    ) -> None:
         identity = identity or Identity()
         self.ticks = 0
         self.hardware = hardware
         self.radio = Radio(identity.name, identity.address)
         self.inputs = InputModule(hardware)
-        self.loader = Loader()
+        self.loader = Loader(files)
         self.outputs = OutputModule(hardware)
         self.low_speed = LowSpeedModule(hardware, self.inputs)
         self.sound = SoundModule()

@@ -5,6 +5,7 @@ Source: LEGO NXT firmware 1.29, c_loader.c and d_loader.c.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import Enum
 from typing import Final, final
 
@@ -67,13 +68,17 @@ class Handle:
 
 @final
 class Loader(Module):
-    """Files in flash, newest first."""
+    """Files in flash, newest first.
+
+    Args:
+        files: what is in flash already.
+    """
 
     module_id = ModuleId.LOADER
     name = "Loader.mod"
 
-    def __init__(self) -> None:
-        self.files: list[StoredFile] = []
+    def __init__(self, files: Iterable[StoredFile] = ()) -> None:
+        self.files = list(files)
         self.handles = tuple(Handle() for _ in range(limits.FILE_HANDLE_COUNT))
         self._sectors = SectorTable()
         self._free = 0
@@ -142,7 +147,7 @@ class Loader(Module):
             if not file.appendable:
                 raise LoaderRefusal(Status.APPEND_NOT_POSSIBLE, number)
             room = file.size - len(file.data)
-            if room == 0:
+            if room <= 0:
                 raise LoaderRefusal(Status.FILE_IS_FULL, number)
             self._take_buffer(number)
         except LoaderRefusal:
@@ -169,7 +174,7 @@ class Loader(Module):
             data = data[: handle.remaining]
             handle.failed = True
         if handle.file is not None:
-            handle.file.data += data
+            handle.file.data[handle.position : handle.position + len(data)] = data
         handle.position += len(data)
         handle.remaining -= len(data)
         return len(data), Status.END_OF_FILE_EXPECTED if handle.failed else Status.OK

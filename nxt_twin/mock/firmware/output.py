@@ -13,6 +13,7 @@ from firmware_protocol import (
     OutputFlags,
     OutputMap,
     OutputPortBlock,
+    RegulationMode,
     RunState,
     decode_io_map,
     encode_io_map,
@@ -32,6 +33,7 @@ from nxt_twin.mock.firmware.running import partner, ramp_down, ramp_up, run
 REGULATION_TIME_MS: Final = 100
 
 _IDLE, _RAMP_UP, _RUNNING, _RAMP_DOWN, _HOLD = (int(state) for state in RunState)
+_SYNC: Final = int(RegulationMode.SYNC)
 _COMMAND_FLAGS: Final = OutputFlags.MODE | OutputFlags.SPEED | OutputFlags.TACHO_LIMIT
 
 
@@ -173,14 +175,14 @@ class OutputModule(Module):
             motor.regulation = 0
         elif settings.mode & MotorMode.REGULATED:
             motor.enable_regulation(settings.regulation)
-            if settings.regulation & 0x02 and motor.run_state != _RAMP_DOWN:
+            if settings.regulation & _SYNC and motor.run_state != _RAMP_DOWN:
                 self.pair.clear()
         else:
             motor.regulation = 0
 
     def _reset_count(self, motor: MotorControl) -> None:
         motor.clear_count()
-        if motor.regulation & 0x02:
+        if motor.regulation & _SYNC:
             other = partner(self.motors, motor)
             if other is not None:
                 other.clear_count()

@@ -22,5 +22,9 @@ class Endpoint(ABC):
         """Write what the brick has to say."""
 
     @abstractmethod
+    def hang_up(self) -> None:
+        """End the connection to the client, if there is one, as a brick does that is switched off."""
+
+    @abstractmethod
     def close(self) -> None:
         """Stop serving."""

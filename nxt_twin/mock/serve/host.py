@@ -26,6 +26,7 @@ class Host:
     def __init__(self, firmware: Firmware, clock: Clock) -> None:
         self.firmware = firmware
         self.clock = clock
+        self._known: list[Line] = []
         self._lines: dict[Transport, Line] = {}
         self._start_s = clock.now_s() - firmware.ticks * TICK_S
 
@@ -36,7 +37,9 @@ class Host:
 
     def connect(self, transport: Transport, profile: Profile, seed: int = 0) -> Line:
         """A line to the brick, to be taken when there is somebody at its other end."""
-        return Line(self.firmware, transport, profile, seed)
+        line = Line(self.firmware, transport, profile, seed)
+        self._known.append(line)
+        return line
 
     def take(self, line: Line) -> bool:
         """Put a line in use; False while another one of its transport is."""
@@ -46,6 +49,14 @@ class Host:
         """Put a line out of use."""
         if self._lines.get(line.transport) is line:
             del self._lines[line.transport]
+
+    def restart(self, firmware: Firmware) -> None:
+        """Run another firmware from now on: the brick was switched on again."""
+        self.firmware = firmware
+        self._start_s = self.clock.now_s() - firmware.ticks * TICK_S
+        for line in self._known:
+            line.reset()
+            line.firmware = firmware
 
     @property
     def next_tick_s(self) -> float:

@@ -21,7 +21,7 @@ class Line:
     """Carries bytes both ways, in order; time is the firmware's.
 
     Args:
-        firmware: the brick.
+        firmware: the brick; another one takes its place when the brick is switched on again.
         transport: which of its two ways in.
         profile: delays and faults.
         seed: of the jitter and the faults.
@@ -30,7 +30,7 @@ class Line:
     def __init__(self, firmware: Firmware, transport: Transport, profile: Profile, seed: int = 0) -> None:
         self.profile = profile
         self.transport = transport
-        self._firmware = firmware
+        self.firmware = firmware
         self._random = Random(seed)  # noqa: S311 - faults, not secrets
         self._to_brick: deque[_Parcel] = deque()
         self._to_host: deque[_Parcel] = deque()
@@ -41,17 +41,17 @@ class Line:
 
     def deliver(self) -> None:
         """Before a tick: give the firmware what has arrived by now."""
-        while self._to_brick and self._to_brick[0].due_ms <= self._firmware.ticks:
-            self._firmware.receive(self.transport, self._to_brick.popleft().data)
+        while self._to_brick and self._to_brick[0].due_ms <= self.firmware.ticks:
+            self.firmware.receive(self.transport, self._to_brick.popleft().data)
 
     def collect(self) -> None:
         """After a tick: take the firmware's replies."""
-        for reply in self._firmware.transmit(self.transport):
+        for reply in self.firmware.transmit(self.transport):
             self._put(self._to_host, reply, self.profile.to_host_ms + self.profile.turnaround_ms)
 
     def read(self) -> bytes | None:
         """The next reply that has reached the host: one packet, or one frame; None if there is none."""
-        if self._to_host and self._to_host[0].due_ms <= self._firmware.ticks:
+        if self._to_host and self._to_host[0].due_ms <= self.firmware.ticks:
             return self._to_host.popleft().data
         return None
 
@@ -60,9 +60,9 @@ class Line:
         self._to_brick.clear()
         self._to_host.clear()
         if self.transport is Transport.USB:
-            self._firmware.unplug_usb()
+            self.firmware.unplug_usb()
         else:
-            self._firmware.disconnect_bluetooth()
+            self.firmware.disconnect_bluetooth()
 
     def reset(self) -> None:
         """Forget what is on its way, without hanging up."""
@@ -72,9 +72,9 @@ class Line:
     def _put(self, queue: deque[_Parcel], data: bytes, delay_ms: float) -> None:
         profile = self.profile
         if profile.transparent:
-            queue.append(_Parcel(self._firmware.ticks, data))
+            queue.append(_Parcel(self.firmware.ticks, data))
             return
-        due_ms = self._firmware.ticks + delay_ms + self._random.random() * profile.jitter_ms
+        due_ms = self.firmware.ticks + delay_ms + self._random.random() * profile.jitter_ms
         if queue:
             due_ms = max(due_ms, queue[-1].due_ms)
         if profile.drop or profile.corrupt:

@@ -39,7 +39,7 @@ _TRANSPARENT: Final = Profile()
 PROFILES: Final = MappingProxyType(
     {
         "none": _TRANSPARENT,
-        "usb": Profile(to_brick_ms=0.5, to_host_ms=0.5, jitter_ms=1.0),
+        "usb": Profile(to_brick_ms=0.2, to_host_ms=0.2, jitter_ms=0.8),
         "bluetooth": Profile(to_brick_ms=8.0, to_host_ms=4.0, turnaround_ms=22.0, jitter_ms=12.0),
     }
 )

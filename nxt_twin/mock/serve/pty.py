@@ -76,6 +76,10 @@ class PtyEndpoint(Endpoint):
             with suppress(BlockingIOError):
                 os.write(self._master, frame)
 
+    def hang_up(self) -> None:
+        """Forget the client; it keeps the terminal open and finds a silent brick, then a new one."""
+        self._drop()
+
     def close(self) -> None:
         """Remove the link and the terminal."""
         if self._link.is_symlink() and str(self._link.readlink()) == self._device:
@@ -86,10 +90,16 @@ class PtyEndpoint(Endpoint):
     def _drop(self) -> None:
         if self._client_there:
             self._client_there = False
-            with suppress(termios.error):
-                termios.tcflush(self._master, termios.TCIOFLUSH)
+            self._discard()
             self._line.hang_up()
         self._host.release(self._line)
+
+    def _discard(self) -> None:
+        """Throw away what the client has not read, which the next one would find."""
+        with suppress(OSError, termios.error):
+            slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            termios.tcflush(slave, termios.TCIOFLUSH)
+            os.close(slave)
 
 
 def _point(link: Path, device: str) -> None:

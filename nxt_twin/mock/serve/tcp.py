@@ -86,10 +86,14 @@ class TcpEndpoint(Endpoint):
             if self._unsent:
                 return
 
-    def close(self) -> None:
-        """Stop listening, and hang up on the client."""
+    def hang_up(self) -> None:
+        """Close the connection to the client."""
         if self._client is not None:
             self._drop()
+
+    def close(self) -> None:
+        """Stop listening, and hang up on the client."""
+        self.hang_up()
         self._listener.close()
 
     def _accept(self) -> None:

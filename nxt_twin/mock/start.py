@@ -1,0 +1,77 @@
+"""Switch a mock brick on, with or without a world file; and a link to one in this process."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from nxt_twin.mock.body.world import World, load_world
+from nxt_twin.mock.errors import ServeError
+from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.serve.clock import Clock
+from nxt_twin.mock.serve.host import Host
+from nxt_twin.mock.serve.link import Failure, MockLink
+from nxt_twin.mock.serve.profile import PROFILES, Profile
+
+
+def switch_on(world: Path | None = None, seed: int = 0, before: Firmware | None = None) -> Firmware:
+    """A brick's firmware on its body, one tick old.
+
+    Args:
+        world: a world file; without it the brick is as LEGO ships it.
+        seed: of the sensors' noise.
+        before: the brick as it was when it was switched off; its files and name are kept.
+
+    Raises:
+        WorldError: the world file is none.
+        PlantError: a motor's plant in it is none.
+    """
+    surroundings = World() if world is None else load_world(world)
+    folder = None if world is None else world.parent
+    identity = surroundings.identity()
+    if before is not None:
+        identity = replace(identity, name=before.radio.brick_name)
+    files = () if before is None else before.loader.files
+    firmware = Firmware(surroundings.body(seed, folder), identity, files)
+    firmware.tick()  # loads the compiled plants, which takes a while, before any clock counts
+    return firmware
+
+
+def profile_named(name: str) -> Profile:
+    """A link's delays by name.
+
+    Raises:
+        ServeError: there is no such profile.
+    """
+    if name not in PROFILES:
+        raise ServeError("is no profile", where=repr(name), mend=f"one of {', '.join(PROFILES)}")
+    return PROFILES[name]
+
+
+def open_mock_link(
+    clock: Clock,
+    *,
+    world: Path | None = None,
+    seed: int = 0,
+    profile: str = "none",
+    late: Failure = TimeoutError,
+    lost: Failure = ConnectionError,
+) -> MockLink:
+    """A link to a brick that is switched on for it, in this process; what `mock:` means.
+
+    Args:
+        clock: what the brick's time follows; its ticks run while somebody uses the link.
+        world: as for `switch_on`.
+        seed: of noise, jitter and faults.
+        profile: delays of the link.
+        late: makes the exception for "nothing came in time".
+        lost: makes the exception for "the other end is gone".
+
+    Raises:
+        WorldError: the world file is none.
+        PlantError: a motor's plant in it is none.
+        ServeError: there is no such profile.
+    """
+    delays = profile_named(profile)
+    host = Host(switch_on(world, seed), clock)
+    return MockLink(host, delays, seed=seed, late=late, lost=lost)

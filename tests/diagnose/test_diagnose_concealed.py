@@ -1,0 +1,74 @@
+import json
+
+import numpy as np
+import pytest
+from diagnose_cases import concealed, diagnosed
+
+from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.physics.plant import plant_from_config
+
+
+def named_or_confused(diagnosis):
+    found = {effect.id for effect in diagnosis.effects}
+    return found | {other.id for effect in diagnosis.effects for other in effect.confusable_with}
+
+
+@pytest.mark.parametrize(
+    ("effect", "seed"),
+    [
+        ("gravity_load", 11),
+        ("command_delay", 12),
+        ("stiction", 13),
+        ("coulomb_friction", 14),
+        ("shaft_compliance", 16),
+    ],
+)
+def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, seed):
+    diagnosis = diagnosed((effect,), seed=seed).diagnosis
+    assert diagnosis.verdict == "explained"
+    assert effect in named_or_confused(diagnosis)
+    assert diagnosis.fit.improved < 0.8 * diagnosis.fit.baseline
+
+
+@pytest.mark.parametrize(("seed", "link"), [(21, "usb"), (22, "bluetooth")])
+def test_nothing_is_blamed_where_only_parameters_were_wrong(seed, link):
+    diagnosis = diagnosed((), seed=seed, link=link).diagnosis
+    assert diagnosis.verdict == "adequate"
+    assert diagnosis.effects == ()
+    assert diagnosis.mismatch.when == ()
+    assert diagnosis.fit.improved == diagnosis.fit.baseline
+    assert all(moved.after != moved.before for moved in diagnosis.refit.values())
+
+
+def test_an_effect_that_nobody_knows_is_refused():
+    diagnosis = diagnosed(("swapped_sense",), seed=31).diagnosis
+    assert diagnosis.verdict == "unexplained"
+    assert diagnosis.leftover is not None
+    assert np.std(diagnosis.leftover.after) > 0.0
+
+
+def test_the_improved_plant_holds_what_was_found():
+    answer = diagnosed(("gravity_load",), seed=11)
+    config = answer.plant.to_config()
+    assert "gravity_load" in config["effects"]
+    assert plant_from_config(config, "power_pct").active == answer.plant.active
+
+
+def test_the_json_has_the_contract_s_shape():
+    content = json.loads(to_json(diagnosed(("gravity_load",), seed=11).diagnosis))
+    assert content["schema"] == "nxt-twin/diagnosis/1"
+    assert set(content["mismatch"]) == {"channel", "when", "regimes", "equation"}
+    assert content["mismatch"]["channel"] == "a_tacho_deg"
+    assert content["mismatch"]["when"][0].keys() == {"recording", "start_s", "end_s", "strength"}
+    assert set(content["fit"]) == {"metric", "unit", "baseline", "improved", "floor"}
+    effect = content["effects"][0]
+    assert effect["id"] == "gravity_load"
+    assert set(effect["params"]["gravity_torque_nm"]) == {"value", "std", "unit"}
+    assert 0.0 <= effect["probability"] <= 1.0
+
+
+def test_a_diagnosis_is_the_same_twice():
+    from nxt_twin.diagnose.engine import diagnose
+
+    first = to_json(diagnosed(("coulomb_friction",), seed=14).diagnosis)
+    assert to_json(diagnose(concealed(("coulomb_friction",), seed=14)).diagnosis) == first
