@@ -91,10 +91,10 @@ def _until_event(
     motor: Motor, span: tuple[float, float], state: State, voltage: float, direction: float, rtol: float
 ) -> Any:  # noqa: ANN401  # SciPy's result
     def stops(_: float, state: State, __: float, direction: float) -> float:
-        return direction * state[1]
+        return direction * float(state[1])
 
     def breaks_away(_: float, state: State, __: float, ___: float) -> float:
-        return motor.constant * abs(state[2]) - motor.coulomb
+        return motor.constant * abs(float(state[2])) - motor.coulomb
 
     moving = direction != 0.0
     event: Any = stops if moving else breaks_away

@@ -25,7 +25,7 @@ def steps(seed: int = 1) -> Signals:
     rng = np.random.default_rng(seed)
     command_time_s = np.arange(0.0, DURATION_S, HOLD_S)
     level = rng.uniform(LOWEST_DUTY, 1.0, command_time_s.size)
-    time_s = np.arange(round(DURATION_S / READING_S) + 1) * READING_S
+    time_s = np.linspace(0.0, DURATION_S, round(DURATION_S / READING_S) + 1)
     return Signals(
         name="steps",
         channel="a_tacho_deg",

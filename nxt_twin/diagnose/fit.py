@@ -189,13 +189,13 @@ class _Search:
         """
         size = x.size
         step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
-        ahead = np.where(x + step <= self.upper, x + step, x - step)
+        ahead = np.where(x + step <= self.upper, x + step, np.maximum(x - step, self.lower))
         behind = np.maximum(x - step, self.lower) if central else x
         sets = np.repeat(x[None], 2 * size + 1 if central else size + 1, axis=0)
         sets[np.arange(size), np.arange(size)] = ahead
         if central:
             sets[size + np.arange(size), np.arange(size)] = behind
-        width = (ahead - behind) / self.scale
+        width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
         hessian = np.zeros((size, size))
         gradient = np.zeros(size)
         for job, result, mask in zip(self._target.jobs, self.run(sets), self._counted, strict=True):

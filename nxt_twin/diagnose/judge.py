@@ -9,13 +9,14 @@ from typing import final
 import numpy as np
 
 from nxt_twin.diagnose.fit import BoolArray
+from nxt_twin.diagnose.observed import observed_starts
 from nxt_twin.diagnose.problem import HeldOut, Problem
 from nxt_twin.diagnose.residuals import Residuals
 from nxt_twin.physics.observer import Noise, free_run_std, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
-from nxt_twin.physics.start import moving_start, restarts
+from nxt_twin.physics.start import moving_start
 from nxt_twin.recording.recording import FloatArray
 
 _RIDGE = 3.0
@@ -52,7 +53,8 @@ def free_runs(
     for part in problem.held_out:
         stale = stale_readings(simulator, part.signals, best, noise)
         clean = replace(part.signals, measured=np.where(stale, np.nan, part.signals.measured))
-        start = restarts(clean, problem.window_s)
+        first = moving_start(part.signals)
+        start = observed_starts(simulator, plant, clean, first, noise, problem.window_s)
         run = simulator.trace(plant, free_job(clean, start))
         judged = part.counted & ~stale & ~start.at
         found.append(FreeRun(part, run["predicted"], stale, judged))

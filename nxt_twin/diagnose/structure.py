@@ -11,6 +11,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fit import Fitted, Target, fit
 from nxt_twin.diagnose.noise import estimate, with_noise
+from nxt_twin.diagnose.observed import observed_starts
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.variables import starts_of, variables_of
 from nxt_twin.physics.effect import Effect
@@ -18,7 +19,6 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Result, Simulator, free_job
-from nxt_twin.physics.start import restarts
 
 _SHARE_ROUNDS = 3
 _STARTS_FOLLOWED = 3
@@ -89,9 +89,6 @@ class Workshop:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.simulator = simulator
         self.problem = problem
-        self._free_jobs = [
-            free_job(job.signals, restarts(job.signals, problem.window_s)) for job in problem.target.jobs
-        ]
 
     def fit(self, plant: Plant, noise: Noise, *, iterations: int = 12) -> Structure:
         """Fit `plant` on the target's readings under `noise`."""
@@ -142,7 +139,7 @@ class Workshop:
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], tuned.jobs)
         return Structure(
-            fitted, noise, self._check_cost(plant, target, noise), self._free_run_rms(plant, results)
+            fitted, noise, self._check_cost(plant, target, noise), self._free_run_rms(plant, noise, results)
         )
 
     def _check_cost(self, plant: Plant, target: Target, noise: Noise) -> float:
@@ -158,14 +155,15 @@ class Workshop:
             costs.append(float(tuned.cost(self.simulator.run(values[None], active[None], tuned.jobs))[0]))
         return min(costs)
 
-    def _free_run_rms(self, plant: Plant, corrected: Sequence[Result]) -> float:
+    def _free_run_rms(self, plant: Plant, noise: Noise, corrected: Sequence[Result]) -> float:
         """RMS error of free runs over the checking readings; those that a fault explains are left out."""
-        values, active = plant.vectors()
-        runs = self.simulator.run(values[None], active[None], self._free_jobs)
         errors = []
-        for job, run, seen, check in zip(self._free_jobs, runs, corrected, self.problem.check, strict=True):
-            judged = check & np.isfinite(job.signals.measured) & ~job.start.at & (seen.weight[0] > 0.5)
-            errors.append((job.signals.measured - run.predicted[0])[judged])
+        for job, seen, check in zip(self.problem.target.jobs, corrected, self.problem.check, strict=True):
+            signals = job.signals
+            start = observed_starts(self.simulator, plant, signals, job.start, noise, self.problem.window_s)
+            predicted = self.simulator.trace(plant, free_job(signals, start))["predicted"]
+            judged = check & np.isfinite(signals.measured) & ~start.at & (seen.weight[0] > 0.5)
+            errors.append((signals.measured - predicted)[judged])
         return float(np.sqrt(np.nan_to_num(np.mean(np.concatenate(errors) ** 2), nan=np.inf)))
 
     def _with_shares(self, plant: Plant, target: Target) -> Plant:

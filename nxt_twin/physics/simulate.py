@@ -88,8 +88,9 @@ class Simulator:
         return results
 
     def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
-        """One run of one plant, with what went on inside: arrays of shape (samples,) by the names in `TRACE`,
-        and `predicted`, `weight`, `cost`.
+        """One run of one plant, with what went on inside.
+
+        Returns arrays of shape (samples,) by the names in `TRACE`, and `predicted`, `weight`, `cost`.
         """
         values, active = plant.vectors()
         result = _empty_result(1, job)

@@ -108,7 +108,7 @@ ASYMMETRIC_FRICTION = Effect(
     ),
     terms={"friction": _asymmetric},
     confusable_with={
-        "constant_load": "while it moves they are the same; at rest a constant load still pushes, friction does not"
+        "constant_load": "a rest at small commands both ways: a load still pushes there, friction does not"
     },
     supersedes=("coulomb_friction",),
 )

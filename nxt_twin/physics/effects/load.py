@@ -32,7 +32,7 @@ CONSTANT_LOAD = Effect(
     ),
     terms={"torque": _constant},
     confusable_with={
-        "asymmetric_friction": "while it moves they are the same; at rest a constant load still pushes, friction does not",
+        "asymmetric_friction": "a rest at small commands both ways: a load still pushes there, friction does not",
         "gravity_load": "a whole turn tells: gravity changes sign within it",
     },
 )
