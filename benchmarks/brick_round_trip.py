@@ -1,36 +1,39 @@
 """What a round trip costs above the bare link: ours and nxt-python's, over the same link and peer in one run.
 
-The peer answers at once with fixed replies. A round is what a control loop polls: three motors, four sensors,
-the battery. Rounds of the bare link, ours and nxt-python's take turns, and the quickest of each counts: what
-else the machine does only adds to them.
+A round is what a control loop polls: three motors, four sensors, the battery. Rounds of the bare link, ours and
+nxt-python's take turns. Two times are taken: this thread's share of the processor, of which the median counts,
+and the wall's, of which the quickest tenth does, as whatever else the machine does only adds to it.
 """
 
 from __future__ import annotations
 
 import os
-import socket
-import subprocess
-import sys
+import statistics
+import termios
 import time
-import tty
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from typing import Final
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from typing import Final, NamedTuple
 
 import nxt.backend.devfile
 import nxt.brick
 import nxt.motor
 import nxt.sensor
 
-from firmware_protocol import FrameSplitter, InputPort, OutputPort, frame
+from benchmarks.brick_peers import EchoLink, echo_on_pty, echo_on_tcp, mock_brick
+from firmware_protocol import InputPort, OutputPort, frame
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.links.serial_port import open_serial
 from nxt_twin.brick.links.tcp import open_tcp
+from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.mock.start import open_mock_link
 
 AIM: Final = 0.5
-ROUNDS: Final = 1500
+ECHO_TURNS: Final = 1500
+MOCK_TURNS: Final = 150
+ROUNDS_A_TURN: Final = 1
 
 _MOTORS: Final = (OutputPort.A, OutputPort.B, OutputPort.C)
 _REQUESTS: Final = (
@@ -38,7 +41,20 @@ _REQUESTS: Final = (
     *(bytes((0x00, 0x07, port)) for port in InputPort),
     b"\x00\x0b",
 )
-Round = Callable[[], object]
+
+
+class Walk(NamedTuple):
+    """One way to walk a round, and what has to be done before its turn."""
+
+    round: Callable[[], object]
+    prepare: Callable[[], object] = lambda: None
+
+
+class Cost(NamedTuple):
+    """Of a round, µs."""
+
+    processor_us: float
+    wall_us: float
 
 
 class LinkAsSocket:
@@ -58,86 +74,102 @@ class LinkAsSocket:
         self._link.close()
 
 
-class EchoLink:
-    """A link that costs nothing: the reply is there at once."""
-
-    def __init__(self) -> None:
-        self._reply = b""
-
-    def send(self, telegram: bytes) -> None:
-        self._reply = reply_to(telegram)
-
-    def receive(self, timeout_s: float) -> bytes:
-        del timeout_s
-        return self._reply
-
-    def close(self) -> None:
-        self._reply = b""
-
-    def describe(self) -> str:
-        return "echo"
-
-
-def reply_to(telegram: bytes) -> bytes:
-    if telegram[1] == 0x06:
-        return b"\x02\x06\x00" + telegram[2:3] + bytes(21)
-    if telegram[1] == 0x07:
-        return b"\x02\x07\x00" + telegram[2:3] + b"\x01" + bytes(11)
-    return b"\x02\x0b\x00\x10\x20"
-
-
 def report() -> list[str]:
-    """One line a link: the cost of a round, and the ratio of the overheads."""
-    lines = ["round trip of a polled set (3 motors, 4 sensors, battery), µs a round; quickest of many rounds"]
-    lines.append(_line("no link at all", *_on_one_link(EchoLink())))
-    with _peer_on_tcp() as link:
-        lines.append(_line("tcp, both over our link", *_on_one_link(link)))
-    lines.append(_line("pty, each over its own link", *_on_own_links()))
+    """Two lines a link: the cost of a round and the ratio of the overheads, by processor and by wall."""
+    lines = ["round of 3 motors, 4 sensors and battery (8 round trips), µs"]
+    lines += _lines("no link at all", _on_one_link(EchoLink(), ECHO_TURNS))
+    lines += _lines("mock in this process", _on_one_link(open_mock_link(VirtualClock()), ECHO_TURNS))
+    with echo_on_tcp() as address, ExitStack() as stack:
+        lines += _lines("echo on tcp", _on_one_link(_tcp(address, stack), ECHO_TURNS))
+    with echo_on_pty() as device, ExitStack() as stack:
+        lines += _lines("echo on pty", _on_one_link(_serial(device, stack), ECHO_TURNS))
+    with echo_on_pty() as device:
+        lines += _lines("echo on pty, each by its own link", _on_own_links(device))
+    with mock_brick() as places:
+        for name, opened, address in (("tcp", _tcp, places.tcp), ("pty", _serial, places.pty)):
+            with ExitStack() as stack:
+                costs = _on_one_link(opened(address, stack), MOCK_TURNS)
+            lines += [*_lines(f"mock on {name}", costs)[:1], _rate(*costs[:2])]
     return lines
 
 
-def _line(name: str, bare_s: float, ours_s: float, theirs_s: float) -> str:
-    ratio = (ours_s - bare_s) / (theirs_s - bare_s)
-    bare, ours, theirs = (1e6 * each for each in (bare_s, ours_s, theirs_s))
+def _lines(name: str, costs: Sequence[Cost]) -> list[str]:
+    return [
+        _line(name, "processor", [each.processor_us for each in costs]),
+        _line(name, "wall", [each.wall_us for each in costs]),
+    ]
+
+
+def _line(name: str, kind: str, times_us: Sequence[float]) -> str:
+    bare, ours, theirs = times_us
+    ratio = (ours - bare) / (theirs - bare)
     verdict = "met" if ratio <= AIM else "MISSED"
     return (
-        f"  {name}: bare {bare:.1f}, ours +{ours - bare:.1f}, nxt-python +{theirs - bare:.1f}; "
-        f"ratio {ratio:.2f} (aim <= {AIM:g}: {verdict}); {len(_REQUESTS) / ours_s:.0f} requests/s"
+        f"{name}, {kind}: bare {bare:.1f}, ours +{ours - bare:.1f}, nxt-python +{theirs - bare:.1f}; "
+        f"ratio {ratio:.2f} (aim <= {AIM:g}: {verdict})"
     )
 
 
-def _on_one_link(link: Link) -> tuple[float, float, float]:
+def _rate(bare: Cost, ours: Cost) -> str:
+    """The mock takes a telegram a millisecond, as the firmware does: that is what its link allows."""
+    rate_hz, allowed_hz = (1e6 / each.wall_us for each in (ours, bare))
+    share = rate_hz / allowed_hz
+    return f"  polled at {rate_hz:.0f} rounds/s; the bare link allows {allowed_hz:.0f} ({100 * share:.0f} %)"
+
+
+def _tcp(address: str, stack: ExitStack) -> Link:
+    link = open_tcp(address, SystemClock())
+    stack.callback(link.close)
+    return link
+
+
+def _serial(device: str, stack: ExitStack) -> Link:
+    link = open_serial(device, SystemClock())
+    stack.callback(link.close)
+    return link
+
+
+def _on_one_link(link: Link, turns: int) -> list[Cost]:
     def bare() -> None:
         for request in _REQUESTS:
             link.send(request)
             link.receive(1.0)
 
-    return _compare(
-        bare, _our_round(Brick(link, SystemClock())), _their_round(nxt.brick.Brick(LinkAsSocket(link)))
-    )
+    ours, theirs = Brick(link, SystemClock()), nxt.brick.Brick(LinkAsSocket(link))
+    return _compare(turns, Walk(bare), Walk(_our_round(ours)), Walk(_their_round(theirs)))
 
 
-def _on_own_links() -> tuple[float, float, float]:
-    """A pty and a peer for each, as the two set a terminal up differently; bare is read and write alone."""
+def _on_own_links(device: str) -> list[Cost]:
+    """On one terminal, which each sets up in its way before its turn; bare is read and write alone."""
     framed = [frame(request) for request in _REQUESTS]
     with ExitStack() as stack:
-        handle = os.open(stack.enter_context(_peer_on_pty()), os.O_RDWR | os.O_NOCTTY)
+        handle = os.open(device, os.O_RDWR | os.O_NOCTTY)
         stack.callback(os.close, handle)
-        ours = stack.enter_context(
-            Brick(open_serial(stack.enter_context(_peer_on_pty()), SystemClock()), SystemClock())
-        )
-        theirs = nxt.backend.devfile.DevFileSock(stack.enter_context(_peer_on_pty())).connect()
-        stack.callback(theirs.close)
 
         def bare() -> None:
             for request in framed:
                 os.write(handle, request)
                 os.read(handle, 128)
 
-        return _compare(bare, _our_round(ours), _their_round(theirs))
+        as_bare = termios.tcgetattr(handle)
+        ours = stack.enter_context(Brick(open_serial(device, SystemClock()), SystemClock()))
+        as_ours = termios.tcgetattr(handle)
+        theirs = nxt.backend.devfile.DevFileSock(device).connect()
+        stack.callback(theirs.close)
+        as_theirs = termios.tcgetattr(handle)
+
+        def set_up(settings: list[object]) -> Callable[[], object]:
+            return lambda: termios.tcsetattr(handle, termios.TCSANOW, settings)
+
+        return _compare(
+            ECHO_TURNS,
+            Walk(bare, set_up(as_bare)),
+            Walk(_our_round(ours), set_up(as_ours)),
+            Walk(_their_round(theirs), set_up(as_theirs)),
+        )
 
 
-def _our_round(brick: Brick) -> Round:
+def _our_round(brick: Brick) -> Callable[[], object]:
     def ours() -> None:
         for port in _MOTORS:
             brick.motors.read(port)
@@ -148,7 +180,7 @@ def _our_round(brick: Brick) -> Round:
     return ours
 
 
-def _their_round(brick: nxt.brick.Brick) -> Round:
+def _their_round(brick: nxt.brick.Brick) -> Callable[[], object]:
     def theirs() -> None:
         for port in nxt.motor.Port:
             if port.value < len(_MOTORS):
@@ -160,58 +192,22 @@ def _their_round(brick: nxt.brick.Brick) -> Round:
     return theirs
 
 
-def _compare(*rounds: Round) -> tuple[float, ...]:
-    quickest = [float("inf")] * len(rounds)
-    for _ in range(ROUNDS):
-        for number, walk in enumerate(rounds):
-            start_s = time.perf_counter()
-            walk()
-            quickest[number] = min(quickest[number], time.perf_counter() - start_s)
-    return tuple(quickest)
-
-
-@contextmanager
-def _peer_on_tcp() -> Iterator[Link]:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        link = open_tcp(f"127.0.0.1:{server.getsockname()[1]}", SystemClock())
-        far, _ = server.accept()
-    with far, _peer(far.fileno()):
-        far.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        yield link
-        link.close()
-
-
-@contextmanager
-def _peer_on_pty() -> Iterator[str]:
-    controller, terminal = os.openpty()
-    tty.setraw(terminal)
-    try:
-        with _peer(controller):
-            yield os.ttyname(terminal)
-    finally:
-        os.close(controller)
-        os.close(terminal)
-
-
-@contextmanager
-def _peer(handle: int) -> Iterator[None]:
-    """The peer is a process of its own, or it would take its share of this one's time."""
-    with subprocess.Popen([sys.executable, __file__, str(handle)], pass_fds=[handle]) as process:
-        try:
-            yield
-        finally:
-            process.kill()
-
-
-def _serve(handle: int) -> None:
-    splitter = FrameSplitter()
-    while data := os.read(handle, 4096):
-        for telegram in splitter.feed(data):
-            os.write(handle, frame(reply_to(telegram)))
+def _compare(turns: int, *walks: Walk) -> list[Cost]:
+    processor: list[list[float]] = [[] for _ in walks]
+    wall: list[list[float]] = [[] for _ in walks]
+    for _ in range(turns):
+        for number, walk in enumerate(walks):
+            walk.prepare()
+            for _ in range(ROUNDS_A_TURN):
+                wall_s, processor_s = time.perf_counter(), time.thread_time()
+                walk.round()
+                processor[number].append(time.thread_time() - processor_s)
+                wall[number].append(time.perf_counter() - wall_s)
+    return [
+        Cost(1e6 * statistics.median(own), 1e6 * statistics.quantiles(all_, n=10)[0])
+        for own, all_ in zip(processor, wall, strict=True)
+    ]
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        _serve(int(sys.argv[1]))
-    else:
-        print("\n".join(report()))
+    print("\n".join(report()))

@@ -133,11 +133,12 @@ class Exchange:
             GarbageError: what came instead of the reply, or as the reply, is broken.
             LinkLostError: the link is gone.
         """
-        self._check_length(asked.telegram)
-        if self._clock.now_s() >= self._keep_alive_at_s:
-            self.keep_awake()
-        self._get_in_step()
-        return self._converse(asked, self._policy.reply_timeout_s if timeout_s is None else timeout_s)
+        if len(asked.telegram) > self._policy.telegram_size:
+            raise self._too_long(asked.telegram)
+        now_s = self._clock.now_s()
+        if self._out_of_step or now_s >= self._keep_alive_at_s:
+            now_s = self._prepare(now_s)
+        return self._converse(asked, now_s, self._policy.reply_timeout_s if timeout_s is None else timeout_s)
 
     def tell(self, request: Command[Any]) -> Stamped[None]:
         """Send a request that wants no reply, not even on errors.
@@ -148,7 +149,8 @@ class Exchange:
             LinkTimeoutError: the link takes nothing any more.
         """
         ready = question(request)
-        self._check_length(ready.telegram)
+        if len(ready.telegram) > self._policy.telegram_size:
+            raise self._too_long(ready.telegram)
         self._engaged |= ready.engages
         sent_s = self._clock.now_s()
         self._link.send(encode_request(request, reply_required=False))
@@ -160,9 +162,11 @@ class Exchange:
         Returns:
             The brick's sleep timeout, s; 0 for never.
         """
-        self._get_in_step()
-        self._keep_alive_at_s = self._clock.now_s() + self._keep_alive_period_s
-        reply = self._converse(_KEEP_ALIVE, self._policy.reply_timeout_s)
+        if self._out_of_step:
+            self._resynchronise(self._policy.reply_timeout_s)
+        now_s = self._clock.now_s()
+        self._keep_alive_at_s = now_s + self._keep_alive_period_s
+        reply = self._converse(_KEEP_ALIVE, now_s, self._policy.reply_timeout_s)
         return reply.having(reply.value.sleep_timeout_ms / 1000)
 
     def release(self) -> bool:
@@ -193,19 +197,25 @@ class Exchange:
         """What a person would call the link."""
         return self._link.describe()
 
-    def _check_length(self, telegram: bytes) -> None:
-        if len(telegram) > self._policy.telegram_size:
-            raise RequestError(
-                f"the telegram has {len(telegram)} bytes, the link carries {self._policy.telegram_size}",
-                where=self.describe(),
-            )
+    def _too_long(self, telegram: bytes) -> RequestError:
+        return RequestError(
+            f"the telegram has {len(telegram)} bytes, the link carries {self._policy.telegram_size}",
+            where=self.describe(),
+        )
 
-    def _converse(self, asked: Question[T], timeout_s: float) -> Stamped[T]:
+    def _prepare(self, now_s: float) -> float:
+        """Do what is due before a question, and tell the time after it."""
+        if now_s >= self._keep_alive_at_s:
+            self.keep_awake()
+        elif self._out_of_step:
+            self._resynchronise(self._policy.reply_timeout_s)
+        return self._clock.now_s()
+
+    def _converse(self, asked: Question[T], sent_s: float, timeout_s: float) -> Stamped[T]:
         # Whatever interrupts this, Ctrl-C included, leaves a reply on its way: out of step until it is here.
         self._out_of_step = True
         if asked.engages:
             self._engaged = True
-        sent_s = self._clock.now_s()
         self._link.send(asked.telegram)
         telegram, received_s = self._wait_for(asked, sent_s, timeout_s)
         try:
@@ -257,14 +267,10 @@ class Exchange:
         self._count("late")
         return False
 
-    def _get_in_step(self) -> None:
-        if self._out_of_step:
-            self._resynchronise(self._policy.reply_timeout_s)
-
     def _resynchronise(self, timeout_s: float) -> None:
         for attempt in range(_ATTEMPTS):
             try:
-                self._converse(next(self._markers), timeout_s)
+                self._converse(next(self._markers), self._clock.now_s(), timeout_s)
             except CommandRefusedError:
                 continue  # it may be the late refusal of a read that the caller had asked for
             except (LinkTimeoutError, GarbageError):

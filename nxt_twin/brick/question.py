@@ -71,8 +71,7 @@ def compiled_question(request: Command[Any], make: Callable[..., T]) -> Question
     Raises:
         RequestError: a value does not fit its field.
     """
-    values_of = _compiled_reader(request)
-    return _ready(request, lambda telegram: make(*values_of(telegram)))
+    return _ready(request, _compiled_reader(request, make))
 
 
 def _ready(request: Command[Any], read: Callable[[bytes], T]) -> Question[T]:
@@ -92,7 +91,7 @@ def _echo(request: Command[Any]) -> bytes:
     return opening[0].wire.pack(asked[opening[0].name], opening[0].wire.width({}, 0))
 
 
-def _compiled_reader(request: Command[Any]) -> Callable[[bytes], list[Any]]:
+def _compiled_reader(request: Command[Any], make: Callable[..., T]) -> Callable[[bytes], T]:
     """Read by one struct, and give names by tables: both follow from the reply's declaration."""
     wires = [field.wire for field in fields_of(request.Reply)]
     unpack = struct.Struct(f"<3x{''.join(_code(wire) for wire in wires)}").unpack
@@ -103,15 +102,15 @@ def _compiled_reader(request: Command[Any]) -> Callable[[bytes], list[Any]]:
         if not isinstance(wire, Number)
     ]
 
-    def values_of(telegram: bytes) -> list[Any]:
+    def read(telegram: bytes) -> T:
         if len(telegram) != size or telegram[2] != Status.OK:
             decode_reply(request, telegram)  # raises what is wrong with it
         values = list(unpack(telegram))
         for at, names in named:
             values[at] = names[values[at]]
-        return values
+        return make(*values)
 
-    return values_of
+    return read
 
 
 def _code(wire: Wire) -> str:

@@ -16,13 +16,16 @@ from nxt_twin.brick.discovery import SEARCH_TIMEOUT_S, WayReport, default_ways, 
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
+from nxt_twin.cli.openers import OPENERS
 from nxt_twin.cli.output import JsonOption, emit_json
 
 
 def connect(
     url: Annotated[
         str | None,
-        typer.Argument(help="usb:, usb:SERIAL, bt:ADDRESS, serial:DEVICE or tcp:HOST:PORT; without: search."),
+        typer.Argument(
+            help="usb:, usb:SERIAL, bt:ADDRESS, serial:DEVICE, tcp:HOST:PORT or mock:; without: search."
+        ),
     ] = None,
     timeout_s: Annotated[
         float, typer.Option("--timeout", min=0.1, help="How long to search, s.")
@@ -47,7 +50,7 @@ def _connect(url: str, tap: Path | None, json: str | None) -> None:
     clock = SystemClock()
     with (
         nullcontext() if tap is None else tap.open("w", encoding="utf-8") as sink,
-        open_brick(url, clock, tap=sink) as brick,
+        open_brick(url, clock, OPENERS, tap=sink) as brick,
     ):
         portrait = portray(brick)
     if json:

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import json as json_format
 import signal
-import time
 from pathlib import Path
-from typing import Annotated, final
+from typing import Annotated
 
 import typer
 
+from nxt_twin.brick.clock import SystemClock
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.mock.run import Served, serve
 
 
-@final
-class _MachineClock:
-    def now_s(self) -> float:
-        return time.monotonic()
-
-    def sleep(self, duration_s: float) -> None:
-        time.sleep(duration_s)
-
-
 def mock(
-    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Listen here; port 0 is any.")] = None,
+    tcp: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HOST:PORT",
+            help="Listen here; without, and without --pty: localhost:7000, where connect looks.",
+        ),
+    ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
     world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
     seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
@@ -45,7 +42,7 @@ def mock(
         signal.signal(number, signal.default_int_handler)
     try:
         serve(
-            clock=_MachineClock(),
+            clock=SystemClock(),
             announce=announce,
             tcp=tcp,
             pty=pty,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
-from nxt_twin.diagnose.structure import Structure, Weight, Workshop, weigh
+from nxt_twin.diagnose.structure import Structure, Weight, Workshop, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
@@ -24,6 +24,8 @@ FREE_RUN_RATIO = 1.01  # a structure that predicts one step better and runs free
 
 _SHORT_LIST = 5
 _QUICK_ITERATIONS = 5
+_SLOW_ITERATIONS = 12
+_EXCHANGES = 2
 
 
 @final
@@ -59,21 +61,45 @@ class Explanation:
 def explain(workshop: Workshop, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
     best = baseline
-    refused: tuple[tuple[Effect, Weight], ...] = ()
-    ranked_first: list[Effect] = []
-    for count in range(MOST_EFFECTS + 1):
+    tried: list[Effect] = []
+    for exchange in range(_EXCHANGES + 1):
+        best, refused = _grown(workshop, best, baseline, tried, progress)
+        progress("checking each effect's place")
+        found = _found(workshop, best, baseline)
+        rivals = {effect.id: _rivals(workshop, best, effect, tried) for effect, _ in found}
+        better = _better(best, rivals)
+        if better is None or exchange == _EXCHANGES:
+            break
+        best = _pruned(workshop, better, baseline)
+    return Explanation(baseline, best, found, rivals, refused)
+
+
+def _grown(
+    workshop: Workshop, best: Structure, baseline: Structure, tried: list[Effect], progress: Progress
+) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
+    """Add effects to `best` while one earns its place; what came near is noted in `tried`."""
+    while True:
         progress(f"trying each effect with {_names(best.plant, baseline.plant)}")
         ranked = _forward(workshop, best)
-        refused = tuple((effect, weight) for effect, weight, _ in ranked)
-        ranked_first.extend(effect for effect, _, _ in ranked if effect not in ranked_first)
-        if not ranked or count == MOST_EFFECTS or not _worth_it(ranked[0][1]):
-            break
-        best = _pruned(workshop, ranked[0][2], baseline)
-    progress("checking each effect's place")
-    best = _pruned(workshop, best, baseline)
-    found = _found(workshop, best, baseline)
-    rivals = {effect.id: _rivals(workshop, best, effect, ranked_first) for effect, _ in found}
-    return Explanation(baseline, best, found, rivals, refused)
+        tried.extend(effect for effect, _, _ in ranked if effect not in tried)
+        full = len(best.plant.active - baseline.plant.active) >= MOST_EFFECTS
+        if not ranked or full or not _worth_it(ranked[0][1]):
+            return best, tuple((effect, weight) for effect, weight, _ in ranked)
+        added = _pruned(workshop, ranked[0][2], baseline)
+        if added.plant.active == best.plant.active:
+            return added, tuple((effect, weight) for effect, weight, _ in ranked)
+        best = added
+
+
+def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
+    """The structure with one effect exchanged that clearly beats `best`, in free run as well."""
+    beating = [
+        rival
+        for near in rivals.values()
+        for rival in near
+        if rival.behind < -RIVAL_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
+    ]
+    return min(beating, key=lambda rival: rival.behind).structure if beating else None
 
 
 def candidates(plant: Plant, signals: Signals) -> list[Effect]:
@@ -99,14 +125,23 @@ def _keeps_its_place(weight: Weight) -> bool:
 
 
 def _forward(workshop: Workshop, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
-    """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
+    """Every candidate added to `best`, the likeliest of them under noise of their own, ranked.
+
+    Effects with states of their own (a second mass) reach their best slowly, so they are always followed up.
+    """
     quick = []
     for effect in candidates(best.plant, workshop.problem.signals[0]):
         start = workshop.start_with(best.plant, effect, best.noise)
-        trial = workshop.fit(start, best.noise, iterations=_QUICK_ITERATIONS)
+        iterations = _SLOW_ITERATIONS if effect.states else _QUICK_ITERATIONS
+        trial = workshop.fit(start, best.noise, iterations=iterations)
         quick.append((effect, weigh(best, trial), trial))
     quick.sort(key=lambda item: -item[1].total)
-    settled = [(effect, workshop.settle(trial)) for effect, _, trial in quick[:_SHORT_LIST]]
+    followed = [
+        (effect, trial)
+        for rank, (effect, _, trial) in enumerate(quick)
+        if rank < _SHORT_LIST or effect.states
+    ]
+    settled = [(effect, workshop.settle(trial)) for effect, trial in followed]
     ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
     ranked.sort(key=lambda item: (-_worth_it(item[1]), -item[1].total))
     return ranked
@@ -167,7 +202,8 @@ def _rivals(workshop: Workshop, best: Structure, effect: Effect, ranked: list[Ef
 
 def probability(behind: float, others: list[float]) -> float:
     """The share of belief for a structure `behind` the best by so many nats, among `others` so far behind."""
-    return math.exp(-behind) / (math.exp(-behind) + sum(math.exp(-other) for other in others))
+    nearest = min(behind, *others, behind)
+    return math.exp(nearest - behind) / sum(math.exp(nearest - other) for other in [behind, *others])
 
 
 def _names(plant: Plant, baseline: Plant) -> str:

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.search.tcp import LOCAL_ADDRESS
 from nxt_twin.mock.errors import ServeError
-from nxt_twin.mock.serve.clock import Clock
 from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
 from nxt_twin.mock.serve.tcp import TcpEndpoint
 from nxt_twin.mock.start import profile_named, switch_on
-
-DEFAULT_TCP = "127.0.0.1:0"
-"""Loopback, any free port."""
 
 
 @final
@@ -51,7 +49,7 @@ def serve(
     Args:
         clock: the machine's clock.
         announce: told once where the brick is reached.
-        tcp: HOST:PORT to listen at; with neither `tcp` nor `pty`, any free port of the loopback.
+        tcp: HOST:PORT to listen at; with neither `tcp` nor `pty`, where the search for bricks looks.
         pty: where to put the symbolic link to a pseudo-terminal.
         world: a world file; without it the brick is as LEGO ships it.
         seed: of noise, jitter and faults.
@@ -68,7 +66,7 @@ def serve(
     endpoints: list[Endpoint] = []
     try:
         if tcp is not None or pty is None:
-            endpoints.append(TcpEndpoint(host, parse_address(tcp or DEFAULT_TCP), link, seed))
+            endpoints.append(TcpEndpoint(host, parse_address(tcp or LOCAL_ADDRESS), link, seed))
         if pty is not None:
             endpoints.append(_pty(host, pty, link, seed + 1))
         announce(Served(host.firmware.radio.brick_name, tuple(endpoint.url for endpoint in endpoints)))
@@ -86,9 +84,10 @@ def _run(host: Host, endpoints: Sequence[Endpoint], stop: Callable[[], bool]) ->
     while host.running:
         if stop():
             return True
+        host.rest()
         for endpoint in endpoints:
             endpoint.take_in()
-        host.wait(host.next_tick_s)
+        host.catch_up()
         for endpoint in endpoints:
             endpoint.hand_out()
     return False

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from nxt_twin.brick.clock import Clock
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.firmware.firmware import Firmware
-from nxt_twin.mock.serve.clock import Clock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import Failure, MockLink
 from nxt_twin.mock.serve.profile import PROFILES, Profile

@@ -52,7 +52,7 @@ def run():
 def link(monkeypatch) -> ScriptedLink:
     clock = VirtualClock()
     scripted = ScriptedLink(clock, answer)
-    monkeypatch.setattr(connect_module, "open_brick", lambda url, _, tap=None: Brick(scripted, clock))
+    monkeypatch.setattr(connect_module, "open_brick", lambda url, *_, tap=None: Brick(scripted, clock))
     return scripted
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from conformance_fake import FakeBrick
 from conformance_serving import (
@@ -15,19 +18,65 @@ from conformance_serving import (
 )
 
 from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError
+from nxt_twin.brick.links.usb import open_usb
+from nxt_twin.brick.open import open_brick
 from nxt_twin.mock.body.world import World
 from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.run import Served, serve
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
+from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+
+
+def _mock_host(clock: VirtualClock) -> Host:
+    world = World()
+    return Host(Firmware(world.body(0), world.identity()), clock)
 
 
 @contextmanager
 def _mock_in_virtual_time() -> Iterator[OpenBrick]:
-    world, clock = World(), VirtualClock()
-    host = Host(Firmware(world.body(0), world.identity()), clock)
+    clock = VirtualClock()
+    host = _mock_host(clock)
     yield lambda: Brick(MockLink(host, late=LinkTimeoutError, lost=LinkLostError), clock)
+
+
+@contextmanager
+def _mock_on_usb() -> Iterator[OpenBrick]:
+    """Our own USB link and all of pyusb, down to the bus; in virtual time, as the bus is in this process."""
+    clock = VirtualClock()
+    bus = MockUsbBackend([UsbDevice(_mock_host(clock))])
+    yield lambda: Brick(open_usb("", clock, backend=bus), clock)
+
+
+@contextmanager
+def _mock_by_url(**place: str | Path) -> Iterator[OpenBrick]:
+    """In real time, as `nxt-twin mock` serves it."""
+    ready, stop, places = threading.Event(), threading.Event(), list[str]()
+
+    def announce(served: Served) -> None:
+        places.extend(served.urls)
+        ready.set()
+
+    def run() -> None:
+        serve(clock=SystemClock(), announce=announce, stop=stop.is_set, **place)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    try:
+        assert ready.wait(20)
+        yield lambda: open_brick(places[0], SystemClock())
+    finally:
+        stop.set()
+        thread.join()
+
+
+@contextmanager
+def _mock_on_pty() -> Iterator[OpenBrick]:
+    with TemporaryDirectory() as folder, _mock_by_url(pty=Path(folder, "brick")) as opener:
+        yield opener
 
 
 BRICKS: dict[str, Callable[[], AbstractContextManager[OpenBrick]]] = {
@@ -36,4 +85,7 @@ BRICKS: dict[str, Callable[[], AbstractContextManager[OpenBrick]]] = {
     "fake, tcp": lambda: served_by_tcp(FakeBrick().answer),
     "fake, pty": lambda: served_by_pty(FakeBrick().answer),
     "mock, in virtual time": _mock_in_virtual_time,
+    "mock, usb": _mock_on_usb,
+    "mock, tcp": lambda: _mock_by_url(tcp="127.0.0.1:0"),
+    "mock, pty": _mock_on_pty,
 }

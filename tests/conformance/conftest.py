@@ -1,4 +1,4 @@
-"""``pytest tests/conformance --brick URL`` runs the checks on a brick of yours instead of on fakes."""
+"""``--brick URL`` (declared for all tests) runs the checks on a brick of yours instead of on fakes and mocks."""
 
 from __future__ import annotations
 
@@ -7,15 +7,6 @@ from conformance_bricks import BRICKS
 
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick as open_by_url
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption(
-        "--brick",
-        metavar="URL",
-        default=None,
-        help="check this brick: motors turn for a moment; the ultrasonic sensor has to be on port 4",
-    )
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -6,7 +6,7 @@ from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, free_job
-from nxt_twin.physics.start import at_rest
+from nxt_twin.physics.start import Start, at_rest
 
 NXT = {
     "kind": "dc_motor",
@@ -21,11 +21,51 @@ NXT = {
 }
 
 
+def nxt(*, without=(), **changes):
+    """The plain motor with some keys changed or added (`effects` among them) and some left out."""
+    kept = {key: value for key, value in {**NXT, **changes}.items() if key not in without}
+    return plant_from_config(kept, "power_pct")
+
+
+def disc(**keys):
+    """A disc on a known torque, without friction unless given."""
+    return plant_from_config({"kind": "rigid_body", "inertia": 2e-3, **keys}, "torque_nm")
+
+
 def rotary_plant():
     """A disc with friction on a known torque."""
-    return plant_from_config(
-        {"kind": "rigid_body", "inertia": 2e-3, "viscous_friction": 5e-3, "coulomb_friction": 0.02}, "torque_nm"
+    return disc(viscous_friction=5e-3, coulomb_friction=0.02)
+
+
+def commanded(steps, *, seconds, kind="power_pct", mode=0, every_s=0.01, stamps=None):
+    """Commands as (time, level) and stamps at which to look, every 10 ms unless given; no readings."""
+    time_s = np.arange(round(seconds / every_s) + 1) * every_s if stamps is None else stamps
+    at, levels = (np.array(column, dtype=float) for column in zip(*steps, strict=True))
+    return Signals(
+        name="commanded",
+        channel="output",
+        input_kind=kind,
+        command_time_s=at,
+        command=levels,
+        command_mode=np.full(at.size, mode, dtype=np.int64),
+        command_supply_v=np.full(at.size, NXT["supply_v"]),
+        time_s=time_s,
+        measured=np.where(np.arange(time_s.size) == 0, 0.0, np.nan),
+        is_speed=False,
+        quantum=0.0,
     )
+
+
+def moving(run, *, angle=0.0, speed=0.0):
+    """A start of `run` at this angle and speed."""
+    return Start(
+        np.arange(run.time_s.size) == 0, np.full(run.time_s.size, angle), np.full(run.time_s.size, speed)
+    )
+
+
+def motion(simulator, plant, run, **start):
+    """What a free run does: arrays of `angle`, `speed`, `current` and more at the stamps."""
+    return simulator.trace(plant, free_job(run, moving(run, **start)))
 
 
 def signals(*, seconds, kind="power_pct", size=1.0, regular=False, seed=3):

@@ -19,16 +19,10 @@ def with_effect(effect_id):
     return plant.with_effect(effect_id, {p.symbol: p.starts[0] * p.si for p in effect.parameters})
 
 
-@pytest.fixture(scope="module")
-def motor_simulator():
-    with Simulator(MOTOR) as simulator:
-        yield simulator
-
-
 @pytest.mark.parametrize("effect_id", ["none", *EFFECT_IDS])
 def test_compiled_kernel_agrees_with_plain_python_in_free_run(motor_simulator, effect_id):
     plant = plant_from_config(NXT, "power_pct") if effect_id == "none" else with_effect(effect_id)
-    run = signals(seconds=3.0)
+    run = signals(seconds=1.5)
     job = free_job(run, at_rest(run))
     compiled = motor_simulator.trace(plant, job)["predicted"]
     np.testing.assert_allclose(compiled, predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
@@ -38,27 +32,27 @@ def test_compiled_kernel_agrees_with_plain_python_in_free_run(motor_simulator, e
 @pytest.mark.parametrize("effect_id", ["none", *EFFECT_IDS])
 def test_compiled_kernel_agrees_with_plain_python_when_corrected(motor_simulator, effect_id):
     plant = plant_from_config(NXT, "power_pct") if effect_id == "none" else with_effect(effect_id)
-    job = job_with_readings(motor_simulator, seconds=2.0)
+    job = job_with_readings(motor_simulator, seconds=1.0)
     compiled, plain = motor_simulator.trace(plant, job), predict(plant, job)
     for name in ("predicted", "weight", "cost"):
         np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-8, atol=1e-8)
 
 
-def test_linear_plant_agrees_with_plain_python():
+def test_a_plant_on_a_known_torque_agrees_with_plain_python(rotary_simulator):
     plant = rotary_plant()
     run = signals(seconds=2.0, kind="torque_nm", size=0.1)
     job = free_job(run, at_rest(run))
-    with Simulator(plant.layout) as simulator:
-        compiled = simulator.trace(plant, job)["predicted"]
+    compiled = rotary_simulator.trace(plant, job)["predicted"]
     np.testing.assert_allclose(compiled, predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
 
 
-def test_a_batch_gives_what_its_members_give_alone(motor_simulator):
+def test_a_batch_on_several_threads_gives_what_its_members_give_alone(motor_simulator):
     plants = [with_effect(effect_id) for effect_id in EFFECT_IDS]
     run = signals(seconds=2.0)
     job = free_job(run, at_rest(run))
     vectors = [plant.vectors() for plant in plants]
-    batch = motor_simulator.run(np.array([v for v, _ in vectors]), np.array([a for _, a in vectors]), [job])
+    with Simulator(MOTOR, workers=3) as simulator:
+        batch = simulator.run(np.array([v for v, _ in vectors]), np.array([a for _, a in vectors]), [job])
     for plant, predicted in zip(plants, batch[0].predicted, strict=True):
         np.testing.assert_array_equal(predicted, motor_simulator.trace(plant, job)["predicted"])
 

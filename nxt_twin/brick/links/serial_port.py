@@ -11,7 +11,6 @@ from firmware_protocol.bluetooth import DEFAULT_PIN
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkLostError, LinkRefusedError, LinkTimeoutError, LinkUrlError, Refusal
 from nxt_twin.brick.links.stream import ByteStream, StreamLink
-from nxt_twin.brick.links.terminal import TerminalStream
 
 _WRITE_TIMEOUT_S: Final = 5.0
 _BUSY: Final = (errno.EBUSY, errno.EAGAIN)
@@ -81,8 +80,16 @@ def open_serial(device: str, clock: Clock) -> StreamLink:
         port = serial.Serial(device, write_timeout=_WRITE_TIMEOUT_S, **_exclusively())
     except (OSError, ValueError) as error:
         raise _refusal(url, device, error) from error
-    stream: ByteStream = TerminalStream(port, url) if hasattr(port, "fileno") else SerialStream(port, url)
-    return StreamLink(stream, clock, url)
+    return StreamLink(_stream(port, url), clock, url)
+
+
+def _stream(port: serial.Serial, url: str) -> ByteStream:
+    """Ports are files, and settings of terminals exist, everywhere but on Windows."""
+    if not hasattr(port, "fileno"):
+        return SerialStream(port, url)
+    from nxt_twin.brick.links.terminal import TerminalStream
+
+    return TerminalStream(port, url)
 
 
 def _exclusively() -> dict[str, Any]:

@@ -121,4 +121,4 @@ class StreamLink:
 def _is_one_frame(data: bytes) -> bool:
     """Whether the bytes are exactly one telegram behind its length, as nearly always."""
     size = len(data) - LENGTH_PREFIX_SIZE
-    return 0 < size <= RECEIVE_BUFFER_SIZE and data.startswith(size.to_bytes(LENGTH_PREFIX_SIZE, "little"))
+    return 0 < size <= RECEIVE_BUFFER_SIZE and data[0] == size and not data[1]

@@ -1,20 +1,8 @@
-"""The clock that paces the mock: the machine's, passed in, or one that jumps."""
+"""A clock that jumps, to pace a mock in tests; otherwise the machine's is passed in."""
 
 from __future__ import annotations
 
-from typing import Protocol, final
-
-
-class Clock(Protocol):
-    """A monotonic clock that can wait."""
-
-    def now_s(self) -> float:
-        """The time, s, from an arbitrary start."""
-        ...
-
-    def sleep(self, duration_s: float) -> None:
-        """Come back when `duration_s` have passed."""
-        ...
+from typing import final
 
 
 @final

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final, final
 
+from nxt_twin.brick.clock import Clock
 from nxt_twin.mock.firmware.channel import Transport
 from nxt_twin.mock.firmware.firmware import Firmware, Power
 from nxt_twin.mock.firmware.hardware import TICK_S
-from nxt_twin.mock.serve.clock import Clock
 from nxt_twin.mock.serve.line import Line
 from nxt_twin.mock.serve.profile import Profile
 
@@ -77,9 +77,16 @@ class Host:
         for line in self._lines.values():
             line.collect()
 
+    def rest(self) -> None:
+        """Wait until the next tick is due."""
+        self._sleep_until(self.next_tick_s)
+
     def wait(self, deadline_s: float) -> None:
         """Wait until the next tick or the deadline, whichever is sooner, and run what is due."""
-        pause_s = min(self.next_tick_s, deadline_s) - self.clock.now_s()
+        self._sleep_until(min(self.next_tick_s, deadline_s))
+        self.catch_up()
+
+    def _sleep_until(self, time_s: float) -> None:
+        pause_s = time_s - self.clock.now_s()
         if pause_s > 0.0:
             self.clock.sleep(pause_s)
-        self.catch_up()

@@ -1,0 +1,14 @@
+"""Options of the command line, which pytest only takes from here when no folder is named."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--brick",
+        metavar="URL",
+        default=None,
+        help="check this brick: motors turn for a moment; the ultrasonic sensor has to be on port 4",
+    )

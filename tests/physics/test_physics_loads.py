@@ -1,0 +1,99 @@
+"""What hangs on the axis, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from physics_samples import commanded, disc, motion
+from scipy.special import ellipk
+
+J = 2e-3
+JL = 1e-3
+
+
+def upward_crossings_s(time_s, values):
+    rows = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    share = -values[rows] / (values[rows + 1] - values[rows])
+    return time_s[rows] + share * (time_s[rows + 1] - time_s[rows])
+
+
+def period_s(time_s, values):
+    return float(np.diff(upward_crossings_s(time_s, values)).mean())
+
+
+@pytest.mark.parametrize("amplitude_deg", [5.0, 60.0, 150.0])
+def test_an_unbalanced_arm_swings_like_a_pendulum(rotary_simulator, amplitude_deg):
+    plant = disc(effects={"gravity_load": {"gravity_torque_nm": 0.05, "phase_deg": 0.0}})
+    run = commanded([(0.0, 0.0)], seconds=20.0, kind="torque_nm")
+    angle = motion(rotary_simulator, plant, run, angle=math.radians(amplitude_deg))["angle"]
+    expected_s = 4.0 * math.sqrt(J / 0.05) * ellipk(math.sin(math.radians(amplitude_deg) / 2.0) ** 2)
+    assert period_s(run.time_s, angle) == pytest.approx(expected_s, rel=1e-4)
+    assert np.abs(angle[-300:]).max() == pytest.approx(math.radians(amplitude_deg), rel=1e-3)
+
+
+def test_an_arm_comes_to_rest_hanging_down_at_its_phase(rotary_simulator):
+    plant = disc(
+        viscous_friction=0.02, effects={"gravity_load": {"gravity_torque_nm": 0.1, "phase_deg": 40.0}}
+    )
+    run = commanded([(0.0, 0.0)], seconds=10.0, kind="torque_nm")
+    assert math.degrees(motion(rotary_simulator, plant, run)["angle"][-1]) == pytest.approx(-40.0, abs=1e-3)
+
+
+def test_a_spring_swings_about_where_torque_and_spring_balance(rotary_simulator):
+    plant = disc(effects={"spring_load": {"stiffness_nm_per_rad": 0.05, "rest_angle_deg": 20.0}})
+    run = commanded([(0.0, 0.01)], seconds=10.0, kind="torque_nm")
+    angle = motion(rotary_simulator, plant, run)["angle"]
+    centre = math.radians(20.0) + 0.01 / 0.05
+    assert (angle.min() + angle.max()) / 2.0 == pytest.approx(centre, rel=1e-3)
+    assert period_s(run.time_s, angle - centre) == pytest.approx(
+        2.0 * math.pi * math.sqrt(J / 0.05), rel=1e-4
+    )
+
+
+def test_two_masses_on_a_shaft_ring_at_their_resonance_and_speed_up_as_one(rotary_simulator):
+    stiffness = 2.0
+    plant = disc(
+        effects={"shaft_compliance": {"stiffness_nm_per_rad": stiffness, "load_inertia_kg_m2": JL}},
+    )
+    run = commanded([(0.0, 0.02)], seconds=1.0, kind="torque_nm", every_s=1e-3)
+    speed = motion(rotary_simulator, plant, run)["speed"]
+    together = 0.02 / (J + JL)
+    assert np.polyfit(run.time_s, speed, 1)[0] == pytest.approx(together, rel=0.02)
+    early = run.time_s < 0.3
+    expected_s = 2.0 * math.pi / math.sqrt(stiffness * (1.0 / J + 1.0 / JL))
+    ringing = (speed - together * run.time_s)[early]
+    assert period_s(run.time_s[early], ringing) == pytest.approx(expected_s, rel=0.01)
+
+
+def test_a_load_behind_play_feels_nothing_inside_the_gap(rotary_simulator):
+    gap = math.radians(10.0)
+    plant = disc(effects={"backlash": {"gap_deg": 10.0, "load_inertia_kg_m2": JL}})
+    run = commanded([(0.0, 0.02)], seconds=1.0, kind="torque_nm", every_s=1e-3)
+    alone = motion(rotary_simulator, disc(), run)["angle"]
+    with_load = motion(rotary_simulator, plant, run)
+    inside = alone < gap / 2.0
+    np.testing.assert_array_equal(with_load["angle"][inside], alone[inside])
+    assert np.all(with_load["angle"][~inside][5:] < alone[~inside][5:])
+    settled = run.time_s > 0.5
+    acceleration = np.polyfit(run.time_s[settled], with_load["speed"][settled], 1)[0]
+    assert acceleration == pytest.approx(0.02 / (J + JL), rel=0.01)
+
+
+def test_play_is_felt_again_at_each_reversal(rotary_simulator):
+    gap = math.radians(10.0)
+    plant = disc(effects={"backlash": {"gap_deg": 10.0, "load_inertia_kg_m2": JL}})
+    run = commanded([(0.0, 0.02), (0.5, -0.5)], seconds=0.6, kind="torque_nm", every_s=1e-3)
+    found = motion(rotary_simulator, plant, run)
+    back = (run.time_s >= 0.5) & (run.time_s <= 0.6)
+    load_speed = found["speed"][np.flatnonzero(back)[0]]
+    elapsed_s = run.time_s[back] - 0.5
+    play = found["angle"][back] - found["angle"][back][0] - load_speed * elapsed_s
+    crossing = elapsed_s[play > -0.95 * gap]
+    assert crossing[-1] == pytest.approx(math.sqrt(2.0 * gap * J / 0.5), abs=3e-3)
+
+
+def test_a_load_behind_play_moves_along_when_a_run_starts_in_motion(rotary_simulator):
+    plant = disc(effects={"backlash": {"gap_deg": 10.0, "load_inertia_kg_m2": JL}})
+    run = commanded([(0.0, 0.0)], seconds=1.0, kind="torque_nm")
+    angle = motion(rotary_simulator, plant, run, speed=5.0)["angle"]
+    np.testing.assert_allclose(angle, 5.0 * run.time_s, rtol=1e-9)

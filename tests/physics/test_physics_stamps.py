@@ -1,0 +1,79 @@
+"""When commands act and when readings are taken."""
+
+import numpy as np
+import pytest
+from physics_samples import commanded, job_with_readings, motion, nxt
+
+from nxt_twin.physics.stepper import Stepper
+
+STEPS = [(0.0, 0.0), (0.1, 0.7), (0.5, -0.4), (0.9, 0.3)]
+A_TENTH_OF_A_DEGREE = np.radians(0.1)
+
+
+@pytest.mark.parametrize("delay_s", [0.01, 0.03, 0.2])
+def test_a_command_delay_moves_the_response_by_exactly_that_much(motor_simulator, delay_s):
+    run = commanded(STEPS, seconds=1.5)
+    delayed = nxt(effects={"command_delay": {"delay_s": delay_s}})
+    rows = round(delay_s / 0.01)
+    prompt = motion(motor_simulator, nxt(), run)["angle"]
+    late = motion(motor_simulator, delayed, run)["angle"]
+    np.testing.assert_allclose(late[rows:], prompt[:-rows], rtol=1e-9, atol=1e-9)
+
+
+def test_a_stepped_plant_s_command_is_late_by_the_same_delay():
+    stepper = Stepper([nxt(), nxt(effects={"command_delay": {"delay_s": 0.02}})])
+    angles = []
+    for tick in range(120):
+        duty = 0.6 if tick < 60 else -0.6
+        stepper.step(np.full(2, duty), np.zeros(2, dtype=np.int64), 8.0, 1e-3)
+        angles.append(stepper.angle.copy())
+    prompt, late = np.array(angles).T
+    np.testing.assert_allclose(late[20:], prompt[:-20], atol=1e-12)
+    assert np.all(late[:20] == 0.0)
+
+
+def test_irregular_stamps_show_the_same_motion_as_regular_ones(motor_simulator):
+    plant = nxt(effects={"gravity_load": {"gravity_torque_nm": 0.03, "phase_deg": 10.0}})
+    regular = commanded(STEPS, seconds=1.5)
+    extra = np.random.default_rng(5).uniform(0.0, 1.5, 300)
+    kept = regular.time_s[::5]
+    stamps = np.unique(np.concatenate([kept, extra]))
+    irregular = commanded(STEPS, seconds=1.5, stamps=stamps)
+    expected = motion(motor_simulator, plant, regular)["angle"][::5]
+    found = motion(motor_simulator, plant, irregular)["angle"][np.searchsorted(stamps, kept)]
+    np.testing.assert_allclose(found, expected, atol=A_TENTH_OF_A_DEGREE)
+    assert np.ptp(expected) > 1.0
+
+
+def test_commands_between_stamps_act_when_they_were_given(motor_simulator):
+    coarse = commanded(STEPS, seconds=1.5, every_s=0.25)
+    fine = commanded(STEPS, seconds=1.5)
+    expected = motion(motor_simulator, nxt(), fine)["angle"][::25]
+    np.testing.assert_allclose(
+        motion(motor_simulator, nxt(), coarse)["angle"], expected, atol=A_TENTH_OF_A_DEGREE
+    )
+
+
+def test_stamps_far_apart_or_far_from_zero_change_nothing(motor_simulator):
+    late = commanded(
+        [(t + 1e6, level) for t, level in STEPS], seconds=1.5, stamps=np.arange(151) * 0.01 + 1e6
+    )
+    prompt = motion(motor_simulator, nxt(), commanded(STEPS, seconds=1.5))["angle"]
+    np.testing.assert_allclose(
+        motion(motor_simulator, nxt(), late)["angle"], prompt, atol=A_TENTH_OF_A_DEGREE
+    )
+
+
+def test_a_reading_that_stands_still_while_the_motor_runs_counts_as_stale(motor_simulator):
+    job = job_with_readings(motor_simulator, seconds=2.0)
+    doubting = nxt(effects={"stale_samples": {"stale_fraction": 0.05}})
+    speed = motor_simulator.trace(nxt(), job)["speed"]
+    known = np.flatnonzero(np.isfinite(job.signals.measured))
+    fast = known[np.abs(speed[known]) > 8.0]
+    row = fast[fast.size // 2]
+    before = known[known < row][-1]
+    job.signals.measured[row] = job.signals.measured[before]
+    weight = motor_simulator.trace(doubting, job)["weight"]
+    assert weight[row] < 0.05
+    assert np.median(weight[fast[fast < row]]) > 0.9
+    assert np.all(motor_simulator.trace(nxt(), job)["weight"][known[1:]] == 1.0)
