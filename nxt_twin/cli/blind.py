@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 from pathlib import Path
-from typing import Annotated, cast
+from typing import Annotated
 
 import typer
 
@@ -18,6 +18,12 @@ from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.to_json import to_json
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_case
+
+_LINKS: dict[str, tuple[Link, ...]] = {
+    "usb": ("usb",),
+    "bluetooth": ("bluetooth",),
+    "both": ("usb", "bluetooth"),
+}
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
 
@@ -36,18 +42,19 @@ def make(
     duration: Annotated[float, typer.Option(min=5.0, help="Length of a recording, s.")] = 15.0,
 ) -> None:
     """Make a set of cases: every effect in three sizes, clean ones, combinations, and unknown ones."""
+    if link not in _LINKS:
+        raise typer.BadParameter(f"'{link}' is none of {', '.join(_LINKS)}", param_hint="--link")
     chosen = tuple(effects.split(",")) if effects else tuple(KNOWN_EFFECTS)
     plans = plan_set(seed, effects=chosen, clean=clean, pairs=pairs, triples=triples, unknown=unknown)
-    links = ("usb", "bluetooth") if link == "both" else (link,)
+    links = _LINKS[link]
     with progress("making cases") as tell:
         for number, plan in enumerate(plans):
             tell(f"{plan.name}, {number + 1} of {len(plans)}")
-            polled = cast("Link", links[number % len(links)])
             case = make_case(
                 plan.seed,
                 effects=plan.effects,
                 size=plan.size,
-                link=polled,
+                link=links[number % len(links)],
                 duration_s=duration,
                 name=plan.name,
             )

@@ -45,9 +45,11 @@ STRUCTURED_NATS = 15.0
 STRUCTURED_TORQUE = 2e-3
 LARGE_TORQUE = 3e-2
 MOST_LEFT = 0.3
+FAR_OFF = 4.0
 """When what is left is more than noise: a flexible function of the state foretells it by so many nats and it is at
 least the second, or it is the third whatever foretells it; as fractions of a torque ordinary for the plant. Where
-effects were found, it must also be the fourth of all that there was to explain."""
+effects were found, it must also be the fourth of all that there was to explain. Where none was found, free runs
+over readings that only check must not be the fifth times as far off as noise alone."""
 
 
 @final
@@ -173,7 +175,9 @@ def _verdict(evidence: _Evidence) -> Verdict:
     structured = left > STRUCTURED_NATS and after > STRUCTURED_TORQUE
     large = after > LARGE_TORQUE
     if not evidence.explanation.found:
-        return "unexplained" if structured or large else "adequate"
+        floor = noise_floor(evidence.problem, evidence.final.noise)
+        runs_away = evidence.final.free_run_rms[0] > FAR_OFF * floor
+        return "unexplained" if structured or large or runs_away else "adequate"
     gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
     mostly_left = structured and left > MOST_LEFT * (left + gained)
     return "unexplained" if mostly_left or (large and after > 0.5 * before) else "explained"

@@ -28,6 +28,7 @@ _LONGEST_THINNING_S = 0.06
 _READINGS_PER_TIME_CONSTANT = 8.0
 _PHASES = 2  # where few readings are left, a thinned recording is fitted from each of so many first readings
 _FEW_READINGS = 2000
+_FEWEST_READINGS = 50
 
 
 @final
@@ -82,7 +83,7 @@ def problem_of(
 
     Raises:
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
-        DiagnosisError: the recordings are driven in different ways, or nothing moves.
+        DiagnosisError: the recordings are driven in different ways, are too short, or nothing moves.
     """
     read = [signals_of(recording, port) for recording in [*recordings, *holdout]]
     kinds = {signals.input_kind for signals in read}
@@ -106,6 +107,13 @@ def problem_of(
         held_out = [_windows(signals, window_s) for signals in fitted]
         masks = [part.counted for part in held_out]
     target, check = _split(plant, fitted, masks)
+    count = int(target.evidence * sum(int(counted.sum()) for counted in target.counted))
+    if count < _FEWEST_READINGS:
+        raise DiagnosisError(
+            f"only {count} readings are left to fit, of {_FEWEST_READINGS} at least",
+            where=name,
+            mend="record for longer",
+        )
     return Problem(
         name=name,
         plant=plant,

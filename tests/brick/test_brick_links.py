@@ -16,7 +16,7 @@ import serial
 from brick_fakes import ScriptedLink, VirtualClock
 
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.errors import LinkRefusedError, LinkUrlError, Refusal
+from nxt_twin.brick.errors import LinkRefusedError, LinkTimeoutError, LinkUrlError, Refusal
 from nxt_twin.brick.links.bluetooth import open_bluetooth
 from nxt_twin.brick.links.serial_port import open_serial
 from nxt_twin.brick.open import open_brick, open_link
@@ -195,3 +195,19 @@ def test_why_a_serial_port_cannot_be_opened_is_told(monkeypatch, number: int, ca
         open_serial("/dev/rfcomm0", VirtualClock())
     assert caught.value.cause is cause
     assert mend in caught.value.mend
+
+
+@pytest.mark.skipif(os.name == "nt", reason="ports are no files there")
+def test_a_terminal_that_nobody_reads_takes_no_more_and_does_not_hang(monkeypatch):
+    from nxt_twin.brick.links import terminal
+
+    monkeypatch.setattr(terminal, "_WRITE_TIMEOUT_MS", 50)
+    controller, device = os.openpty()
+    try:
+        link = open_serial(os.ttyname(device), SystemClock())
+        with pytest.raises(LinkTimeoutError, match="takes no more"):
+            all(link.send(bytes(100)) is None for _ in range(10_000))
+        link.close()
+    finally:
+        os.close(device)
+        os.close(controller)

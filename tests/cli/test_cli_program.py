@@ -25,7 +25,7 @@ def as_a_process(*arguments, cwd):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_says_what_it_does(command):
     said = succeed(command, "--help").out
-    assert "Usage: nxt-twin" in said
+    assert "Usage: " in said
     assert command in said
 
 

@@ -7,6 +7,7 @@ from conformance_bricks import BRICKS
 
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick as open_by_url
+from nxt_twin.cli.openers import OPENERS
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -19,7 +20,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def open_brick(request: pytest.FixtureRequest):
     name = request.param
     if name not in BRICKS:
-        yield lambda: open_by_url(name, SystemClock())
+        yield lambda: open_by_url(name, SystemClock(), OPENERS)
         return
     with BRICKS[name]() as opener:
         yield opener

@@ -169,6 +169,18 @@ def test_other_client_sets_a_tacho_limit(brick):
     wait_until(lambda: brick.get_output_state(nxt.motor.Port.C)[5] == nxt.motor.RunState.IDLE)
 
 
+def test_other_client_regulates_the_speed(brick):
+    motor = brick.get_motor(nxt.motor.Port.A)
+    motor.run(50, regulated=True)
+    wait_until(lambda: motor.get_tacho().tacho_count > 300)
+    start_s, start_deg = time.time(), motor.get_tacho().tacho_count
+    wait_until(lambda: motor.get_tacho().tacho_count > start_deg + 300)
+    speed_deg_per_s = (motor.get_tacho().tacho_count - start_deg) / (time.time() - start_s)
+    assert speed_deg_per_s == pytest.approx(500, rel=0.3)
+    assert brick.get_output_state(nxt.motor.Port.A)[3] == nxt.motor.RegulationMode.SPEED
+    motor.idle()
+
+
 def test_other_client_regulates_a_pair(brick):
     pair = nxt.motor.SynchronizedMotors(
         brick.get_motor(nxt.motor.Port.B), brick.get_motor(nxt.motor.Port.C), 0

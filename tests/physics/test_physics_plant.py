@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from physics_samples import NXT
 
@@ -179,6 +179,7 @@ def test_a_plant_with_any_effect_reads_back_as_it_was_written(kind, frame, input
     assert {key: written[key] for key in base} == base
 
 
+@settings(deadline=None)
 @given(data=st.data(), frame=st.sampled_from(FRAMES))
 def test_any_plant_survives_being_written_and_read(data, frame):
     kind, name, input_kind, base = frame

@@ -57,7 +57,7 @@ class UsbFacts:
 @final
 @dataclass(frozen=True)
 class PackageFacts:
-    """An installed or missing package that this one depends on.
+    """An installed or missing package that this program depends on.
 
     Attributes:
         name: the package.
@@ -90,7 +90,7 @@ class MachineFacts:
         bluetooth_adapters: the radio adapters' names.
         bluetooth_tools: which of ``bluetoothctl`` and ``rfcomm`` are there.
         serial_ports: the serial ports.
-        packages: the packages that reaching a brick depends on.
+        packages: the packages that this program depends on.
     """
 
     system: str

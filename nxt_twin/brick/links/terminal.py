@@ -47,15 +47,13 @@ class TerminalStream:
 
     def write(self, data: bytes) -> None:
         """Hand all bytes over; errors as with `ByteStream`."""
-        left = data
         try:
-            while left:
-                if self._unanswered and not self._writable.poll(_WRITE_TIMEOUT_MS):
-                    raise LinkTimeoutError("takes no more bytes", where=self._name)
-                self._unanswered = True
-                left = left[os.write(self._handle, left) :]
+            sent = 0 if self._unanswered else os.write(self._handle, data)
+            if sent < len(data):
+                self._write_as_it_fits(data[sent:])
         except OSError as error:
             raise self._lost(error.strerror) from error
+        self._unanswered = True
 
     def read(self, timeout_s: float) -> bytes:
         """What is there, as soon as anything is; errors as with `ByteStream`."""
@@ -80,6 +78,17 @@ class TerminalStream:
         self._handle = -1
         self._port.close()
 
+    def _write_as_it_fits(self, data: bytes) -> None:
+        """What was written before may still be on its way, and fill the system's buffers."""
+        os.set_blocking(self._handle, False)
+        try:
+            while data:
+                if not self._writable.poll(_WRITE_TIMEOUT_MS):
+                    raise LinkTimeoutError("takes no more bytes", where=self._name)
+                data = data[os.write(self._handle, data) :]
+        finally:
+            os.set_blocking(self._handle, True)
+
     def _lost(self, why: str | None) -> LinkLostError:
         return LinkLostError(f"the port is lost: {why}", where=self._name, mend="open it again")
 
@@ -89,4 +98,4 @@ def _let_reads_wait(handle: int) -> None:
     settings[_CHARACTERS][termios.VMIN] = 0
     settings[_CHARACTERS][termios.VTIME] = round(10 * _READ_WAITS_S)
     termios.tcsetattr(handle, termios.TCSANOW, settings)
-    os.set_blocking(handle, True)  # noqa: FBT003 - the library's interface
+    os.set_blocking(handle, True)

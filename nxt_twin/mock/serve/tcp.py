@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 from typing import Final, final
 
@@ -33,8 +34,10 @@ class TcpEndpoint(Endpoint):
         try:
             self._listener = socket.create_server((name, port), family=_family(name))
         except OSError as error:
-            mend = "take another port, or 0 for any free one"
-            raise ServeError(f"cannot listen: {error}", where=f"{name}:{port}", mend=mend) from None
+            busy = error.errno == errno.EADDRINUSE
+            what = "another program listens there" if busy else f"cannot listen: {error.strerror or error}"
+            mend = "take another port with --tcp HOST:PORT; port 0 is any free one"
+            raise ServeError(what, where=f"tcp:{name}:{port}", mend=mend) from None
         self._host = host
         self._listener.setblocking(False)  # noqa: FBT003 - the library's interface
         self._line = host.connect(Transport.BLUETOOTH, profile, seed)
