@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 import firmware_protocol as fp
 from nxt_twin.brick.brick import Brick
-from nxt_twin.brick.discovery import FoundBrick, Reason, WayReport
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.question import question
+from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport
 from nxt_twin.cli import connect as connect_module
 from nxt_twin.cli import doctor as doctor_module
 from nxt_twin.cli.connect import connect

@@ -11,9 +11,10 @@ import pytest
 from brick_fakes import ScriptedLink, VirtualClock
 
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.discovery import FoundBrick, Reason, WayReport, default_ways, search
+from nxt_twin.brick.discovery import default_ways, search
 from nxt_twin.brick.errors import LinkRefusedError, LinkTimeoutError, Refusal
 from nxt_twin.brick.search.bluetooth import look_on_bluetooth
+from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport
 from nxt_twin.brick.search.serial_ports import SerialPort, look_on_serial_ports
 
 INFO = bytes.fromhex("029b00") + b"Robbie".ljust(15, b"\0") + bytes.fromhex("00165301020300") + bytes(8)

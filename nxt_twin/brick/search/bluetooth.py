@@ -13,9 +13,9 @@ from typing import Final
 
 from firmware_protocol.bluetooth import ADDRESS_PREFIX, DEFAULT_PIN
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.discovery import FoundBrick, Reason, WayReport
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.links.bluetooth import lacks_sockets, serial_port_advice
+from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport
 
 _ASK_TIMEOUT_S: Final = 5.0
 _PAIR: Final = (

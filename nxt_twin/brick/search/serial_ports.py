@@ -11,11 +11,11 @@ from serial.tools import list_ports
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.discovery import FoundBrick, Reason, WayReport, reason_of
 from nxt_twin.brick.errors import BrickError, Refusal
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.links.serial_port import open_serial
 from nxt_twin.brick.policy import STREAM_POLICY
+from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport, reason_of
 
 _BIND: Final = "pair the brick, then: sudo rfcomm bind 0 ADDRESS 1; on Windows and macOS it has a port then"
 _LEADS_TO_A_BRICK: Final = re.compile(r"rfcomm\d|NXT|001653|00:16:53", re.IGNORECASE)

@@ -6,9 +6,9 @@ from typing import Final
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.discovery import FoundBrick, WayReport
 from nxt_twin.brick.links.tcp import open_tcp
 from nxt_twin.brick.policy import STREAM_POLICY
+from nxt_twin.brick.search.finding import FoundBrick, WayReport
 
 LOCAL_ADDRESS: Final = "localhost:7000"
 """Where a mock brick is looked for."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.discovery import FoundBrick, Reason, WayReport, reason_of
 from nxt_twin.brick.errors import Refusal
 from nxt_twin.brick.links.usb_devices import (
     UsbBackend,
@@ -12,6 +11,7 @@ from nxt_twin.brick.links.usb_devices import (
     find_booting,
     find_bricks,
 )
+from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport, reason_of
 
 
 def look_on_usb(clock: Clock, *, backend: UsbBackend = None) -> WayReport:
