@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -35,9 +36,9 @@ def diagnose(
     fitted. Exit status 0 whatever the verdict; 1 if a case cannot be diagnosed.
     """
     failed = False
-    for path in paths:
+    for path, label in zip(paths, _labels(paths), strict=True):
         try:
-            answer = _diagnose_one(path, seed)
+            answer = _diagnose_one(path, label, seed)
         except NxtTwinError as error:
             fail(str(error))
             failed = True
@@ -78,9 +79,19 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
         print(f"  report: {page}")
 
 
-def _diagnose_one(path: Path, seed: int) -> Answer:
+def _labels(paths: list[Path]) -> list[str | None]:
+    """A name for each of several cases that would otherwise share one; None keeps a case's own."""
+    stems = [path.resolve().stem for path in paths]
+    return [
+        f"{path.resolve().parent.name}-{stem}" if stems.count(stem) > 1 else None
+        for path, stem in zip(paths, stems, strict=True)
+    ]
+
+
+def _diagnose_one(path: Path, label: str | None, seed: int) -> Answer:
     with progress(str(path)) as tell:
-        return run_diagnosis(read_as_case(path), seed=seed, progress=tell)
+        case = read_as_case(path)
+        return run_diagnosis(replace(case, name=label or case.name), seed=seed, progress=tell)
 
 
 def _place(target: str, name: str, ending: str, *, many: bool) -> str:

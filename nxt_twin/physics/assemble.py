@@ -147,11 +147,14 @@ free = (
     (2.0 * inertia / step_s - coupling - damping) * before
     + 2.0 * (force + load_torque + inertia * disturbance)
 ) * inverse
-direction = math.copysign(1.0, free)
+direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
 bite = 2.0 * level * inverse
-after = 0.0 if abs(free) <= bite else free - direction * bite
+after = free - direction * bite
+if after * direction < 0.0:
+    push = direction * (before - free) - bite
+    after = -direction * push * (1.0 - direction * before / (push + 2.0 * bite)) if push > 0.0 else 0.0
 {advance}
 current = {current}
 angle += 0.5 * step_s * (before + after)

@@ -64,7 +64,7 @@ class Parameter:
         si: factor from `unit` to SI.
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
-        elsewhere: name and unit in frames other than the motor's.
+        elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
     """
 
     name: str
@@ -79,14 +79,24 @@ class Parameter:
     si: float = 1.0
     frozen: bool = False
     tied_to: str | None = None
-    elsewhere: dict[Frame, tuple[str, str]] = field(default_factory=dict)
+    elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
 
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""
         if frame not in self.elsewhere:
             return self
-        name, unit = self.elsewhere[frame]
-        return replace(self, name=name, unit=unit, elsewhere={})
+        name, unit, *other = self.elsewhere[frame]
+        si = other[0] if other else self.si
+        return replace(
+            self,
+            name=name,
+            unit=unit,
+            si=si,
+            starts=tuple(start * self.si / si for start in self.starts),
+            lower=self.lower * self.si / si,
+            upper=self.upper * self.si / si,
+            elsewhere={},
+        )
 
     def scaled(self, scale: Scale) -> Parameter:
         """The same parameter with starts and bounds carried from NXT scale to `scale`."""

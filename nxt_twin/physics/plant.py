@@ -99,7 +99,7 @@ def frame_for(kind: str, input_kind: InputKind) -> Frame:
 def plant_from_config(config: Mapping[str, Any], input_kind: InputKind) -> Plant:
     """Read a plant (contract 2) that is driven by `input_kind`.
 
-    A key of a plain effect that is left out is physics left out.
+    A key of a plain effect that is left out is physics left out; one that a nested effect supersedes is dropped.
 
     Raises:
         PlantError: a kind, key, value or effect that is none, or a required key that is missing.
@@ -131,6 +131,8 @@ def plant_from_config(config: Mapping[str, Any], input_kind: InputKind) -> Plant
         if effect.plain or not isinstance(given, Mapping):
             raise PlantError("is not a mapping of parameters of a nested effect", where=where)
         _refuse_unknown(set(given), [p.in_frame(plan.frame).name for p in effect.parameters], where=where)
+        active -= set(effect.supersedes)
+        values = {slot: value for slot, value in values.items() if slot.owner not in effect.supersedes}
         active.add(effect.id)
         values |= _read_owner(plan, effect.id, given, where)
     return Plant(plan, frozenset(active), values)

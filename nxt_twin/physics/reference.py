@@ -138,13 +138,17 @@ class _Axis:
         pull = force + load + inertia * self._disturbance
         free = ((2 * inertia / step_s - damping) * before + 2 * pull) / (2 * inertia / step_s + damping)
         scope |= {
-            "direction": math.copysign(1.0, free),
+            "direction": math.copysign(1.0, before if before != 0.0 else free),
             "drive_torque": force - coupling * before,
             "load_torque": load,
         }
         level = self.formed("friction", scope, 0.0, chained="level")
         bite = 2.0 * level / (2 * inertia / step_s + damping)
-        after = 0.0 if abs(free) <= bite else free - math.copysign(bite, free)
+        after = free - scope["direction"] * bite
+        if after * scope["direction"] < 0.0:  # it comes to rest within the step, and may then turn back
+            push = scope["direction"] * (before - free) - bite
+            reached = scope["direction"] * before / (push + 2.0 * bite) if push > 0.0 else 1.0
+            after = -scope["direction"] * push * (1.0 - reached) if push > 0.0 else 0.0
         self._advance({**scope, "before": before, "after": after})
         settle = self._plant.layout.base.current_after
         if settle:

@@ -25,12 +25,18 @@ def calls(plan: Layout, stage: Stage) -> Iterator[Call]:
     """The terms of all effects at `stage`, in the order in which they act.
 
     Raises:
-        PlantError: a term asks for something that its stage does not offer.
+        PlantError: a term is a lambda, or asks for something that its stage does not offer.
     """
     for position, effect in enumerate(plan.effects):
         if stage not in effect.terms:
             continue
         term = effect.terms[stage]
+        if term.__name__ == "<lambda>":
+            raise PlantError(
+                f"its {stage} term is a lambda, which a kernel cannot import",
+                where=f"effect {effect.id}",
+                mend="define a function at the top of a module",
+            )
         arguments = tuple(inspect.signature(term).parameters)
         own = {parameter.symbol for parameter in effect.parameters} | set(effect.states)
         offered = own | set(STAGES[stage].reads)

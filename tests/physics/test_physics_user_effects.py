@@ -39,9 +39,12 @@ BRAKE = Effect(
     states=("heat",),
 )
 SAME_AGAIN = Effect("stiction", "again", "", "timing", (), BRAKE.parameters, {})
-GREEDY = Effect(
-    "greedy", "greedy", "", "torque_balance", (), BRAKE.parameters, {"torque": lambda strength, weather: strength}
-)
+
+def _greedy(strength, weather):
+    return strength
+
+GREEDY = Effect("greedy", "greedy", "", "torque_balance", (), BRAKE.parameters, {"torque": _greedy})
+NAMELESS = Effect("nameless", "", "", "torque_balance", (), BRAKE.parameters, {"torque": lambda strength: strength})
 NO_EFFECT = 3
 """
 
@@ -119,6 +122,12 @@ def test_an_id_that_is_taken_is_refused(install):
     install("eddy_magnet:SAME_AGAIN")
     with pytest.raises(PlantError, match="stiction is taken"):
         library()
+
+
+def test_a_lambda_is_refused_as_a_term(install):
+    install("eddy_magnet:NAMELESS")
+    with pytest.raises(PlantError, match="effect nameless: its torque term is a lambda"):
+        source(layout("rigid_body", "rotary"))
 
 
 def test_a_term_that_asks_for_an_unknown_quantity_is_refused_with_what_there_is(install):

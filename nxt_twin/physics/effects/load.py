@@ -90,7 +90,7 @@ SPRING_LOAD = Effect(
             -36000.0,
             36000.0,
             si=math.pi / 180.0,
-            elsewhere={"linear": ("rest_position_m", "m")},
+            elsewhere={"linear": ("rest_position_m", "m", 1.0)},
         ),
     ),
     terms={"torque": _spring},

@@ -99,7 +99,7 @@ BACKLASH = Effect(
             60.0,
             spread=2.0,
             si=math.pi / 180.0,
-            elsewhere={"linear": ("gap_mm", "mm")},
+            elsewhere={"linear": ("gap_mm", "mm", 1e-3)},
         ),
         _LOAD_INERTIA,
     ),
