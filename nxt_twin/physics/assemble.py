@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import itertools
 from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
+from nxt_twin.physics.stages import STAGES
 from nxt_twin.physics.terms import Call, calls
 
 _FRAME = '''"""The compiled step of a {kind} ({frame}), written by nxt_twin.physics.assemble; never edit."""
@@ -27,7 +29,7 @@ from numba.extending import register_jitable
 _SQRT_TAU = math.sqrt(2.0 * math.pi)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run(
     values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
     out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
@@ -63,6 +65,7 @@ def run(
             pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
             step_s = (stop - t) / pieces
             fading = math.exp(-step_s * disturbance_rate)
+            momentum = 2.0 * inertia / step_s
             for piece in range(pieces):
                 elapsed_s = t + piece * step_s - out_time_s[0]
 {step}
@@ -109,7 +112,7 @@ def run(
             trace[k, 5] = drive_torque
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run_many(
     values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
     out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
@@ -142,9 +145,9 @@ damping = 0.0
 {damping}
 load_torque = 0.0
 {torque}
-inverse = 1.0 / (2.0 * inertia / step_s + coupling + damping)
+inverse = 1.0 / (momentum + coupling + damping)
 free = (
-    (2.0 * inertia / step_s - coupling - damping) * before
+    (momentum - coupling - damping) * before
     + 2.0 * (force + load_torque + inertia * disturbance)
 ) * inverse
 direction = math.copysign(1.0, before if before != 0.0 else free)
@@ -164,7 +167,7 @@ disturbance *= fading
 
 _STEPPING = """
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def step_many(values_of_all, active_of_all, state, commands, modes, supply_v, elapsed_s, step_s):
     disturbance = 0.0
     fading = 0.0
@@ -173,6 +176,7 @@ def step_many(values_of_all, active_of_all, state, commands, modes, supply_v, el
         active = active_of_all[i]
 {unpack}
         inertia = base__inertia
+        momentum = 2.0 * inertia / step_s
         held = commands[i]
         mode = modes[i]
         angle = state[i, 0]
@@ -185,6 +189,8 @@ def step_many(values_of_all, active_of_all, state, commands, modes, supply_v, el
         state[i, 2] = current
 {store}
 """
+
+_FEWEST_GROUPED = 3  # lines of one stage that are worth a flag of their own
 
 TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
 """Columns of a kernel's trace, one row a sample, after the sample's correction."""
@@ -288,6 +294,9 @@ def _unpack(plan: Layout) -> Iterator[str]:
         yield f"{slot.owner}__{slot.symbol} = values[{i}]"
     for i, effect in enumerate(plan.effects):
         yield f"with_{effect.id} = active[{i}]"
+    for stage in STAGES:
+        rarer = [f"with_{call.effect.id}" for call in calls(plan, stage) if not call.effect.plain]
+        yield f"any_{stage} = {' or '.join(rarer) or 'False'}"
 
 
 def _restart(plan: Layout) -> Iterator[str]:
@@ -306,11 +315,21 @@ def _call(plan: Layout, name: str, function: Callable[..., object]) -> str:
 
 
 def _stage(plan: Layout, stage: Stage) -> Iterator[str]:
-    for call in calls(plan, stage):
-        yield f"if with_{call.effect.id}:"
-        yield f"    {_statement(call, stage)}"
-        if stage == "outlier":
-            yield f"    share -= {call.effect.id}__{call.effect.parameters[0].symbol}"
+    """The terms of a stage, each behind its bit; runs of rarer ones behind one flag for all of them."""
+    for plain, run in itertools.groupby(calls(plan, stage), key=lambda call: call.effect.plain):
+        lines = [line for call in run for line in _guarded(call, stage)]
+        grouped = not plain and len(lines) > _FEWEST_GROUPED
+        if grouped:
+            yield f"if any_{stage}:"
+        for line in lines:
+            yield f"    {line}" if grouped else line
+
+
+def _guarded(call: Call, stage: Stage) -> Iterator[str]:
+    yield f"if with_{call.effect.id}:"
+    yield f"    {_statement(call, stage)}"
+    if stage == "outlier":
+        yield f"    share -= {call.effect.id}__{call.effect.parameters[0].symbol}"
 
 
 def _statement(call: Call, stage: Stage) -> str:

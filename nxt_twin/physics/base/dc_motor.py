@@ -58,7 +58,7 @@ def drive(
             return 0.0, 0.0
     else:
         source = duty * supply_v
-    lag = 0.0 if mode == MODE_FLOAT else 2.0 * inductance / step_s
+    lag = 0.0 if mode == MODE_FLOAT or inductance == 0.0 else 2.0 * inductance / step_s
     impedance = resistance + lag
     net = source - back_emf * speed
     if drop > 0.0:
