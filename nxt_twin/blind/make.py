@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -114,12 +115,12 @@ def make_set(
     cases_dir: Path,
     answers_dir: Path,
     *,
-    link: Link = "usb",
+    links: Sequence[Link] = ("usb",),
     duration_s: float = 15.0,
     recordings: int = 3,
 ) -> Iterator[Path]:
-    """Make and write each planned case in turn (see `sets.plan_set`), and yield its folder."""
-    for plan in plans:
+    """Make and write each planned case (see `sets.plan_set`), the links in turn, and yield its folder."""
+    for plan, link in zip(plans, itertools.cycle(links), strict=False):
         case = make_case(
             plan.seed,
             effects=plan.effects,

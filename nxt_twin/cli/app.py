@@ -1,6 +1,6 @@
 """The program `nxt-twin`: its commands and its exit statuses.
 
-0 done; 1 the thing asked for failed, with one line on standard error; 2 wrong use.
+0 done; 1 the thing asked for failed or was interrupted, with one line on standard error; 2 wrong use.
 """
 
 from __future__ import annotations
@@ -8,13 +8,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from importlib import import_module
+from typing import NoReturn
 
 import typer
 
 from nxt_twin.cli.output import fail
 from nxt_twin.errors import NxtTwinError
 
-_INTERRUPTED = 130
+_INTERRUPTED_WITHIN = 130  # what typer leaves with, without a word, when a command is interrupted
 
 COMMANDS = (
     "demo",
@@ -57,8 +58,16 @@ def main() -> None:
         fail(f"{error.filename or 'file'}: {error.strerror or error}")
         sys.exit(1)
     except KeyboardInterrupt:
-        fail("interrupted")
-        sys.exit(_INTERRUPTED)
+        _interrupted()
+    except SystemExit as leaving:
+        if leaving.code == _INTERRUPTED_WITHIN:
+            _interrupted()
+        raise
+
+
+def _interrupted() -> NoReturn:
+    fail("interrupted")
+    sys.exit(1)
 
 
 def _about() -> None:

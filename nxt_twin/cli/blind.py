@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
-from nxt_twin.blind.make import make_case, write_case
+from nxt_twin.blind.make import make_set
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.score import score as score_answers
 from nxt_twin.blind.sets import plan_set
@@ -46,19 +46,10 @@ def make(
         raise typer.BadParameter(f"'{link}' is none of {', '.join(_LINKS)}", param_hint="--link")
     chosen = tuple(effects.split(",")) if effects else tuple(KNOWN_EFFECTS)
     plans = plan_set(seed, effects=chosen, clean=clean, pairs=pairs, triples=triples, unknown=unknown)
-    links = _LINKS[link]
+    making = make_set(plans, cases, answers, links=_LINKS[link], duration_s=duration)
     with progress("making cases") as tell:
-        for number, plan in enumerate(plans):
-            tell(f"{plan.name}, {number + 1} of {len(plans)}")
-            case = make_case(
-                plan.seed,
-                effects=plan.effects,
-                size=plan.size,
-                link=links[number % len(links)],
-                duration_s=duration,
-                name=plan.name,
-            )
-            write_case(case, cases, answers)
+        for number, folder in enumerate(making, start=1):
+            tell(f"{folder.name}, {number} of {len(plans)}")
     print(f"{len(plans)} cases in {cases}, answers in {answers}")
 
 

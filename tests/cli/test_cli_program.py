@@ -6,7 +6,7 @@ import sys
 import pytest
 from cli_program import run, succeed
 
-from nxt_twin.cli.app import COMMANDS
+from nxt_twin.cli.app import COMMANDS, main
 
 BROKEN = {
     "no header": "0.0,0,0\n0.1,0,0\n",
@@ -100,3 +100,19 @@ def test_as_a_process_json_without_a_value_is_the_whole_of_standard_output(cases
     assert said.stdout.count("\n") == 1
     assert said.stderr == ""
     assert (tmp_path / "p.csv").exists()
+
+
+@pytest.mark.parametrize("interrupted", [KeyboardInterrupt(), SystemExit(130)])
+def test_an_interrupt_ends_with_one_line_and_status_1(interrupted, monkeypatch, capsys):
+    def interrupt(_):
+        def run(_):
+            raise interrupted
+
+        return run
+
+    monkeypatch.setattr("nxt_twin.cli.app.program", interrupt)
+    monkeypatch.setattr("sys.argv", ["nxt-twin", "udev"])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 1
+    assert capsys.readouterr().err == "nxt-twin: interrupted\n"
