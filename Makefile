@@ -39,9 +39,9 @@ $(VENV)/ready-dev: requirements/dev.lock $(VENV)/ready-run
 # The only target that needs uv: locks carry versions and hashes, and no addresses.
 lock:
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-		pyproject.toml requirements/build.in --output-file requirements/run.lock
+		--extra view pyproject.toml requirements/build.in --output-file requirements/run.lock
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-		--group dev --constraint requirements/run.lock pyproject.toml requirements/build.in --output-file requirements/dev.lock
+		--extra view --group dev --constraint requirements/run.lock pyproject.toml requirements/build.in --output-file requirements/dev.lock
 
 clean:
 	rm -rf $(VENV) build dist

@@ -6,6 +6,7 @@
     ├── CaseError          a case folder that is not one
     ├── PlantError         a plant configuration that is not one
     ├── DiagnosisError     recordings from which nothing can be concluded
+    ├── ProgramError       a program or experiment file that is not one
     └── MissingDataError   data that the user has to fetch first
 
 The text of each is one line: what is wrong, where, and what to do.
@@ -50,6 +51,10 @@ class PlantError(NxtTwinError):
 
 class DiagnosisError(NxtTwinError):
     """Recordings from which nothing can be concluded."""
+
+
+class ProgramError(NxtTwinError):
+    """A motor program or an experiment with a wrong key or value."""
 
 
 class MissingDataError(NxtTwinError):
