@@ -24,6 +24,7 @@ COMMANDS = (
     "fit",
     "prepare",
     "blind",
+    "reproduce",
     "connect",
     "mock",
     "udev",

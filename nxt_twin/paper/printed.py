@@ -1,0 +1,125 @@
+"""What the paper prints: its tables, and the numbers of its text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from nxt_twin.recording.recording import FloatArray
+
+
+def _array(*values: float) -> FloatArray:
+    array = np.array(values)
+    array.flags.writeable = False
+    return array
+
+
+SPEED_RPM: Final = _array(0, 66, 115, 155, 195, 233, 265)
+SPEED_RAD_PER_S: Final = _array(0, 6.91, 12.04, 16.23, 20.42, 24.39, 27.75)
+EMF_V: Final = _array(0, 3.4, 6.0, 7.9, 9.8, 11.9, 13.85)
+EMF_PER_SPEED: Final = _array(0.491, 0.498, 0.487, 0.479, 0.487, 0.499)
+"""Table I; the last column has no entry for rest. V, V and V·s/rad."""
+
+KS_WITH_OFFSET: Final = 0.4919
+KS_OFFSET_V: Final = 0.0218
+KS: Final = 0.4908
+RESISTANCE_OHM: Final = 7.6
+INDUCTANCE_H: Final = 4.88e-3
+LINE_SLOPE: Final = 1.9248
+LINE_OFFSET: Final = 0.2519
+"""Equation 5: ω = 1.9248 v - 0.2519, ω in rad/s and v in V."""
+
+STATIC_FRICTION_NM: Final = 3.558e-4
+VISCOUS_FRICTION_NM_S_PER_RAD: Final = 1.92e-3
+
+
+@final
+@dataclass(frozen=True)
+class TouchTable:
+    """Eight sensors, eight repetitions each, at one state change.
+
+    Attributes:
+        number: the table's, in Roman numerals.
+        unit: g or mm.
+        pressing: from off to on; if not, from on to off.
+        samples: shape (8 sensors, 8 repetitions).
+        means: printed beside them, where they are.
+        deviations: printed beside them, where they are.
+    """
+
+    number: str
+    unit: str
+    pressing: bool
+    samples: FloatArray
+    means: FloatArray | None = None
+    deviations: FloatArray | None = None
+
+
+def _rows(*rows: str) -> FloatArray:
+    """Rows of eight readings; `a*n` stands for n readings of a."""
+    table = []
+    for row in rows:
+        cells: list[float] = []
+        for word in row.split():
+            value, _, times = word.partition("*")
+            cells += [float(value)] * int(times or 1)
+        table.append(_array(*cells))
+    samples: FloatArray = np.vstack(table)
+    samples.flags.writeable = False
+    return samples
+
+
+FORCE_ON: Final = TouchTable(
+    number="III",
+    unit="g",
+    pressing=True,
+    samples=_rows(
+        "57*8",
+        "62*2 63*6",
+        "71*8",
+        "66 67*7",
+        "62*4 63 62 63 62",
+        "71*8",
+        "50 49 49 50 49 50*3",
+        "52*5 53 52*2",
+    ),
+    means=_array(57, 62.6, 71, 66.9, 62.3, 71, 49.6, 52.1),
+    deviations=_array(0, 0.38, 0, 0.33, 0.43, 0, 0.48, 0.33),
+)
+FORCE_OFF: Final = TouchTable(
+    number="IV",
+    unit="g",
+    pressing=False,
+    samples=_rows("53*8", "60*8", "67*7 68", "66*8", "58*6 57 58", "67*7 68", "48*2 46 48*5", "52*8"),
+    means=_array(53, 60, 67.1, 66, 57.9, 67.1, 48.8, 52),
+    deviations=_array(0, 0, 0.11, 0, 0.11, 0.11, 0.44, 0),
+)
+TRAVEL_ON: Final = TouchTable(
+    number="V",
+    unit="mm",
+    pressing=True,
+    samples=_rows("2.11*8", "2.22*8", "2.22*8", "2.02*8", "2.11*8", "2.22*8", "2.00*8", "2.21*4 2.31 2.21*3"),
+)
+TRAVEL_OFF: Final = TouchTable(
+    number="VI",
+    unit="mm",
+    pressing=False,
+    samples=_rows(
+        "1.80*8", "2.01*8", "1.91*8", "1.81*8", "1.80*8", "2.02 2.00*5 1.91 2.00", "1.70*8", "2.00*8"
+    ),
+)
+
+TRAVEL_DEVIATION_MM: Final = 1.6e-3
+TRAVEL_VARYING: Final = {"V": 8, "VI": 6}
+"""The text after Table IV: the only sensor of each table whose travel varies, and its standard deviation."""
+
+ULTRASONIC_SLOPE: Final = 1.0055
+ULTRASONIC_OFFSET: Final = 0.013
+ULTRASONIC_LINE_MM: Final = (250.0, 1500.0)
+ULTRASONIC_NEAR_ERROR_MM: Final = 20.0
+ULTRASONIC_BLIND_MM: Final = 40.0
+BEAM_DISTANCES_MM: Final = tuple(range(138, 1539, 100))
+BEAM_BEST: Final = (438.0, 55.0)
+"""Distance, mm, at which echoes come back from the widest angle, and that angle, deg."""

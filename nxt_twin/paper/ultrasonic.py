@@ -1,0 +1,43 @@
+"""Section III-C recomputed: what the ultrasonic sensor's line can mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from nxt_twin.paper import printed
+from nxt_twin.paper.finding import Contradiction
+
+UNITS_MM: Final[Mapping[str, float]] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0})
+QUANTUM_MM: Final = 10.0
+"""The sensor reports whole centimetres."""
+
+
+def line_error_mm(distance_mm: float, unit: str) -> float:
+    """By how much the printed line exceeds the true distance if its numbers are in `unit`, mm."""
+    offset_mm = printed.ULTRASONIC_OFFSET * UNITS_MM[unit]
+    return (printed.ULTRASONIC_SLOPE - 1.0) * distance_mm + offset_mm
+
+
+def ultrasonic_contradictions() -> list[Contradiction]:
+    """Where section III-C disagrees with itself."""
+    near, far = printed.ULTRASONIC_LINE_MM
+    errors = "; ".join(
+        f"in {unit}: +{line_error_mm(near, unit):.1f} mm at {near:.0f} mm,"
+        f" +{line_error_mm(far, unit):.1f} mm at {far:.0f} mm"
+        for unit in UNITS_MM
+    )
+    return [
+        Contradiction(
+            id="ultrasonic_line",
+            where="III-C",
+            claim="between 250 and 1500 mm the sensor measures correctly, along y = 1.0055 x + 0.013",
+            evidence=f"the line's unit is not given. It means errors of {errors}. In m it is wrong by more than the"
+            " sensor's step of 10 mm everywhere, and joins the 20 mm error below 250 mm nearly smoothly; in mm or"
+            " cm the error stays below one step, but jumps by 18 mm at 250 mm",
+            cause="the figure's axes are probably in metres (SI, as in Table II), and `correctly` means linearly",
+            used="metres for the line, as a sensor's deviation from the ideal; the slope is near enough to what"
+            " 3 °C of air temperature do that it should be fitted anew in every room",
+        )
+    ]
