@@ -11,11 +11,20 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final, final
 
-from nxt_twin.blind.verdict import NOTHING_GIVEN, Judged, judge, parse_diagnosis, read_sealed
+from nxt_twin.blind.aims import Aim, aims_of, detectable
+from nxt_twin.blind.aims import as_text as aims_as_text
+from nxt_twin.blind.reach import Reach, reached
+from nxt_twin.blind.verdict import (
+    NORMAL_95,
+    NOTHING_GIVEN,
+    Judged,
+    judge,
+    parse_diagnosis,
+    read_sealed,
+)
 from nxt_twin.errors import CaseError
 
 RMS_BINS_DEG: Final = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0, math.inf)
-WILSON_Z: Final = 1.959964
 
 
 @final
@@ -31,10 +40,10 @@ class Share:
         """Wilson's score interval, 95 %."""
         if self.of == 0:
             return 0.0, 1.0
-        share, z2 = self.count / self.of, WILSON_Z**2
+        share, z2 = self.count / self.of, NORMAL_95**2
         middle = (share + z2 / (2 * self.of)) / (1.0 + z2 / self.of)
         spread = math.sqrt(share * (1.0 - share) / self.of + z2 / (4 * self.of**2))
-        half = WILSON_Z * spread / (1.0 + z2 / self.of)
+        half = NORMAL_95 * spread / (1.0 + z2 / self.of)
         return max(0.0, middle - half), min(1.0, middle + half)
 
     def __str__(self) -> str:
@@ -87,8 +96,14 @@ class ScoreTable:
         return {
             "schema": "nxt-twin/score/1",
             "rows": [_row_dict(row) for row in self.rows],
+            "aims": [{**vars(aim), "met": aim.met} for aim in self.aims],
             "cases": [_case_dict(case) for case in self.cases],
         }
+
+    @property
+    def aims(self) -> list[Aim]:
+        """What is asked for, beside what was reached."""
+        return aims_of(self.cases)
 
     def as_text(self) -> str:
         """The table for a terminal or a page, in fixed-width columns."""
@@ -98,16 +113,19 @@ class ScoreTable:
         lines = (
             "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in cells
         )
-        return "\n".join(line.rstrip() for line in lines) + "\n"
+        return "\n".join(line.rstrip() for line in lines) + "\n\n" + aims_as_text(self.aims)
 
 
-def score(cases_dir: Path, answers_dir: Path, diagnoses_dir: Path) -> ScoreTable:
+def score(
+    cases_dir: Path, answers_dir: Path, diagnoses_dir: Path, reached_dir: Path | None = None
+) -> ScoreTable:
     """Judge every case that has an answer.
 
     Args:
         cases_dir: holds the case folders with their seals.
         answers_dir: holds one `<case>.json` a case.
         diagnoses_dir: holds one `<case>.json` a case (contract 4); a missing one counts as no answer.
+        reached_dir: holds one `<case>.json` for each case of which is known what the true structure reaches.
 
     Raises:
         CaseError: if there are no answers, one is not what was sealed, or a diagnosis is not one.
@@ -115,19 +133,26 @@ def score(cases_dir: Path, answers_dir: Path, diagnoses_dir: Path) -> ScoreTable
     files = sorted(answers_dir.glob("*.json"))
     if not files:
         raise CaseError("holds no answers", where=str(answers_dir))
-    return tabulate([_judged(file, cases_dir, diagnoses_dir) for file in files])
+    return tabulate([_judged(file, cases_dir, diagnoses_dir, reached_dir) for file in files])
 
 
-def _judged(answer_file: Path, cases_dir: Path, diagnoses_dir: Path) -> Judged:
+def _judged(answer_file: Path, cases_dir: Path, diagnoses_dir: Path, reached_dir: Path | None) -> Judged:
     answer = read_sealed(answer_file, cases_dir / answer_file.stem)
+    reach = _reach(reached_dir / answer_file.name) if reached_dir else None
     diagnosis_file = diagnoses_dir / answer_file.name
     if not diagnosis_file.exists():
-        return judge(answer, NOTHING_GIVEN)
+        return judge(answer, NOTHING_GIVEN, reach)
     try:
         diagnosis = json.loads(diagnosis_file.read_text(encoding="utf-8"))
     except ValueError as failure:
         raise CaseError(f"is no JSON: {failure}", where=str(diagnosis_file)) from None
-    return judge(answer, parse_diagnosis(diagnosis, str(diagnosis_file)))
+    return judge(answer, parse_diagnosis(diagnosis, str(diagnosis_file)), reach)
+
+
+def _reach(file: Path) -> Reach | None:
+    """What is written there; None for a case whose effects the library does not hold."""
+    held = json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+    return reached(held) if held else None
 
 
 def tabulate(cases: Sequence[Judged]) -> ScoreTable:
@@ -141,6 +166,7 @@ def tabulate(cases: Sequence[Judged]) -> ScoreTable:
         (f"single, {size}", [case for case in singles if case.sizes[0] == size])
         for size in ("small", "medium", "large")
     ]
+    groups.append(("single, detectable", [case for case in singles if detectable(case)]))
     for low, high in pairwise(RMS_BINS_DEG):
         inside = [case for case in singles if low <= case.effect_rms_deg < high]
         groups.append((f"single, effect {low:g}–{high:g}°", inside))
@@ -224,5 +250,7 @@ def _case_dict(case: Judged) -> dict[str, Any]:
         "misnamed": case.misnamed,
         "parameter_error": dict(case.parameter_error),
         "parameter_error_own": dict(case.parameter_error_own),
+        "covered": dict(case.covered),
         "fit_over_floor": case.fit_ratio,
+        "reach": None if case.reach is None else vars(case.reach),
     }

@@ -10,11 +10,13 @@ from typing import Any, Final, Literal, final
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
+from nxt_twin.blind.reach import Reach
 from nxt_twin.errors import CaseError
 
 Kind = Literal["clean", "single", "pair", "triple", "unknown"]
 
 NO_ANSWER: Final = "none"
+NORMAL_95: Final = 1.959964
 _KINDS: Final[dict[int, Kind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
 _RIGHT_VERDICT: Final[dict[Kind, str]] = {
     "clean": "adequate",
@@ -48,7 +50,10 @@ class Judged:
         parameter_error_own: the same with torques and inertias taken relative to the motor's inertia, and
             resistances, inductances and currents relative to its resistance: encoder and voltage alone do not
             tell more.
+        covered: whether the main parameter lies in its 95 % interval, by hidden id that was named.
         fit_ratio: error of the improved model over the noise floor, on held-out data.
+        improved: that error, in the diagnosis's unit.
+        reach: what the true structure reaches, where that was computed.
     """
 
     name: str
@@ -64,7 +69,10 @@ class Judged:
     misnamed: bool
     parameter_error: Mapping[str, float]
     parameter_error_own: Mapping[str, float]
+    covered: Mapping[str, bool]
     fit_ratio: float | None
+    improved: float | None
+    reach: Reach | None = None
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -91,20 +99,22 @@ class Given:
 
     Attributes:
         verdict: its verdict, or `none` where there was no diagnosis.
-        params: value of each parameter, by named id.
+        params: value and standard deviation of each parameter, by named id.
         alike: ids said to be confusable, by named id.
         refit: the re-fitted values of base parameters that moved.
         fit_ratio: improved error over floor, None where the floor is not known.
+        improved: the improved error.
     """
 
     verdict: str
-    params: Mapping[str, Mapping[str, float]]
+    params: Mapping[str, Mapping[str, tuple[float, float]]]
     alike: Mapping[str, frozenset[str]]
     refit: Mapping[str, float]
     fit_ratio: float | None
+    improved: float | None
 
 
-NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None)
+NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None)
 
 
 def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
@@ -119,19 +129,22 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
         return Given(
             verdict=str(diagnosis["verdict"]),
             params={
-                one["id"]: {name: float(cell["value"]) for name, cell in one["params"].items()}
+                one["id"]: {
+                    name: (float(cell["value"]), float(cell["std"])) for name, cell in one["params"].items()
+                }
                 for one in effects
             },
             alike={one["id"]: frozenset(other["id"] for other in one["confusable_with"]) for one in effects},
             refit={name: float(moved["to"]) for name, moved in diagnosis["refit"].items()},
             fit_ratio=float(improved) / float(floor) if improved is not None and floor else None,
+            improved=None if improved is None else float(improved),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend="see contract 4") from None
 
 
-def judge(answer: Mapping[str, Any], given: Given) -> Judged:
-    """Compare what was given with the answer."""
+def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -> Judged:
+    """Compare what was given with the answer, and with what the true structure reaches."""
     effects = answer["effects"]
     hidden = frozenset(effect["id"] for effect in effects)
     kind: Kind = _KINDS[len(hidden)] if all(effect["known"] for effect in effects) else "unknown"
@@ -153,7 +166,10 @@ def judge(answer: Mapping[str, Any], given: Given) -> Judged:
         and any(hidden.isdisjoint({one} | given.alike[one]) for one in named),
         parameter_error={key: abs(pair[0] - 1.0) for key, pair in ratios.items()},
         parameter_error_own={key: abs(pair[1] - 1.0) for key, pair in ratios.items()},
+        covered={one["id"]: _covers(given, one) for one in effects if _compares(given, one)},
         fit_ratio=given.fit_ratio,
+        improved=given.improved,
+        reach=reach,
     )
 
 
@@ -161,10 +177,15 @@ def _compares(given: Given, effect: Mapping[str, Any]) -> bool:
     return effect["id"] in given.params and effect["main"] in given.params[effect["id"]]
 
 
+def _covers(given: Given, effect: Mapping[str, Any]) -> bool:
+    value, std = given.params[effect["id"]][effect["main"]]
+    return abs(value - float(effect["params"][effect["main"]])) <= NORMAL_95 * std
+
+
 def _ratios(answer: Mapping[str, Any], given: Given, effect: Mapping[str, Any]) -> tuple[float, float]:
     """Found over true main parameter: as printed, and relative to the motor's own inertia or resistance."""
     name = effect["main"]
-    ratio = given.params[effect["id"]][name] / float(effect["params"][name])
+    ratio = given.params[effect["id"]][name][0] / float(effect["params"][name])
     if "_nm" in name or name.endswith("_kg_m2"):
         return ratio, ratio / _believed(answer, given, "inertia_kg_m2")
     if name.endswith(("_ohm", "_h", "_per_joule")):

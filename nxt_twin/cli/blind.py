@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 import json as json_format
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from nxt_twin.blind.case import SEAL_FILE
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.make import make_set
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.score import score as score_answers
 from nxt_twin.blind.sets import plan_set
+from nxt_twin.blind.solve import Outcome, case_folders, reach_all, solve_all
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
-from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.to_json import to_json
-from nxt_twin.errors import NxtTwinError
-from nxt_twin.recording.case import read_case
 
 _LINKS: dict[str, tuple[Link, ...]] = {
     "usb": ("usb",),
     "bluetooth": ("bluetooth",),
     "both": ("usb", "bluetooth"),
 }
+
+EffectsOption = Annotated[str | None, typer.Option(help="Only these ids, comma-separated.")]
+JobsOption = Annotated[int, typer.Option(min=1, help="Processes that share the work.")]
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
 
@@ -33,7 +35,7 @@ def make(
     cases: Annotated[Path, typer.Argument(help="Folder for the cases.")],
     answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
     seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
-    effects: Annotated[str | None, typer.Option(help="Only these ids, comma-separated.")] = None,
+    effects: EffectsOption = None,
     clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 40,
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 30,
     triples: Annotated[int, typer.Option(min=0, help="Cases with three effects.")] = 10,
@@ -44,12 +46,11 @@ def make(
     """Make a set of cases: every effect in three sizes, clean ones, combinations, and unknown ones."""
     if link not in _LINKS:
         raise typer.BadParameter(f"'{link}' is none of {', '.join(_LINKS)}", param_hint="--link")
-    chosen = tuple(effects.split(",")) if effects else tuple(KNOWN_EFFECTS)
-    plans = plan_set(seed, effects=chosen, clean=clean, pairs=pairs, triples=triples, unknown=unknown)
+    plans = plan_set(
+        seed, effects=_chosen(effects), clean=clean, pairs=pairs, triples=triples, unknown=unknown
+    )
     making = make_set(plans, cases, answers, links=_LINKS[link], duration_s=duration)
-    with progress("making cases") as tell:
-        for number, folder in enumerate(making, start=1):
-            tell(f"{folder.name}, {number} of {len(plans)}")
+    _follow("making cases", ((folder.name, "") for folder in making), len(plans))
     print(f"{len(plans)} cases in {cases}, answers in {answers}")
 
 
@@ -58,27 +59,25 @@ def solve(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases.")],
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
     seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
+    jobs: JobsOption = 1,
 ) -> None:
     """Diagnose every case of a folder; cases that have their JSON already are passed over."""
-    out.mkdir(parents=True, exist_ok=True)
-    failed = False
-    folders = sorted(folder for folder in cases.iterdir() if (folder / "case.yaml").exists())
-    with progress("solving") as tell:
-        for number, folder in enumerate(folders):
-            target = out / f"{folder.name}.json"
-            tell(f"{folder.name}, {number + 1} of {len(folders)}")
-            if target.exists():
-                continue
-            try:
-                answer = diagnose(read_case(folder), seed=seed)
-            except NxtTwinError as error:
-                fail(str(error))
-                failed = True
-                continue
-            target.write_text(to_json(answer.diagnosis), encoding="utf-8")
+    folders = case_folders(cases)
+    _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs), len(folders))
     print(f"{len(folders)} cases, diagnoses in {out}")
-    if failed:
-        raise typer.Exit(1)
+
+
+@blind.command()
+def reach(
+    cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
+    answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
+    out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
+    jobs: JobsOption = 1,
+) -> None:
+    """Fit the true structure to every case: what could be seen, and how well it can be explained at best."""
+    folders = case_folders(cases)
+    _follow("reaching", reach_all(folders, answers, out, jobs=jobs), len(folders))
+    print(f"{len(folders)} cases, what the truth reaches in {out}")
 
 
 @blind.command()
@@ -86,11 +85,61 @@ def score(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
     diagnoses: Annotated[Path, typer.Argument(help="Folder of the diagnoses.")],
+    reached: Annotated[Path | None, typer.Option(help="Folder of what the true structures reach.")] = None,
     json: JsonOption = None,
 ) -> None:
     """Hold diagnoses against the sealed answers and print the table."""
-    table = score_answers(cases, answers, diagnoses)
+    table = score_answers(cases, answers, diagnoses, reached)
     if json:
         emit_json(json, json_format.dumps(table.as_dict()))
     if json != "-":
         print(table.as_text())
+
+
+@blind.command()
+def bench(
+    folder: Annotated[Path, typer.Argument(help="Where everything goes; what is there already is kept.")],
+    seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
+    effects: EffectsOption = None,
+    clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 40,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 30,
+    triples: Annotated[int, typer.Option(min=0, help="Cases with three effects.")] = 10,
+    unknown: Annotated[int, typer.Option(min=0, help="Cases with an effect that no library holds.")] = 10,
+    jobs: JobsOption = 1,
+    json: JsonOption = None,
+) -> None:
+    """Make a set, solve it, reach for the truth, score it, and print the table with the aims: all in one."""
+    cases, answers, diagnoses, reached = (
+        folder / name for name in ("cases", "answers", "diagnoses", "reached")
+    )
+    plans = plan_set(
+        seed, effects=_chosen(effects), clean=clean, pairs=pairs, triples=triples, unknown=unknown
+    )
+    made = {path.parent.name for path in cases.glob(f"*/{SEAL_FILE}")}
+    if {plan.name for plan in plans} != made:
+        _follow(
+            "making cases",
+            ((path.name, "") for path in make_set(plans, cases, answers, links=_LINKS["both"])),
+            len(plans),
+        )
+    folders = case_folders(cases)
+    _follow("solving", solve_all(folders, diagnoses, seed=0, jobs=jobs), len(folders))
+    _follow("reaching", reach_all(folders, answers, reached, jobs=jobs), len(folders))
+    score(cases, answers, diagnoses, reached, json)
+
+
+def _chosen(effects: str | None) -> tuple[str, ...]:
+    return tuple(effects.split(",")) if effects else tuple(KNOWN_EFFECTS)
+
+
+def _follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
+    """Show how far it is; leave with status 1 at the end if a case failed."""
+    failed = False
+    with progress(title) as tell:
+        for number, (name, why) in enumerate(outcomes, start=1):
+            tell(f"{name}, {number} of {total}")
+            if why:
+                fail(why)
+                failed = True
+    if failed:
+        raise typer.Exit(1)

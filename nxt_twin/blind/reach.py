@@ -1,0 +1,99 @@
+"""What the true structure reaches on a case: the measure of whether it could be found, and of what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.judge import free_runs, overall
+from nxt_twin.diagnose.noise import first_guess, with_noise
+from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.structure import Structure, Workshop, weigh
+from nxt_twin.diagnose.units import units_of
+from nxt_twin.diagnose.variables import starts_of
+from nxt_twin.physics.layout import Layout
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.case import Case
+
+
+@final
+@dataclass(frozen=True)
+class Reach:
+    """What the library reaches with exactly the effects that are hidden, fitted from their true sizes.
+
+    Attributes:
+        gain_nats: by which it beats the re-fitted baseline on the readings that are fitted (BIC).
+        check_nats: the same on the readings that only check.
+        held_out_rmse: its free-run error on what nobody fitted, in the diagnosis's unit.
+    """
+
+    gain_nats: float
+    check_nats: float
+    held_out_rmse: float
+
+
+def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
+    """Fit the true structure to a case; None where the library does not hold all that is hidden."""
+    problem = problem_for(case)
+    effects = answer["effects"]
+    if not _holds(problem.plant.layout, effects):
+        return None
+    with Simulator(problem.plant.layout) as simulator:
+        workshop = Workshop(simulator, problem)
+        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        baseline = workshop.settle(workshop.fit(problem.plant, noise))
+        true = baseline
+        for effect in effects:
+            started = _started(workshop, true.plant, effect, true.noise)
+            true = workshop.settle(workshop.fit(started, true.noise, iterations=25))
+        weight = weigh(baseline, true)
+        final = workshop.fit_everything(true.plant, true.noise)
+        return Reach(weight.gain, weight.check_gain, _held_out(simulator, problem, final))
+
+
+def _holds(layout: Layout, effects: list[Mapping[str, Any]]) -> bool:
+    return {effect["id"] for effect in effects} <= {effect.id for effect in layout.effects}
+
+
+def _started(workshop: Workshop, plant: Plant, hidden: Mapping[str, Any], noise: Noise) -> Plant:
+    """`plant` with the hidden effect at its true size; what the answer does not tell is tried."""
+    effect = plant.layout.effect(hidden["id"])
+    known = {
+        parameter.symbol: hidden["params"][parameter.name] * parameter.si
+        for parameter in effect.parameters
+        if parameter.name in hidden["params"]
+    }
+    trials = [
+        plant.with_effect(effect.id, {**start, **known}) for start in _distinct(workshop, effect.id, known)
+    ]
+    vectors = [trial.vectors() for trial in trials]
+    target = with_noise(workshop.problem.target, noise)
+    values, active = (np.array(column) for column in zip(*vectors, strict=True))
+    costs = target.cost(workshop.simulator.run(values, active, target.jobs))
+    return trials[int(np.argmin(costs))]
+
+
+def _distinct(workshop: Workshop, effect_id: str, known: Mapping[str, float]) -> list[dict[str, float]]:
+    """Starting values that differ in something that is not known."""
+    effect = workshop.problem.plant.layout.effect(effect_id)
+    different = {}
+    for start in starts_of(effect, workshop.problem.scale):
+        free = {symbol: value for symbol, value in start.items() if symbol not in known}
+        different[tuple(sorted(free.items()))] = free
+    return list(different.values())
+
+
+def _held_out(simulator: Simulator, problem: Problem, final: Structure) -> float:
+    runs = free_runs(simulator, problem, final.plant, final.plant, final.noise)
+    return overall(runs) * units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
+
+
+def reached(held: Mapping[str, Any]) -> Reach:
+    """Read a reach as it was written."""
+    return Reach(**{key: float(held[key]) for key in Reach.__dataclass_fields__})
