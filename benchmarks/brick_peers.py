@@ -49,6 +49,8 @@ def reply_to(telegram: bytes) -> bytes:
         return b"\x02\x06\x00" + telegram[2:3] + bytes(21)
     if telegram[1] == 0x07:
         return b"\x02\x07\x00" + telegram[2:3] + b"\x01" + bytes(11)
+    if telegram[1] == 0x88:
+        return b"\x02\x88\x00\x7c\x01\x1d\x01"
     return b"\x02\x0b\x00\x10\x20"
 
 

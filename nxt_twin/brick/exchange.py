@@ -33,6 +33,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import (
     CommandRefusedError,
     GarbageError,
+    HalfTelegramError,
     LinkError,
     LinkTimeoutError,
     RequestError,
@@ -40,13 +41,15 @@ from nxt_twin.brick.errors import (
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.policy import Policy
 from nxt_twin.brick.question import Question, question
-from nxt_twin.brick.stamped import Stamped
+from nxt_twin.brick.stamped import Stamped, stamped
 
 T = TypeVar("T")
 ReplyT = TypeVar("ReplyT", bound=ReplyData)
 
-_KEEP_ALIVE: Final = question(KeepAlive())
-_MARKERS: Final = tuple(question(IoMapRead(ModuleId.COMMAND, 0, length)) for length in range(1, 17))
+_KEEP_ALIVE: Final = replace(question(KeepAlive()), mends=True)
+_MARKERS: Final = tuple(
+    replace(question(IoMapRead(ModuleId.COMMAND, 0, length)), mends=True) for length in range(1, 17)
+)
 _ATTEMPTS: Final = 2
 """Markers, or commands to coast, before giving up: the first may fall victim to a stream out of step."""
 _COAST_ALL: Final = SetOutputState(
@@ -92,6 +95,9 @@ class Exchange:
         self._link = link
         self._clock = clock
         self._policy = policy
+        # Looked up once: a control loop puts hundreds of questions a second.
+        self._send, self._receive, self._now_s = link.send, link.receive, clock.now_s
+        self._telegram_size, self._reply_timeout_s = policy.telegram_size, policy.reply_timeout_s
         self._markers = itertools.cycle(_MARKERS)
         self._out_of_step = False
         self._engaged = False
@@ -133,12 +139,37 @@ class Exchange:
             GarbageError: what came instead of the reply, or as the reply, is broken.
             LinkLostError: the link is gone.
         """
-        if len(asked.telegram) > self._policy.telegram_size:
+        if len(asked.telegram) > self._telegram_size:
             raise self._too_long(asked.telegram)
-        now_s = self._clock.now_s()
-        if self._out_of_step or now_s >= self._keep_alive_at_s:
-            now_s = self._prepare(now_s)
-        return self._converse(asked, now_s, self._policy.reply_timeout_s if timeout_s is None else timeout_s)
+        sent_s = self._now_s()
+        if (self._out_of_step or sent_s >= self._keep_alive_at_s) and not asked.mends:
+            sent_s = self._prepare(sent_s)
+        if timeout_s is None:
+            timeout_s = self._reply_timeout_s
+        # Whatever interrupts this, Ctrl-C included, leaves a reply on its way: out of step until it is here.
+        self._out_of_step = True
+        if asked.engages:
+            self._engaged = True
+        self._send(asked.telegram)
+        try:
+            telegram = self._receive(timeout_s)
+        except HalfTelegramError:
+            self._count("timeouts")
+            raise
+        except LinkTimeoutError as error:
+            raise self._in_vain(asked, timeout_s) from error
+        received_s = self._now_s()
+        if not telegram.startswith(asked.head):
+            telegram, received_s = self._wait_on(asked, telegram, sent_s, timeout_s, received_s)
+        try:
+            value = asked.read(telegram)
+        except TelegramError as error:
+            raise GarbageError(f"the reply is broken: {error}", where=self.describe()) from error
+        except BrickStatusError as error:
+            self._out_of_step = False
+            raise CommandRefusedError(error, sent_s=sent_s, received_s=received_s) from error
+        self._out_of_step = False
+        return stamped((value, sent_s, received_s))
 
     def tell(self, request: Command[Any]) -> Stamped[None]:
         """Send a request that wants no reply, not even on errors.
@@ -164,9 +195,8 @@ class Exchange:
         """
         if self._out_of_step:
             self._resynchronise(self._policy.reply_timeout_s)
-        now_s = self._clock.now_s()
-        self._keep_alive_at_s = now_s + self._keep_alive_period_s
-        reply = self._converse(_KEEP_ALIVE, now_s, self._policy.reply_timeout_s)
+        self._keep_alive_at_s = self._now_s() + self._keep_alive_period_s
+        reply = self.put(_KEEP_ALIVE)
         return reply.having(reply.value.sleep_timeout_ms / 1000)
 
     def release(self) -> bool:
@@ -211,46 +241,35 @@ class Exchange:
             self._resynchronise(self._policy.reply_timeout_s)
         return self._clock.now_s()
 
-    def _converse(self, asked: Question[T], sent_s: float, timeout_s: float) -> Stamped[T]:
-        # Whatever interrupts this, Ctrl-C included, leaves a reply on its way: out of step until it is here.
-        self._out_of_step = True
-        if asked.engages:
-            self._engaged = True
-        self._link.send(asked.telegram)
-        telegram, received_s = self._wait_for(asked, sent_s, timeout_s)
-        try:
-            value = asked.read(telegram)
-        except TelegramError as error:
-            raise GarbageError(f"the reply is broken: {error}", where=self.describe()) from error
-        except BrickStatusError as error:
-            self._out_of_step = False
-            raise CommandRefusedError(error, sent_s=sent_s, received_s=received_s) from error
-        self._out_of_step = False
-        return Stamped(value, sent_s, received_s)
-
-    def _wait_for(self, asked: Question[Any], sent_s: float, timeout_s: float) -> tuple[bytes, float]:
-        left_s = timeout_s
+    def _wait_on(
+        self, asked: Question[Any], telegram: bytes, sent_s: float, timeout_s: float, received_s: float
+    ) -> tuple[bytes, float]:
+        """Drop what came instead of the reply until it comes, or a refusal does."""
         foreign_before = self._health.foreign
-        while left_s > 0:
-            try:
-                telegram = self._link.receive(left_s)
-            except LinkTimeoutError as error:
-                self._count("timeouts")
-                if type(error) is not LinkTimeoutError:
-                    raise
-                break
-            received_s = self._clock.now_s()
-            if telegram.startswith(asked.head) or self._is_refusal(asked, telegram):
-                return telegram, received_s
+        while not (telegram.startswith(asked.head) or self._is_refusal(asked, telegram)):
+            foreign = self._health.foreign > foreign_before
             left_s = sent_s + timeout_s - received_s
-        else:
-            self._count("timeouts")
-        if self._health.foreign > foreign_before:
-            raise GarbageError(
+            if left_s <= 0:
+                raise self._in_vain(asked, timeout_s, foreign=foreign)
+            try:
+                telegram = self._receive(left_s)
+            except HalfTelegramError:
+                self._count("timeouts")
+                raise
+            except LinkTimeoutError as error:
+                raise self._in_vain(asked, timeout_s, foreign=foreign) from error
+            received_s = self._now_s()
+        return telegram, received_s
+
+    def _in_vain(self, asked: Question[Any], timeout_s: float, *, foreign: bool = False) -> LinkError:
+        """Count a reply that did not come, and tell what to raise."""
+        self._count("timeouts")
+        if foreign:
+            return GarbageError(
                 f"instead of the reply to {asked.request.NAME} came what no brick sends",
                 where=self.describe(),
             )
-        raise LinkTimeoutError(
+        return LinkTimeoutError(
             f"no reply to {asked.request.NAME} within {timeout_s:g} s",
             where=self.describe(),
             mend="is the brick switched on and near?",
@@ -270,7 +289,7 @@ class Exchange:
     def _resynchronise(self, timeout_s: float) -> None:
         for attempt in range(_ATTEMPTS):
             try:
-                self._converse(next(self._markers), self._clock.now_s(), timeout_s)
+                self.put(next(self._markers), timeout_s=timeout_s)
             except CommandRefusedError:
                 continue  # it may be the late refusal of a read that the caller had asked for
             except (LinkTimeoutError, GarbageError):

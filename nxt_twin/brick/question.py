@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Generic, TypeVar, final
+from functools import partial
+from typing import Any, Final, Generic, TypeVar, cast, final
 
 from firmware_protocol import (
     Command,
@@ -16,12 +17,13 @@ from firmware_protocol import (
     ReplyData,
     SetOutputState,
     Status,
+    TelegramError,
     TelegramType,
     decode_reply,
     encode_request,
 )
-from firmware_protocol.layout import fields_of, fixed_size_of
-from firmware_protocol.wire import Number, Wire
+from firmware_protocol.layout import fields_of
+from firmware_protocol.wire import Number, Truth, Wire
 from nxt_twin.brick.errors import RequestError
 
 T = TypeVar("T")
@@ -43,6 +45,7 @@ class Question(Generic[T]):
         head: how a reply to it starts that has status OK: type, opcode, status and what is repeated.
         read: makes the value out of such a reply; raises the wire language's errors.
         engages: whether a motor may run or be held after it.
+        mends: whether it is put to bring requests and replies together, and so in whatever state they are.
     """
 
     request: Command[Any]
@@ -50,6 +53,7 @@ class Question(Generic[T]):
     head: bytes
     read: Callable[[bytes], T]
     engages: bool
+    mends: bool = False
 
 
 def question(request: Command[ReplyT]) -> Question[ReplyT]:
@@ -95,25 +99,39 @@ def _compiled_reader(request: Command[Any], make: Callable[..., T]) -> Callable[
     """Read by one struct, and give names by tables: both follow from the reply's declaration."""
     wires = [field.wire for field in fields_of(request.Reply)]
     unpack = struct.Struct(f"<3x{''.join(_code(wire) for wire in wires)}").unpack
-    size = 3 + (fixed_size_of(request.Reply) or 0)
+    build = _builder(make)
+    ok = int(Status.OK)
     named = [
         (at, tuple(wire.unpack(bytes((byte,))) for byte in range(256)))
         for at, wire in enumerate(wires)
-        if not isinstance(wire, Number)
+        if not isinstance(wire, (Number, Truth))
     ]
 
     def read(telegram: bytes) -> T:
-        if len(telegram) != size or telegram[2] != Status.OK:
-            decode_reply(request, telegram)  # raises what is wrong with it
-        values = list(unpack(telegram))
-        for at, names in named:
-            values[at] = names[values[at]]
-        return make(*values)
+        try:
+            values = list(unpack(telegram))
+            if telegram[2] == ok:
+                for at, names in named:
+                    values[at] = names[values[at]]
+                return build(values)
+        except struct.error:
+            pass
+        decode_reply(request, telegram)  # raises what is wrong with it
+        raise TelegramError(f"{telegram.hex(' ')} is no reply to {request.NAME}")
 
     return read
 
 
+def _builder(make: Callable[..., T]) -> Callable[[list[Any]], T]:
+    """What calls it with a list of values; a named tuple is built without the detour by names."""
+    if isinstance(make, type) and issubclass(make, tuple) and hasattr(make, "_fields"):
+        return cast("Callable[[list[Any]], T]", partial(tuple.__new__, make))
+    return lambda values: make(*values)
+
+
 def _code(wire: Wire) -> str:
+    if isinstance(wire, Truth):
+        return "?"
     code = _STRUCT_CODES[wire.width({}, 0)]
     return code.lower() if isinstance(wire, Number) and wire.signed else code
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final, Generic, NamedTuple, TypeVar
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -25,3 +27,7 @@ class Stamped(NamedTuple, Generic[T]):
     def having(self, value: U) -> Stamped[U]:
         """Another value with the same stamps."""
         return Stamped(value, self.sent_s, self.received_s)
+
+
+stamped: Final[Callable[[tuple[Any, float, float]], Stamped[Any]]] = partial(tuple.__new__, Stamped)
+"""A `Stamped` out of its three values, without the detour by names: quicker, for every reply passes here."""

@@ -22,6 +22,7 @@ COMMANDS = (
     "diagnose",
     "simulate",
     "fit",
+    "identify",
     "prepare",
     "blind",
     "reproduce",

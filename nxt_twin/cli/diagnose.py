@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, final
 
 import typer
 import yaml
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.diagnose.diagnosis import Diagnosis
-from nxt_twin.diagnose.engine import Answer
 from nxt_twin.diagnose.engine import diagnose as run_diagnosis
+from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
 from nxt_twin.diagnose.to_json import to_json
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_as_case
@@ -47,7 +47,7 @@ def diagnose(
         if json:
             emit_json(_place(json, answer.diagnosis.name, "json", many=many), to_json(answer.diagnosis))
         if model_out:
-            _write_model(Path(_place(str(model_out), answer.diagnosis.name, "yaml", many=many)), answer)
+            _write_model(Path(_place(str(model_out), answer.diagnosis.name, "yaml", many=many)), answer.model)
         page = write_report(answer.diagnosis, report) if report else None
         if json != "-":
             show(answer.diagnosis, page)
@@ -88,10 +88,24 @@ def _labels(paths: list[Path]) -> list[str | None]:
     ]
 
 
-def _diagnose_one(path: Path, label: str | None, seed: int) -> Answer:
+@final
+@dataclass(frozen=True)
+class _Answered:
+    """A diagnosis, and the keys of the improved plant or sensor."""
+
+    diagnosis: Diagnosis
+    model: dict[str, Any]
+
+
+def _diagnose_one(path: Path, label: str | None, seed: int) -> _Answered:
     with progress(str(path)) as tell:
         case = read_as_case(path)
-        return run_diagnosis(replace(case, name=label or case.name), seed=seed, progress=tell)
+        case = replace(case, name=label or case.name)
+        if is_sensor_case(case):
+            told = diagnose_sensor(case, seed=seed, progress=tell)
+            return _Answered(told.diagnosis, told.model.to_config())
+        answer = run_diagnosis(case, seed=seed, progress=tell)
+        return _Answered(answer.diagnosis, answer.plant.to_config())
 
 
 def _place(target: str, name: str, ending: str, *, many: bool) -> str:
@@ -101,7 +115,7 @@ def _place(target: str, name: str, ending: str, *, many: bool) -> str:
     return str(Path(target) / f"{name}.{ending}")
 
 
-def _write_model(path: Path, answer: Answer) -> None:
+def _write_model(path: Path, model: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    config = yaml.safe_dump(answer.plant.to_config(), sort_keys=False, allow_unicode=True)
+    config = yaml.safe_dump(model, sort_keys=False, allow_unicode=True)
     path.write_text(config, encoding="utf-8")

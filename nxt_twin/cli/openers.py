@@ -29,7 +29,7 @@ def open_mock(address: str, clock: Clock) -> Link:
     # Brings in the compiled plants, which the other URLs do not need.
     from nxt_twin.mock.start import open_mock_link
 
-    wanted = _options(address)
+    wanted = mock_options(address)
     world = wanted.get("world")
     return open_mock_link(
         clock,
@@ -45,7 +45,12 @@ OPENERS: Final[Mapping[str, Opener]] = MappingProxyType({"mock": open_mock})
 """To be passed to `open_link` and `open_brick`."""
 
 
-def _options(address: str) -> dict[str, str]:
+def mock_options(address: str) -> dict[str, str]:
+    """What follows ``mock:``, as `open_mock` takes it.
+
+    Raises:
+        LinkUrlError: it is not of that form.
+    """
     try:
         options = dict(parse_qsl(address.removeprefix("?"), strict_parsing=True)) if address else {}
     except ValueError:

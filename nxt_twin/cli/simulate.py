@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.diagnose.sensor.simulate import expected_readings, is_sensor_model
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.plant import plant_from_config
@@ -41,7 +42,13 @@ def simulate(
     config = load_plant_config(model)
     predicted: dict[str, FloatArray] = {}
     errors = []
-    for port in _ports(source):
+    if is_sensor_model(config):
+        said = expected_readings(config, source)
+        predicted[said.channel] = said.values
+        errors.append(
+            {"channel": said.channel, "rmse": said.rmse, "unit": said.unit, "readings": said.readings}
+        )
+    for port in () if is_sensor_model(config) else _ports(source):
         signals = signals_of(source, port)
         start, values = _run(config, signals, restart_every)
         factor = units_of("motor", signals).reading_factor if signals.channel != "output" else 1.0

@@ -5,31 +5,56 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, final
 
+from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.recording import FloatArray
 
 Verdict = Literal["adequate", "explained", "unexplained"]
 Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
+Source = Literal["actuator", "battery", "transmission", "encoder", "clock_or_link"]
+
+
+@final
+@dataclass(frozen=True)
+class Ratio:
+    """A parameter relative to another one (`of`), which needs no anchor, in `unit`."""
+
+    value: float
+    std: float
+    unit: str
+    of: str
 
 
 @final
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter's value with its standard deviation, in `unit`."""
+    """A parameter's value with its standard deviation, in `unit`.
+
+    Attributes:
+        interval_95: within which it lies 95 times of 100.
+        rests_on: names of the anchors without which the recordings would only give `ratio`; empty for what
+            they fix by themselves.
+    """
 
     value: float
     std: float
     unit: str
+    interval_95: tuple[float, float] | None = None
+    rests_on: tuple[str, ...] = ()
+    ratio: Ratio | None = None
 
 
 @final
 @dataclass(frozen=True)
 class Moved:
-    """A baseline parameter before and after the re-fit, in `unit`."""
+    """A baseline parameter before and after the re-fit, in `unit`; the rest as in `Estimate`."""
 
     before: float
     after: float
     std: float
     unit: str
+    interval_95: tuple[float, float] | None = None
+    rests_on: tuple[str, ...] = ()
+    ratio: Ratio | None = None
 
 
 @final
@@ -55,13 +80,54 @@ class RegimeFinding:
 
 @final
 @dataclass(frozen=True)
+class SourceFinding:
+    """What freeing an extra variance in one equation gains: `strength` in nats, and how often chance does as well."""
+
+    source: Source
+    equation: Equation
+    strength: float
+    p_value: float
+
+
+@final
+@dataclass(frozen=True)
+class Onset:
+    """A moment, between `low_s` and `high_s`, at which `what` sets in or changes; `strength` in nats.
+
+    `what` is the id of an effect that was not there before, or the name of a parameter that is another since.
+    """
+
+    what: str
+    recording: str
+    time_s: float
+    low_s: float
+    high_s: float
+    strength: float
+    p_value: float
+
+
+@final
+@dataclass(frozen=True)
 class Mismatch:
-    """Where the baseline fails: channel, time, regime, equation. `equation` is None where nothing fails."""
+    """Where the baseline fails: channel, time, regime, equation. `equation` is None where nothing fails.
+
+    Attributes:
+        channel: the column that was read.
+        when: stretches of time in which it fails.
+        regimes: in which the mismatch gathers.
+        equation: the one that fails.
+        source: where that equation lives: in the actuator, the battery, the transmission, the encoder or the clock.
+        sources: how strongly the readings ask for noise in each, whatever is known of effects.
+        onsets: moments from which on the plant is another.
+    """
 
     channel: str
     when: tuple[Spell, ...]
     regimes: tuple[RegimeFinding, ...]
     equation: Equation | None
+    source: Source | None = None
+    sources: tuple[SourceFinding, ...] = ()
+    onsets: tuple[Onset, ...] = ()
 
 
 @final
@@ -111,10 +177,73 @@ class Fit:
 @final
 @dataclass(frozen=True)
 class NextExperiment:
-    """What to record next, and why."""
+    """What to record next, and why.
+
+    Attributes:
+        expected_nats: evidence to expect between the two rivals in `seconds`, None where none was worked out.
+        program: the input for a motor that a brick can run, None for other plants.
+    """
 
     why: str
     input: str
+    expected_nats: float | None = None
+    seconds: float | None = None
+    program: MotorProgram | None = None
+
+
+@final
+@dataclass(frozen=True)
+class DetectableSize:
+    """The smallest size of an effect that these recordings would have shown nine times of ten.
+
+    Attributes:
+        parameter: whose size it is; of two that replace a plain term, their difference.
+        size: in `unit`; None where no ordinary size would have shown.
+        seen_above: larger is easier to see; a stiffness or a limit shows the better the smaller it is.
+    """
+
+    id: str
+    name: str
+    parameter: str
+    size: float | None
+    unit: str
+    seen_above: bool
+
+
+@final
+@dataclass(frozen=True)
+class Excitation:
+    """Whether the recordings could have shown what may be missing.
+
+    Attributes:
+        enough: they could.
+        lacks: what their inputs never do.
+        unseen: ids of effects that an ordinary size would not have given away.
+    """
+
+    enough: bool
+    lacks: tuple[str, ...]
+    unseen: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True)
+class FalseAlarmRate:
+    """How often noise alone would have been called missing physics: of made-up clean recordings like these."""
+
+    rate: float
+    upper_95: float
+    of: int
+
+
+@final
+@dataclass(frozen=True)
+class Nearest:
+    """The known effect that comes nearest to what is left, and why it was not accepted."""
+
+    id: str
+    name: str
+    why: str
 
 
 @final
@@ -144,7 +273,7 @@ class Leftover:
     """The unknown torque (or force) that the smoother assigns to each sample, and what it goes with.
 
     Arrays have shape (samples,), fitted recordings one after another; `before` is left by the re-fitted
-    baseline and `after` by the improved plant, in `unit`.
+    baseline and `after` by the improved plant, in `unit`. `drive` is the motor's current, or the force that drives.
     """
 
     unit: str
@@ -155,6 +284,8 @@ class Leftover:
     position: FloatArray
     before: FloatArray
     after: FloatArray
+    drive: FloatArray | None = None
+    drive_label: str = ""
 
 
 @final
@@ -169,6 +300,10 @@ class Diagnosis:
         notes: plain remarks for that person: anchors, runs that stay bad and why, faults of the transport.
         held_out: the runs on which `fit` is reported.
         leftover: the unknown torque before and after, or None where it was not estimated.
+        detectable: the smallest size of each effect that is not in the plant that would have been seen.
+        excitation: what the recordings could not have shown, or None where it was not asked.
+        false_alarm_rate: of the whole search on recordings like these.
+        nearest: to what is left, where something is.
     """
 
     name: str
@@ -183,3 +318,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     held_out: tuple[HeldOutRun, ...]
     leftover: Leftover | None
+    detectable: tuple[DetectableSize, ...] = ()
+    excitation: Excitation | None = None
+    false_alarm_rate: FalseAlarmRate | None = None
+    nearest: Nearest | None = None

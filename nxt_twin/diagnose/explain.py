@@ -7,9 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
-from nxt_twin.diagnose.structure import Structure, Weight, Workshop, free_run_ratio, weigh
+from nxt_twin.diagnose.screen import Prospect, screen
+from nxt_twin.diagnose.structure import (
+    DRAFT_STEP_S,
+    Draft,
+    Structure,
+    Weight,
+    Workshop,
+    free_run_ratio,
+    step_for,
+    weigh,
+)
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -22,9 +33,18 @@ KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
 FREE_RUN_RATIO = 1.01  # a structure that predicts one step better and runs freely worse has learnt noise
 
+_DRAFTED = 10
+_LEAST_PROMISE_NATS = 2.0
+_RIVALS_DRAFTED = 4
+_STARTS_FOLLOWED = 3
+_STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
+_START_ITERATIONS = 2
+_QUICK_ITERATIONS = 4
+_SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
-_QUICK_ITERATIONS = 5
-_SLOW_ITERATIONS = 12
+_IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
+_RIVALS_SETTLED = 2
+_RIVAL_REACH_NATS = 40.0
 _EXCHANGES = 2
 
 
@@ -60,46 +80,18 @@ class Explanation:
 
 def explain(workshop: Workshop, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
+    search = _Search(workshop, baseline)
     best = baseline
-    tried: list[Effect] = []
     for exchange in range(_EXCHANGES + 1):
-        best, refused = _grown(workshop, best, baseline, tried, progress)
+        best, refused = search.grown(best, progress)
         progress("checking each effect's place")
-        found = _found(workshop, best, baseline)
-        rivals = {effect.id: _rivals(workshop, best, effect, tried) for effect, _ in found}
+        found = search.found(best)
+        rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
         better = _better(best, rivals)
         if better is None or exchange == _EXCHANGES:
             break
-        best = _pruned(workshop, better, baseline)
+        best = search.pruned(better)
     return Explanation(baseline, best, found, rivals, refused)
-
-
-def _grown(
-    workshop: Workshop, best: Structure, baseline: Structure, tried: list[Effect], progress: Progress
-) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
-    """Add effects to `best` while one earns its place; what came near is noted in `tried`."""
-    while True:
-        progress(f"trying each effect with {_names(best.plant, baseline.plant)}")
-        ranked = _forward(workshop, best)
-        tried.extend(effect for effect, _, _ in ranked if effect not in tried)
-        full = len(best.plant.active - baseline.plant.active) >= MOST_EFFECTS
-        if not ranked or full or not _worth_it(ranked[0][1]):
-            return best, tuple((effect, weight) for effect, weight, _ in ranked)
-        added = _pruned(workshop, ranked[0][2], baseline)
-        if added.plant.active == best.plant.active:
-            return added, tuple((effect, weight) for effect, weight, _ in ranked)
-        best = added
-
-
-def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
-    """The structure with one effect exchanged that clearly beats `best`, in free run as well."""
-    beating = [
-        rival
-        for near in rivals.values()
-        for rival in near
-        if rival.behind < -RIVAL_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
-    ]
-    return min(beating, key=lambda rival: rival.behind).structure if beating else None
 
 
 def candidates(plant: Plant, signals: Signals) -> list[Effect]:
@@ -114,6 +106,157 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
     ]
 
 
+@final
+class _Search:
+    """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
+
+    def __init__(self, workshop: Workshop, baseline: Structure) -> None:
+        self._workshop = workshop
+        self._baseline = baseline
+        self._settled: dict[frozenset[str], Structure] = {}
+        self._tried: list[Effect] = []
+        self._keep(baseline)
+
+    def grown(
+        self, best: Structure, progress: Progress
+    ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
+        """Add effects to `best` while one earns its place; what came near is noted."""
+        while True:
+            progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
+            ranked = self._forward(best)
+            self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
+            refused = tuple((effect, weight) for effect, weight, _ in ranked)
+            full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
+            if not ranked or full or not _worth_it(ranked[0][1]):
+                return best, refused
+            added = self.pruned(ranked[0][2])
+            if added.plant.active == best.plant.active:
+                return added, refused
+            best = added
+
+    def pruned(self, best: Structure) -> Structure:
+        """Take out, one at a time, effects that no longer earn their place."""
+        while True:
+            weakest: tuple[float, Structure] | None = None
+            for effect_id in sorted(best.plant.active - self._baseline.plant.active):
+                simpler = self._without(best, effect_id)
+                weight = weigh(simpler, best)
+                if not _keeps_its_place(weight) and (weakest is None or weight.total < weakest[0]):
+                    weakest = (weight.total, simpler)
+            if weakest is None:
+                return best
+            best = weakest[1]
+
+    def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
+        """The effects in `best`, the weightiest first."""
+        weighed = [
+            (best.plant.layout.effect(effect_id), weigh(self._without(best, effect_id), best))
+            for effect_id in sorted(best.plant.active - self._baseline.plant.active)
+        ]
+        return tuple(sorted(weighed, key=lambda item: -item[1].total))
+
+    def rivals(self, best: Structure, effect: Effect) -> tuple[Rival, ...]:
+        """Effects that were near at some time, are declared confusable or promise much, put in `effect`'s place."""
+        bare = self._without(best, effect.id)
+        near = {*effect.confusable_with, *(other.id for other in self._tried)}
+        allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
+        known = {e.id: settled for e in allowed if (settled := self._settled_with(bare.plant, e))}
+        rivals = [Rival(e, weigh(known[e.id], best).total, known[e.id]) for e in allowed if e.id in known]
+        fresh = [e for e in allowed if e.id not in known]
+        for rank, (other, draft) in enumerate(self._drafts(bare, fresh, _RIVALS_DRAFTED)):
+            behind = draft.fitted.cost + draft.fitted.prior_cost - _cost(best)
+            if rank < _RIVALS_SETTLED or behind < _RIVAL_REACH_NATS:
+                trial = self._settle(draft.fitted.plant, bare.noise)
+                rivals.append(Rival(other, weigh(trial, best).total, trial))
+        return tuple(sorted(rivals, key=lambda rival: rival.behind)[:_SHORT_LIST])
+
+    def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
+        """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
+        drafts = self._drafts(best, self._candidates(best.plant), _DRAFTED)
+        if not drafts:
+            return []
+        top = -drafts[0][1].cost
+        cost = self._draft_cost(best)
+        within = [
+            (effect, draft)
+            for rank, (effect, draft) in enumerate(drafts)
+            if rank < _SHORT_LIST or (effect.states and cost - draft.cost > _IN_REACH * (cost + top))
+        ]
+        ranked = []
+        for effect, draft in within:
+            trial = self._settle(draft.fitted.plant, best.noise)
+            ranked.append((effect, weigh(best, trial), trial))
+        ranked.sort(key=lambda item: (-_worth_it(item[1]), -item[1].total))
+        return ranked
+
+    def _drafts(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
+        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
+        starts: dict[str, list[Prospect]] = {}
+        for prospect in screen(self._workshop, structure, effects):
+            if prospect.gain > _LEAST_PROMISE_NATS:
+                starts.setdefault(prospect.effect.id, []).append(prospect)
+        drafts = [
+            (prospects[0].effect, self._draft(prospects, structure.noise))
+            for prospects in list(starts.values())[:most]
+        ]
+        return sorted(drafts, key=lambda item: item[1].cost)
+
+    def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
+        """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
+        further = _SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
+        enough = _STARTS_SHARE * prospects[0].gain
+        plants = [p.plant for p in prospects[:_STARTS_FOLLOWED] if p.gain > enough]
+        if len(plants) > 1:
+            trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
+            plants = [best.fitted.plant]
+        return self._workshop.draft(plants[0], noise, iterations=further)
+
+    def _draft_cost(self, structure: Structure) -> float:
+        step_s = step_for(structure.plant, DRAFT_STEP_S)
+        fitted, check = self._workshop.draft_cost(structure.plant, structure.noise, step_s)
+        return fitted + structure.fitted.prior_cost + check
+
+    def _candidates(self, plant: Plant) -> list[Effect]:
+        return candidates(plant, self._workshop.problem.signals[0])
+
+    def _without(self, best: Structure, effect_id: str) -> Structure:
+        plant = _simpler(best.plant, effect_id, self._workshop.problem.plant)
+        if plant.active in self._settled:
+            return self._settled[plant.active]
+        return self._settle(plant, best.noise)
+
+    def _settled_with(self, bare: Plant, effect: Effect) -> Structure | None:
+        """What was settled before with just `effect` added to `bare`, if anything was."""
+        return self._settled.get((bare.active - set(effect.supersedes)) | {effect.id})
+
+    def _settle(self, plant: Plant, noise: Noise) -> Structure:
+        """Settle, unless that set of effects came out better before."""
+        return self._keep(self._workshop.settled(plant, noise))
+
+    def _keep(self, structure: Structure) -> Structure:
+        active = structure.plant.active
+        before = self._settled.get(active)
+        if before is None or _cost(structure) < _cost(before):
+            self._settled[active] = structure
+        return self._settled[active]
+
+
+def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
+    """The structure with one effect exchanged that clearly beats `best`, in free run as well."""
+    beating = [
+        rival
+        for near in rivals.values()
+        for rival in near
+        if rival.behind < -RIVAL_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
+    ]
+    return min(beating, key=lambda rival: rival.behind).structure if beating else None
+
+
+def _cost(structure: Structure) -> float:
+    return structure.fitted.cost + structure.fitted.prior_cost
+
+
 def _worth_it(weight: Weight) -> bool:
     return (
         weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS and weight.free_run_ratio < FREE_RUN_RATIO
@@ -122,48 +265,6 @@ def _worth_it(weight: Weight) -> bool:
 
 def _keeps_its_place(weight: Weight) -> bool:
     return weight.total > KEEP_NATS and weight.check_gain > 0.0 and weight.free_run_ratio < FREE_RUN_RATIO
-
-
-def _forward(workshop: Workshop, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
-    """Every candidate added to `best`, the likeliest of them under noise of their own, ranked.
-
-    Effects with states of their own (a second mass) reach their best slowly, so they are always followed up.
-    """
-    quick = []
-    for effect in candidates(best.plant, workshop.problem.signals[0]):
-        start = workshop.start_with(best.plant, effect, best.noise)
-        iterations = _SLOW_ITERATIONS if effect.states else _QUICK_ITERATIONS
-        trial = workshop.fit(start, best.noise, iterations=iterations)
-        quick.append((effect, weigh(best, trial), trial))
-    quick.sort(key=lambda item: -item[1].total)
-    followed = [
-        (effect, trial)
-        for rank, (effect, _, trial) in enumerate(quick)
-        if rank < _SHORT_LIST or effect.states
-    ]
-    settled = [(effect, workshop.settle(trial)) for effect, trial in followed]
-    ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
-    ranked.sort(key=lambda item: (-_worth_it(item[1]), -item[1].total))
-    return ranked
-
-
-def _pruned(workshop: Workshop, best: Structure, baseline: Structure) -> Structure:
-    """Take out, one at a time, effects that no longer earn their place."""
-    while True:
-        weakest: tuple[float, Structure] | None = None
-        for effect_id in sorted(best.plant.active - baseline.plant.active):
-            simpler, weight = _without(workshop, best, effect_id)
-            if not _keeps_its_place(weight) and (weakest is None or weight.total < weakest[0]):
-                weakest = (weight.total, simpler)
-        if weakest is None:
-            return best
-        best = weakest[1]
-
-
-def _without(workshop: Workshop, best: Structure, effect_id: str) -> tuple[Structure, Weight]:
-    plant = _simpler(best.plant, effect_id, workshop.problem.plant)
-    simpler = workshop.settle(workshop.fit(plant, best.noise, iterations=_QUICK_ITERATIONS))
-    return simpler, weigh(simpler, best)
 
 
 def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
@@ -175,29 +276,6 @@ def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
         symbol = plant.layout.effect(plain).parameters[0].symbol
         bare = bare.with_effect(plain, {symbol: baseline.values.get(Slot(plain, symbol), mean)})
     return bare
-
-
-def _found(workshop: Workshop, best: Structure, baseline: Structure) -> tuple[tuple[Effect, Weight], ...]:
-    weighed = [
-        (best.plant.layout.effect(effect_id), _without(workshop, best, effect_id)[1])
-        for effect_id in sorted(best.plant.active - baseline.plant.active)
-    ]
-    return tuple(sorted(weighed, key=lambda item: -item[1].total))
-
-
-def _rivals(workshop: Workshop, best: Structure, effect: Effect, ranked: list[Effect]) -> tuple[Rival, ...]:
-    """Effects that were near at some time, or are declared confusable, put in the place of `effect`."""
-    bare, _ = _without(workshop, best, effect.id)
-    wanted = [*effect.confusable_with, *(other.id for other in ranked)]
-    allowed = {other.id: other for other in candidates(bare.plant, workshop.problem.signals[0])}
-    rivals: list[Rival] = []
-    for other_id in dict.fromkeys(wanted):
-        if other_id == effect.id or other_id not in allowed or len(rivals) >= _SHORT_LIST:
-            continue
-        start = workshop.start_with(bare.plant, allowed[other_id], best.noise)
-        trial = workshop.settle(workshop.fit(start, best.noise, iterations=_QUICK_ITERATIONS))
-        rivals.append(Rival(allowed[other_id], weigh(trial, best).total, trial))
-    return tuple(sorted(rivals, key=lambda rival: rival.behind))
 
 
 def probability(behind: float, others: list[float]) -> float:

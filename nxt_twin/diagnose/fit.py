@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
@@ -16,7 +17,7 @@ from nxt_twin.recording.recording import FloatArray
 
 BoolArray = NDArray[np.bool_]
 
-_DAMPINGS = (0.0, 1e-3, 1e-1, 3.0, 100.0)
+_DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
 
@@ -101,33 +102,47 @@ def moved(plant: Plant, variables: Sequence[Variable], x: FloatArray) -> Plant:
 
 
 def fit(
-    simulator: Simulator, plant: Plant, variables: Sequence[Variable], target: Target, *, iterations: int = 15
+    simulator: Simulator,
+    plant: Plant,
+    variables: Sequence[Variable],
+    target: Target,
+    *,
+    iterations: int = 15,
+    patience_nats: float = _PATIENCE_NATS,
+    covariance: bool = True,
 ) -> Fitted:
-    """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors."""
+    """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
+
+    Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
+    that of the last step stands in for the one at the end, which takes twice as many runs.
+    """
     search = _Search(simulator, plant, tuple(variables), target)
     x: FloatArray = np.clip(values_of(plant, variables), search.lower, search.upper)
-    objective = float(search.objective(x[None])[0])
-    for _ in range(iterations if variables else 0):
-        hessian, gradient = search.normal_equations(x, central=False)
-        steps = [_step(hessian, gradient, damping) for damping in _DAMPINGS]
+    hessian, gradient, objective = search.normal_equations(x, central=False)
+    for left in range(iterations if variables else 0, 0, -1):
+        free = search.free(x, gradient)
+        if 0.5 * gradient @ _step(hessian, gradient, free, 0.0) > -0.5 * patience_nats:
+            break
+        steps = [_step(hessian, gradient, free, damping) for damping in _DAMPINGS]
         trials: FloatArray = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
         objectives = search.objective(trials)
         best = int(np.nanargmin(objectives))
         gain = objective - objectives[best]
         if gain > 0.0:
             x, objective = trials[best], float(objectives[best])
-        if gain < _PATIENCE_NATS:
+        if gain < patience_nats or left == 1:
             break
-    hessian, _ = search.normal_equations(x, central=True)
-    covariance = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
-    covariance *= np.outer(search.scale, search.scale)
-    cost = float(search.cost(x[None])[0])
+        hessian, gradient, _ = search.normal_equations(x, central=False)
+    if covariance:
+        hessian, _, _ = search.normal_equations(x, central=True)
+    spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
+    prior_cost = search.prior_cost(x)
     return Fitted(
         moved(plant, variables, x),
         tuple(variables),
-        covariance,
-        cost,
-        objective - cost,
+        spread * np.outer(search.scale, search.scale),
+        objective - prior_cost,
+        prior_cost,
         search.readings,
     )
 
@@ -138,9 +153,13 @@ def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArr
     return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
 
 
-def _step(hessian: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
-    damped = hessian + damping * np.diag(np.maximum(np.diag(hessian), 1e-12))
-    return np.asarray(np.linalg.lstsq(damped, -gradient, rcond=1e-12)[0], dtype=np.float64)
+def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
+    """The step of the `free` variables; the others stay where they are."""
+    step = np.zeros(gradient.size)
+    inside = hessian[np.ix_(free, free)]
+    damped = inside + damping * np.diag(np.maximum(np.diag(inside), 1e-12))
+    step[free] = np.linalg.lstsq(damped, -gradient[free], rcond=1e-12)[0]
+    return step
 
 
 @final
@@ -182,8 +201,16 @@ class _Search:
         prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
         return np.asarray(self.cost(x) + prior)
 
-    def normal_equations(self, x: FloatArray, *, central: bool) -> tuple[FloatArray, FloatArray]:
-        """Gauss-Newton Hessian and gradient of the objective in scaled variables.
+    def prior_cost(self, x: FloatArray) -> float:
+        return float(0.5 * (((x - self._centre) / self._spread) ** 2).sum())
+
+    def free(self, x: FloatArray, gradient: FloatArray) -> BoolArray:
+        """Which variables a step may move: not those at a bound beyond which they are drawn."""
+        held = ((x <= self.lower) & (gradient > 0.0)) | ((x >= self.upper) & (gradient < 0.0))
+        return np.asarray(~held)
+
+    def normal_equations(self, x: FloatArray, *, central: bool) -> tuple[FloatArray, FloatArray, float]:
+        """Gauss-Newton Hessian and gradient of the objective in scaled variables, and the objective.
 
         By one-sided differences, which do for a step, or by central ones, which a covariance needs.
         """
@@ -198,6 +225,7 @@ class _Search:
         width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
         hessian = np.zeros((size, size))
         gradient = np.zeros(size)
+        objective = self.prior_cost(x)
         for job, result, mask in zip(self._target.jobs, self.run(sets), self._counted, strict=True):
             inverse = (
                 np.sqrt(self._target.evidence * result.weight[-1, mask]) / job.observer.innovation_std[mask]
@@ -207,7 +235,8 @@ class _Search:
             residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse
             hessian += slope @ slope.T
             gradient -= slope @ np.nan_to_num(residual)
+            objective += self._target.evidence * float(result.cost[-1, mask].sum())
         tightness = (self.scale / self._spread) ** 2
         hessian += np.diag(tightness)
         gradient += tightness * (x - self._centre) / self.scale
-        return hessian, gradient
+        return hessian, gradient, math.inf if math.isnan(objective) else objective

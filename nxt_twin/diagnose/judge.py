@@ -82,17 +82,21 @@ def leftover_nats(residuals: Residuals) -> float:
     Speed in bins, direction, command, angle, time and what follows a command. A model that lacks nothing leaves
     innovations that nothing foretells, and this is then about zero or less.
     """
+    return float(leftover_nats_of(residuals, residuals.normalised[None])[0])
+
+
+def leftover_nats_of(residuals: Residuals, innovations: FloatArray) -> FloatArray:
+    """The same for other `innovations` of the same readings, shape (cases, readings); shape (cases,)."""
     features = _features(residuals)
     block = np.floor(residuals.time_s / _BLOCK_S).astype(int) + 7 * residuals.run
     folds = block % _FOLDS
-    foretold = np.zeros(residuals.normalised.size)
+    foretold = np.zeros(innovations.shape)
     for fold in range(_FOLDS):
         known, asked = folds != fold, folds == fold
         normal = features[known].T @ features[known] + _RIDGE * np.eye(features.shape[1])
-        weights = np.linalg.solve(normal, features[known].T @ residuals.normalised[known])
-        foretold[asked] = features[asked] @ weights
-    left = residuals.normalised - foretold
-    return float(0.5 * np.sum(residuals.normalised**2 - left**2))
+        weights = np.linalg.solve(normal, features[known].T @ innovations[:, known].T)
+        foretold[:, asked] = (features[asked] @ weights).T
+    return np.asarray(0.5 * np.sum(innovations**2 - (innovations - foretold) ** 2, axis=1))
 
 
 def _features(residuals: Residuals) -> FloatArray:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import minimize
 
-from nxt_twin.diagnose.fit import Target
+from nxt_twin.diagnose.fit import BoolArray, Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
@@ -18,9 +18,14 @@ from nxt_twin.physics.smooth import smoothed
 from nxt_twin.recording.recording import FloatArray
 
 DISTURBANCE_TIME_S = 0.15
-_SMALLEST_DISTURBANCE = 1e-4
-_SIMPLEX = np.array([[0.0, 0.0], [0.7, 0.0], [0.0, -1.4]])  # first steps of the search, in logarithms
-_SEARCH = {"xatol": 0.1, "fatol": 0.3, "maxfev": 40}
+_SMALLEST = 1e-4
+_STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
+_WIDEST_STAR = 0.7  # in logarithms
+_MOST_STARS = 8
+_SHRINKING = 0.5
+_LONGEST_STEP = 3.0  # in arms of the star
+_FLAT_NATS = 1e-3
+_RESTING_NATS = 0.2
 
 
 def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
@@ -56,29 +61,61 @@ def with_noise(target: Target, noise: Noise) -> Target:
 
 
 def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> tuple[Noise, float]:
-    """The likeliest noise under `plant`, searched from `start`, and its negative log-likelihood."""
+    """The likeliest noise under `plant`, searched from `start`, and its negative log-likelihood.
+
+    In the logarithms of both deviations the likelihood is nearly a paraboloid: a star of points is weighed at once,
+    the paraboloid through them gives the next centre, and the star shrinks as it comes to rest.
+    """
     floor = reading_floor([job.signals for job in target.jobs])
-    smallest = _SMALLEST_DISTURBANCE * start.disturbance_std
+    lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
     damping = damping_per_s(plant)
 
     def noise_at(logs: FloatArray) -> Noise:
-        reading, disturbance = np.exp(logs)
-        return Noise(max(floor, reading), max(smallest, disturbance), start.disturbance_time_s, damping)
+        reading, disturbance = np.exp(np.maximum(logs, lowest))
+        return Noise(float(reading), float(disturbance), start.disturbance_time_s, damping)
 
-    start_logs = np.log([start.reading_std, start.disturbance_std])
-    found = minimize(
-        lambda logs: _cost(simulator, plant, target, noise_at(logs)),
-        start_logs,
-        method="Nelder-Mead",
-        options={**_SEARCH, "initial_simplex": start_logs + _SIMPLEX},
-    )
-    return noise_at(found.x), float(found.fun)
+    centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
+    cost = math.inf
+    reach = _WIDEST_STAR
+    for _ in range(_MOST_STARS):
+        points = np.maximum(centre + reach * _STAR, lowest)
+        costs = _costs(simulator, plant, target, [noise_at(point) for point in points])
+        nearest = int(np.argmin(costs))
+        if costs[nearest] < cost:
+            best, cost = points[nearest], float(costs[nearest])
+        step, promised = _to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
+        if promised < _RESTING_NATS:
+            break
+        centre = np.maximum(centre + reach * step if costs[0] <= cost + promised else best, lowest)
+        if np.abs(step).max() < 1.0:
+            reach *= _SHRINKING
+    return noise_at(best), cost
 
 
-def _cost(simulator: Simulator, plant: Plant, target: Target, noise: Noise) -> float:
+def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:
+    """The step, in arms of the star, to the lowest point of the paraboloid through it, and the fall to there.
+
+    What is `held` stays: it lies at its least value and would go further down.
+    """
+    middle, right, left, up, down, corner = costs
+    slope = np.where(held, 0.0, 0.5 * np.array([right - left, up - down]))
+    twist = 0.0 if held.any() else corner - right - up + middle
+    bends = np.where(held, 1.0, [right + left - 2.0 * middle, up + down - 2.0 * middle])
+    curve = np.array([[bends[0], twist], [twist, bends[1]]])
+    if not np.isfinite(costs).all() or np.linalg.eigvalsh(curve)[0] < _FLAT_NATS:
+        nearest = int(np.argmin(costs))
+        return _LONGEST_STEP * _STAR[nearest], float(middle - costs[nearest])
+    step = np.clip(-np.linalg.solve(curve, slope), -_LONGEST_STEP, _LONGEST_STEP)
+    return step, float(-slope @ step - 0.5 * step @ curve @ step)
+
+
+def _costs(simulator: Simulator, plant: Plant, target: Target, noises: Sequence[Noise]) -> FloatArray:
+    """The target's cost under each noise, all run at once."""
     values, active = plant.vectors()
-    tuned = with_noise(target, noise)
-    return float(tuned.cost(simulator.run(values[None], active[None], tuned.jobs))[0])
+    tuned = [with_noise(target, noise) for noise in noises]
+    results = simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
+    size = len(target.jobs)
+    return np.array([float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)])
 
 
 def _fitted(signals: Signals) -> FloatArray:

@@ -14,7 +14,7 @@ from nxt_twin.diagnose.variables import scale_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant, plant_from_config
-from nxt_twin.physics.signals import IntArray, Signals, signals_of
+from nxt_twin.physics.signals import IntArray, Signals, in_session, signals_of
 from nxt_twin.physics.simulate import free_job, with_supply
 from nxt_twin.physics.start import Start, moving_start, restarts
 from nxt_twin.recording.recording import Recording
@@ -85,7 +85,7 @@ def problem_of(
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
         DiagnosisError: the recordings are driven in different ways, are too short, or nothing moves.
     """
-    read = [signals_of(recording, port) for recording in [*recordings, *holdout]]
+    read = in_session([signals_of(recording, port) for recording in [*recordings, *holdout]])
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
         raise DiagnosisError(

@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from nxt_twin.diagnose.fit import Fitted, Target, fit
+from nxt_twin.diagnose.free_run import FreeRunCheck
 from nxt_twin.diagnose.noise import estimate, with_noise
-from nxt_twin.diagnose.observed import observed_starts
 from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.variables import starts_of, variables_of
-from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.diagnose.variables import variables_of
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Result, Simulator, free_job
+from nxt_twin.physics.simulate import STEP_S, Simulator
+
+DRAFT_STEP_S = 4e-3
+SETTLED_STEP_S = 2e-3
+"""Steps while structures are searched and weighed; what is reported is fitted with `STEP_S`. For an NXT motor they err
+by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
 
 _SHARE_ROUNDS = 3
-_STARTS_FOLLOWED = 3
-_START_ITERATIONS = 3
 _SETTLE_ROUNDS = 4
 _RESTING_NATS = 1.0
+_DRAFT_PATIENCE_NATS = 1.0
+_SETTLED_PATIENCE_NATS = 0.2
+_EXACT_PATIENCE_NATS = 0.05
+_TUNED_KEPT = 8
+_MECHANICAL = {"torque", "damping", "friction", "hold"}
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
 
 
@@ -50,6 +56,20 @@ class Structure:
     def plant(self) -> Plant:
         """The fitted plant."""
         return self.fitted.plant
+
+
+@final
+@dataclass(frozen=True)
+class Draft:
+    """A plant fitted roughly, and the cost of the checking readings under the same noise, nats."""
+
+    fitted: Fitted
+    check_cost: float
+
+    @property
+    def cost(self) -> float:
+        """Of all readings and priors, nats."""
+        return self.fitted.cost + self.fitted.prior_cost + self.check_cost
 
 
 @final
@@ -98,90 +118,114 @@ class Workshop:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.simulator = simulator
         self.problem = problem
+        self._targets: dict[float, Target] = {STEP_S: problem.target}
+        self._tuned: dict[tuple[float, Noise], Target] = {}
+        self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
 
     def fit(self, plant: Plant, noise: Noise, *, iterations: int = 12) -> Structure:
         """Fit `plant` on the target's readings under `noise`."""
-        return self._fit_on(self.problem.target, plant, noise, iterations)
+        step_s = step_for(plant, SETTLED_STEP_S)
+        fitted = self._fitted(self.tuned(noise, step_s), plant, iterations, _SETTLED_PATIENCE_NATS)
+        return self._judged(fitted, noise, step_s)
 
     def fit_everything(self, plant: Plant, noise: Noise) -> Structure:
         """Fit `plant` on every reading that is not held out, under the noise that suits it."""
         target = self.problem.everything()
         for _ in range(2):
-            done = self._fit_on(target, plant, noise, 15)
-            plant = done.plant
+            plant = self._fitted(with_noise(target, noise), plant, 15, _SETTLED_PATIENCE_NATS).plant
             noise, _ = estimate(self.simulator, plant, target, noise)
-        return self._fit_on(target, plant, noise, 15)
+        return self._fit_exactly(target, plant, noise, 15)
 
     def fit_on_everything(self, plant: Plant, noise: Noise) -> Structure:
         """Fit `plant` on every reading that is not held out, under just this noise."""
-        return self._fit_on(self.problem.everything(), plant, noise, 25)
+        return self._fit_exactly(self.problem.everything(), plant, noise, 25)
 
     def settle(self, structure: Structure) -> Structure:
         """The structure under the noise that suits it best: noise and parameters in turn until both rest."""
+        return self.settled(structure.plant, structure.noise)
+
+    def settled(self, plant: Plant, noise: Noise) -> Structure:
+        """`plant` under the noise that suits it best, both searched from what is given."""
+        step_s = step_for(plant, SETTLED_STEP_S)
+        target = self._target(step_s)
         for _ in range(_SETTLE_ROUNDS):
-            noise, _ = estimate(self.simulator, structure.plant, self.problem.target, structure.noise)
-            before, structure = structure, self.fit(structure.plant, noise)
-            if before.fitted.cost - structure.fitted.cost < _RESTING_NATS:
+            noise, before = estimate(self.simulator, plant, target, noise)
+            fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
+            plant = fitted.plant
+            if before - fitted.cost < _RESTING_NATS:
                 break
-        return structure
+        return self._judged(fitted, noise, step_s)
 
-    def start_with(self, plant: Plant, effect: Effect, noise: Noise) -> Plant:
-        """`plant` with `effect` added, a few steps on from the likelier of its starting values."""
-        trials = [
-            _with_load_split(plant.with_effect(effect.id, start), effect)
-            for start in starts_of(effect, self.problem.scale)
-        ]
-        values = np.array([trial.vectors()[0] for trial in trials])
-        active = np.array([trial.vectors()[1] for trial in trials])
-        target = with_noise(self.problem.target, noise)
-        costs = target.cost(self.simulator.run(values, active, target.jobs))
-        likely = [trials[int(i)] for i in np.argsort(costs)[:_STARTS_FOLLOWED]]
-        if len(effect.parameters) == 1 or len(likely) == 1:
-            return likely[0]
-        followed = [self.fit(trial, noise, iterations=_START_ITERATIONS) for trial in likely]
-        totals = [structure.fitted.cost + structure.fitted.prior_cost for structure in followed]
-        return followed[int(np.argmin(totals))].plant
+    def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
+        """Fit `plant` roughly under `noise`, on coarse steps: enough to rank it."""
+        step_s = step_for(plant, DRAFT_STEP_S)
+        target = self.tuned(noise, step_s)
+        fitted = self._fitted(target, plant, iterations, _DRAFT_PATIENCE_NATS)
+        return Draft(fitted, self._check_cost(fitted.plant, target))
 
-    def _fit_on(self, target: Target, plant: Plant, noise: Noise, iterations: int) -> Structure:
-        tuned = with_noise(target, noise)
+    def draft_cost(self, plant: Plant, noise: Noise, step_s: float) -> tuple[float, float]:
+        """Cost of `plant` as it stands on the target's readings and on the checking ones, steps of `step_s`."""
+        values, active = plant.vectors()
+        target = self.tuned(noise, step_s)
+        results = self.simulator.run(values[None], active[None], target.jobs)
+        checking = replace(target, counted=self.problem.check)
+        return float(target.cost(results)[0]), float(checking.cost(results)[0])
+
+    def tuned(self, noise: Noise, step_s: float) -> Target:
+        """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
+        key = (step_s, noise)
+        if key not in self._tuned:
+            if len(self._tuned) >= _TUNED_KEPT:
+                del self._tuned[next(iter(self._tuned))]
+            self._tuned[key] = with_noise(self._target(step_s), noise)
+        return self._tuned[key]
+
+    def _target(self, step_s: float) -> Target:
+        if step_s not in self._targets:
+            jobs = tuple(replace(job, step_s=step_s) for job in self.problem.target.jobs)
+            self._targets[step_s] = replace(self.problem.target, jobs=jobs)
+        return self._targets[step_s]
+
+    def _fit_exactly(self, target: Target, plant: Plant, noise: Noise, iterations: int) -> Structure:
+        fitted = self._fitted(with_noise(target, noise), plant, iterations, None)
+        return self._judged(fitted, noise, STEP_S)
+
+    def _fitted(self, tuned: Target, plant: Plant, iterations: int, patience_nats: float | None) -> Fitted:
+        """Variables and shares in turn; without a patience to the end, with the covariance."""
         for _ in range(_SHARE_ROUNDS if _shares(plant) else 1):
-            variables = variables_of(plant, self.problem.plant, self.problem.scale)
-            fitted = fit(self.simulator, plant, variables, tuned, iterations=iterations)
+            fitted = fit(
+                self.simulator,
+                plant,
+                variables_of(plant, self.problem.plant, self.problem.scale),
+                tuned,
+                iterations=iterations,
+                patience_nats=_EXACT_PATIENCE_NATS if patience_nats is None else patience_nats,
+                covariance=patience_nats is None,
+            )
             plant = self._with_shares(fitted.plant, tuned)
-        fitted = replace(fitted, plant=plant)
+        return replace(fitted, plant=plant)
+
+    def _judged(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
+        """The fitted plant with what the checking readings say of it.
+
+        Their cost is that under the kindest of a few noises: a structure that fits well is sure of itself; on other
+        inputs that must not count against it.
+        """
+        plant = fitted.plant
+        values, active = plant.vectors()
+        checking = replace(self._target(step_s), counted=self.problem.check)
+        kinder = [replace(noise, disturbance_std=f * noise.disturbance_std) for f in _CHECK_NOISES]
+        tuned = [with_noise(checking, one) for one in kinder]
+        results = self.simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
+        size = len(checking.jobs)
+        costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
+        free = self._free_runs.rms(self.simulator, plant, noise, results[:size], step_s)
+        return Structure(fitted, noise, min(costs), free)
+
+    def _check_cost(self, plant: Plant, tuned: Target) -> float:
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], tuned.jobs)
-        windowed, whole = (
-            self._free_run_rms(plant, noise, results, every_s)
-            for every_s in (self.problem.window_s, math.inf)
-        )
-        return Structure(fitted, noise, self._check_cost(plant, target, noise), (windowed, whole))
-
-    def _check_cost(self, plant: Plant, target: Target, noise: Noise) -> float:
-        """The checking readings' cost under the kindest of a few noises.
-
-        A structure that fits well is sure of itself; on other inputs that must not count against it.
-        """
-        values, active = plant.vectors()
-        checking = replace(target, counted=self.problem.check)
-        costs = []
-        for factor in _CHECK_NOISES:
-            tuned = with_noise(checking, replace(noise, disturbance_std=factor * noise.disturbance_std))
-            costs.append(float(tuned.cost(self.simulator.run(values[None], active[None], tuned.jobs))[0]))
-        return min(costs)
-
-    def _free_run_rms(self, plant: Plant, noise: Noise, corrected: Sequence[Result], every_s: float) -> float:
-        """RMS error of free runs over the checking readings; those that a fault explains are left out."""
-        errors = []
-        for job, seen, check in zip(self.problem.target.jobs, corrected, self.problem.check, strict=True):
-            signals = job.signals
-            start = observed_starts(self.simulator, plant, signals, job.start, noise, every_s)
-            predicted = self.simulator.trace(plant, free_job(signals, start))["predicted"]
-            judged = check & np.isfinite(signals.measured) & ~start.at & (seen.weight[0] > 0.5)
-            errors.append((signals.measured - predicted)[judged])
-        joined = np.concatenate(errors)
-        blown_up = joined.size == 0 or not np.isfinite(joined).all()
-        return math.inf if blown_up else float(np.sqrt(np.mean(joined**2)))
+        return float(replace(tuned, counted=self.problem.check).cost(results)[0])
 
     def _with_shares(self, plant: Plant, target: Target) -> Plant:
         """Set the share of each fault to the mean probability with which it explains a reading."""
@@ -203,15 +247,10 @@ class Workshop:
         return plant.with_values(new)
 
 
-def _with_load_split(plant: Plant, effect: Effect) -> Plant:
-    """Take a new load's inertia off the body, which has carried it until now."""
-    load = Slot(effect.id, "load_inertia")
-    if load not in plant.values:
-        return plant
-    body = Slot(BASE_OWNER, "inertia")
-    total = plant.values[body]
-    share = plant.values[load] / (plant.values[load] + plant.layout.parameters[body].starts[0])
-    return plant.with_values({body: (1.0 - share) * total, load: share * total})
+def step_for(plant: Plant, coarse_s: float) -> float:
+    """`coarse_s`, or half of it where an effect has a mechanical state of its own, which may be stiff."""
+    stiff = any(effect.states and _MECHANICAL & effect.terms.keys() for effect in plant.effects)
+    return max(STEP_S, 0.5 * coarse_s) if stiff else coarse_s
 
 
 def _shares(plant: Plant) -> int:

@@ -7,7 +7,7 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.diagnosis import Diagnosis, Mismatch, Moved, NextExperiment
 
 SCHEMA = "nxt-twin/diagnosis/1"
 
@@ -19,11 +19,8 @@ def to_json(diagnosis: Diagnosis) -> str:
         "case": diagnosis.name,
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
-        "refit": {
-            name: {"from": moved.before, "to": moved.after, "std": moved.std, "unit": moved.unit}
-            for name, moved in diagnosis.refit.items()
-        },
-        "mismatch": asdict(diagnosis.mismatch),
+        "refit": {name: _moved(moved) for name, moved in diagnosis.refit.items()},
+        "mismatch": _mismatch(diagnosis.mismatch),
         "effects": [asdict(effect) for effect in diagnosis.effects],
         "alternatives": [asdict(alternative) for alternative in diagnosis.alternatives],
         "fit": asdict(diagnosis.fit),
@@ -31,10 +28,38 @@ def to_json(diagnosis: Diagnosis) -> str:
             {"recording": run.recording, "baseline": run.baseline_rmse, "improved": run.improved_rmse}
             for run in diagnosis.held_out
         ],
-        "next_experiment": asdict(diagnosis.next_experiment) if diagnosis.next_experiment else None,
+        "next_experiment": _experiment(diagnosis.next_experiment) if diagnosis.next_experiment else None,
+        "detectable": [asdict(size) for size in diagnosis.detectable],
+        "excitation": asdict(diagnosis.excitation) if diagnosis.excitation else None,
+        "false_alarm_rate": asdict(diagnosis.false_alarm_rate) if diagnosis.false_alarm_rate else None,
+        "nearest": asdict(diagnosis.nearest) if diagnosis.nearest else None,
         "notes": list(diagnosis.notes),
     }
     return json.dumps(_finite(content), ensure_ascii=False, indent=1)
+
+
+def _moved(moved: Moved) -> dict[str, Any]:
+    content = asdict(moved)
+    return {"from": content.pop("before"), "to": content.pop("after"), **content}
+
+
+def _mismatch(mismatch: Mismatch) -> dict[str, Any]:
+    """The contract knows four equations; a transmission's fault shows in the torque balance, and `source` tells it."""
+    content = asdict(mismatch)
+    if mismatch.equation == "kinematic":
+        content["equation"] = "torque_balance"
+    return content
+
+
+def _experiment(experiment: NextExperiment) -> dict[str, Any]:
+    program = experiment.program
+    return {
+        "why": experiment.why,
+        "input": experiment.input,
+        "expected_nats": experiment.expected_nats,
+        "seconds": experiment.seconds,
+        "program": None if program is None else program.model_dump(mode="json", exclude_none=True),
+    }
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401  # any JSON value

@@ -23,17 +23,18 @@ def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
     command = np.concatenate([s.command_at_samples() for s in signals])
     push = max(float(np.sqrt(np.mean(command**2))), 1e-6)
     if plant.layout.frame != "motor":
-        return Scale(torque=push, speed=speed)
+        return Scale(torque=push, speed=speed, recordings=tuple(signals))
     constant = _base(plant, "torque_constant")
     volts = _base(plant, "supply_v")
     match signals[0].input_kind:
         case "current_a":
-            return Scale(torque=constant * push, speed=speed)
+            return Scale(torque=constant * push, speed=speed, recordings=tuple(signals))
         case "voltage_v":
             volts = push
     return Scale(
         torque=0.5 * constant * volts / _base(plant, "resistance"),
         speed=0.6 * volts / _base(plant, "back_emf"),
+        recordings=tuple(signals),
     )
 
 

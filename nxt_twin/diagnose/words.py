@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, HeldOutRun, NextExperiment, Verdict
+from nxt_twin.diagnose.confusion import Alike
+from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, HeldOutRun, NextExperiment, Verdict
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
@@ -16,14 +17,28 @@ from nxt_twin.recording.recording import FloatArray
 FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 
 _BAD_RUN_RATIO = 2.5
+_MOST_NAMED = 4
+_ALIKE = 0.6
+_LITTLE_NATS = 5.0
 
 
-def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
-    """What is wrong, in one sentence."""
+def sentence(
+    verdict: Verdict,
+    effects: Sequence[FoundEffect],
+    fit: Fit,
+    excitation: Excitation | None = None,
+    names: Mapping[str, str] | None = None,
+) -> str:
+    """What is wrong, in one sentence; `names` says in words which effects `excitation` could not have shown."""
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
     named = _listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
     those = "these" if len(effects) > 1 else "it"
+    if verdict == "adequate" and excitation is not None and not excitation.enough:
+        return (
+            f"Nothing is missing as far as these recordings can tell (they are foretold to {fit.improved:.3g} "
+            f"{fit.unit}), but they could not have shown {_unseen(excitation, names or {})}."
+        )
     if verdict == "adequate":
         return (
             f"Nothing is missing: with its parameters re-fitted the model predicts unseen data to "
@@ -44,14 +59,24 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     )
 
 
-def why_confusable(effect: Effect, other: Effect, behind: float) -> str:
-    """Why these recordings leave it open which of two effects it is."""
+def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
+    listed = [names.get(effect_id, effect_id) for effect_id in excitation.unseen]
+    if len(listed) > _MOST_NAMED:
+        listed = [*listed[:_MOST_NAMED], f"{len(listed) - _MOST_NAMED} other effects"]
+    why = f": {_listed(excitation.lacks)}" if excitation.lacks else ""
+    return f"{_listed(listed, 'or')}{why}"
+
+
+def why_confusable(effect: Effect, other: Effect, behind: float, trace: Alike | None = None) -> str:
+    """Why these recordings leave it open which of two effects it is; `trace` says how alike what they do is here."""
     told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
     likeness = (
         f"in its place it does better by {-behind:.1f} nats"
         if behind < 0.0
         else f"in its place it does worse by only {behind:.1f} nats"
     )
+    if trace is not None and trace.cosine >= _ALIKE:
+        likeness += f", and the two leave traces here that are {100.0 * trace.cosine:.0f} % alike once all is re-fitted"
     return f"{likeness}; {told}" if told else f"{likeness} on these recordings"
 
 
@@ -71,6 +96,23 @@ def experiment_for_unknown() -> NextExperiment:
         input="the same input twice, then at half the size, then from another angle: "
         "what repeats is physics, and what it changes with says which",
     )
+
+
+def experiment_for_unseen(excitation: Excitation) -> NextExperiment:
+    """What to record when too little happened to tell anything."""
+    why = _listed(excitation.lacks) or "the effects would be small beside the noise"
+    return NextExperiment(
+        why=f"these recordings could not have shown all that may be missing: {why}",
+        input="steps of several sizes both ways with rests between, slow ramps through zero, "
+        "reversals, and run-outs without current",
+    )
+
+
+def proposed(pattern: str, seconds: float, nats: float) -> str:
+    """An input with how long it takes and what to expect of it."""
+    length = f"about {seconds:.0f} s" if seconds >= 10.0 else f"{max(seconds, 1.0):.0f} s"
+    weak = " (even that is little: the two may stay apart only in theory)" if nats < _LITTLE_NATS else ""
+    return f"{pattern}; {length} of it should give {nats:.0f} nats of evidence between the two{weak}"
 
 
 def notes(
@@ -145,7 +187,7 @@ def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
     return said
 
 
-def _listed(items: Sequence[str]) -> str:
+def _listed(items: Sequence[str], last: str = "and") -> str:
     if len(items) < 2:
         return "".join(items)
-    return f"{', '.join(items[:-1])} and {items[-1]}"
+    return f"{', '.join(items[:-1])} {last} {items[-1]}"

@@ -14,7 +14,7 @@ from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
 from nxt_twin.mock.serve.tcp import TcpEndpoint
-from nxt_twin.mock.start import profile_named, switch_on
+from nxt_twin.mock.start import Change, profile_named, switch_on
 
 
 @final
@@ -40,6 +40,7 @@ def serve(
     world: Path | None = None,
     seed: int = 0,
     profile: str = "none",
+    change: Change = lambda _: None,
     stop: Callable[[], bool] = lambda: False,
 ) -> None:
     """Serve a mock brick; blocks until `stop` says so or the user interrupts.
@@ -54,6 +55,7 @@ def serve(
         world: a world file; without it the brick is as LEGO ships it.
         seed: of noise, jitter and faults.
         profile: delays of the link, by name (`nxt_twin.mock.serve.profile.PROFILES`).
+        change: done to the brick's body each time before it is switched on.
         stop: asked once a tick.
 
     Raises:
@@ -62,7 +64,7 @@ def serve(
         ServeError: a place at which the brick cannot be served.
     """
     link = profile_named(profile)
-    host = Host(switch_on(world, seed), clock)
+    host = Host(switch_on(world, seed, change=change), clock)
     endpoints: list[Endpoint] = []
     try:
         if tcp is not None or pty is None:
@@ -73,7 +75,7 @@ def serve(
         while not _run(host, endpoints, stop):
             for endpoint in endpoints:
                 endpoint.hang_up()
-            host.restart(switch_on(world, seed, before=host.firmware))
+            host.restart(switch_on(world, seed, before=host.firmware, change=change))
     finally:
         for endpoint in endpoints:
             endpoint.close()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from nxt_twin.brick.clock import Clock
+from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.firmware.firmware import Firmware
@@ -13,14 +15,23 @@ from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import Failure, MockLink
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 
+Change = Callable[[Body], None]
+"""What is done to a brick's body before it is switched on."""
 
-def switch_on(world: Path | None = None, seed: int = 0, before: Firmware | None = None) -> Firmware:
+
+def switch_on(
+    world: Path | None = None,
+    seed: int = 0,
+    before: Firmware | None = None,
+    change: Change = lambda _: None,
+) -> Firmware:
     """A brick's firmware on its body, one tick old.
 
     Args:
         world: a world file; without it the brick is as LEGO ships it.
         seed: of the sensors' noise.
         before: the brick as it was when it was switched off; its files and name are kept.
+        change: done to the body before.
 
     Raises:
         WorldError: the world file is none.
@@ -32,7 +43,9 @@ def switch_on(world: Path | None = None, seed: int = 0, before: Firmware | None 
     if before is not None:
         identity = replace(identity, name=before.radio.brick_name)
     files = () if before is None else before.loader.files
-    firmware = Firmware(surroundings.body(seed, folder), identity, files)
+    body = surroundings.body(seed, folder)
+    change(body)
+    firmware = Firmware(body, identity, files)
     firmware.tick()  # loads the compiled plants, which takes a while, before any clock counts
     return firmware
 
@@ -54,6 +67,7 @@ def open_mock_link(
     world: Path | None = None,
     seed: int = 0,
     profile: str = "none",
+    change: Change = lambda _: None,
     late: Failure = TimeoutError,
     lost: Failure = ConnectionError,
 ) -> MockLink:
@@ -64,6 +78,7 @@ def open_mock_link(
         world: as for `switch_on`.
         seed: of noise, jitter and faults.
         profile: delays of the link.
+        change: as for `switch_on`.
         late: makes the exception for "nothing came in time".
         lost: makes the exception for "the other end is gone".
 
@@ -73,5 +88,5 @@ def open_mock_link(
         ServeError: there is no such profile.
     """
     delays = profile_named(profile)
-    host = Host(switch_on(world, seed), clock)
+    host = Host(switch_on(world, seed, change=change), clock)
     return MockLink(host, delays, seed=seed, late=late, lost=lost)

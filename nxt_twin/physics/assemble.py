@@ -15,206 +15,57 @@ from types import CodeType, FunctionType
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
+from nxt_twin.physics.template import FRAME, STEP, STEPPING
 from nxt_twin.physics.terms import Call, calls
 
-_FRAME = '''"""The compiled step of a {kind} ({frame}), written by nxt_twin.physics.assemble; never edit."""
+SETTLING = 6
+"""How often a start's angle is corrected for what the encoder makes of it; each time it errs by a third at most."""
 
-import math
+_MIDWAY: tuple[Stage, ...] = ("damping", "torque", "friction", "hold", "advance")
+"""The stages whose `angle` is that of the middle of a step."""
 
-from numba import njit
-from numba.extending import register_jitable
-
-{imports}
-
-_SQRT_TAU = math.sqrt(2.0 * math.pi)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def run(
-    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
-    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
-    disturbance_rate, observe_speed, predicted, weight, cost, trace,
-):
-{unpack}
-    delay_s = 0.0
-{delay}
-    rows = out_time_s.shape[0]
-    commands = command_time_s.shape[0]
-    t = out_time_s[0]
-    j = -1
-    angle = 0.0
-    speed = 0.0
-    current = 0.0
-    disturbance = 0.0
-    duty = 0.0
-    drive_torque = 0.0
-    last_reading = 0.0
-    inertia = base__inertia
-{states_zero_outer}
-    for k in range(rows):
-        target = out_time_s[k]
-        while t < target:
-            while j + 1 < commands and command_time_s[j + 1] + delay_s <= t:
-                j += 1
-            stop = target
-            if j + 1 < commands and command_time_s[j + 1] + delay_s < target:
-                stop = command_time_s[j + 1] + delay_s
-            held = command[j] if j >= 0 else 0.0
-            mode = command_mode[j] if j >= 0 else command_mode[0]
-            supply_v = command_supply_v[j] if j >= 0 else command_supply_v[0]
-            pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
-            step_s = (stop - t) / pieces
-            fading = math.exp(-step_s * disturbance_rate)
-            momentum = 2.0 * inertia / step_s
-            for piece in range(pieces):
-                elapsed_s = t + piece * step_s - out_time_s[0]
-{step}
-            t = stop
-        reading = measured[k]
-        if restart[k]:
-            angle = restart_angle[k]
-            speed = restart_speed[k]
-            current = 0.0
-            disturbance = 0.0
-            last_reading = speed if observe_speed else angle
-{states_restart}
-        predicted_reading = speed if observe_speed else angle
-        predicted[k] = predicted_reading
-        weight[k] = 0.0
-        cost[k] = 0.0
-        if reading == reading and not restart[k]:
-            innovation = reading - predicted_reading
-            std = reading_std[k]
-            fresh = 1.0
-            if std > 0.0:
-                share = 1.0
-                outlier = 0.0
-{outlier}
-                if share < 1.0:
-                    ratio = innovation / std
-                    density = share * math.exp(-0.5 * ratio * ratio) / (std * _SQRT_TAU)
-                    total = density + outlier + 1e-300
-                    fresh = density / total
-                    cost[k] = -math.log(total)
-                else:
-                    cost[k] = 0.5 * (innovation / std) ** 2 + math.log(std * _SQRT_TAU)
-            weight[k] = fresh
-            angle += gains[k, 0] * fresh * innovation
-            speed += gains[k, 1] * fresh * innovation
-            disturbance += gains[k, 2] * fresh * innovation
-            last_reading = reading
-        if trace.shape[0] > 0:
-            trace[k, 0] = angle
-            trace[k, 1] = speed
-            trace[k, 2] = current
-            trace[k, 3] = duty
-            trace[k, 4] = disturbance
-            trace[k, 5] = drive_torque
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def run_many(
-    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
-    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
-    disturbance_rate, observe_speed, predicted, weight, cost, trace,
-):
-    for i in range(values.shape[0]):
-        run(
-            values[i], active[i], step_max_s, command_time_s, command, command_mode, command_supply_v,
-            out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
-            disturbance_rate, observe_speed, predicted[i], weight[i], cost[i], trace,
-        )
-'''
-
-_STEP = """\
-duty = held
-{duty}
-resistance = {resistance}
-{resistance_terms}
-inductance = 0.0
-{inductance}
-drop = 0.0
-{drop}
-limit = math.inf
-{limit}
-force, coupling = {drive}
-drive_torque = force - coupling * speed
-before = speed
-mid_angle = angle + 0.5 * step_s * before
-damping = 0.0
-{damping}
-load_torque = 0.0
-{torque}
-inverse = 1.0 / (momentum + coupling + damping)
-free = (
-    (momentum - coupling - damping) * before
-    + 2.0 * (force + load_torque + inertia * disturbance)
-) * inverse
-direction = math.copysign(1.0, before if before != 0.0 else free)
-level = 0.0
-{friction}
-bite = 2.0 * level * inverse
-after = free - direction * bite
-if after * direction < 0.0:
-    push = direction * (before - free) - bite
-    after = -direction * push * (1.0 - direction * before / (push + 2.0 * bite)) if push > 0.0 else 0.0
-{advance}
-current = {current}
-angle += 0.5 * step_s * (before + after)
-speed = after
-disturbance *= fading
-"""
-
-_STEPPING = """
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def step_many(values_of_all, active_of_all, state, commands, modes, supply_v, elapsed_s, step_s):
-    disturbance = 0.0
-    fading = 0.0
-    for i in range(values_of_all.shape[0]):
-        values = values_of_all[i]
-        active = active_of_all[i]
-{unpack}
-        inertia = base__inertia
-        momentum = 2.0 * inertia / step_s
-        held = commands[i]
-        mode = modes[i]
-        angle = state[i, 0]
-        speed = state[i, 1]
-        current = state[i, 2]
-{load}
-{step}
-        state[i, 0] = angle
-        state[i, 1] = speed
-        state[i, 2] = current
-{store}
-"""
+_HELD = (
+    "load_torque -= grasp",
+    "damping += grip",
+    "inverse = 1.0 / (momentum + coupling + damping)",
+    "free = (",
+    "    (momentum - coupling - damping) * before",
+    "    + 2.0 * (force + load_torque + inertia * disturbance)",
+    ") * inverse",
+    "level = 0.0",
+)
 
 _FEWEST_GROUPED = 3  # lines of one stage that are worth a flag of their own
 
 TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
-"""Columns of a kernel's trace, one row a sample, after the sample's correction."""
+"""Columns of a kernel's trace, one row a sample, after its correction; angle and speed as the encoder shows them."""
 
 
 def source(plan: Layout) -> str:
     """The kernel's source text for `plan`."""
     step = _step(plan)
     states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
-    running = _FRAME.format(
+    running = FRAME.format(
         kind=plan.base.kind,
         frame=plan.frame,
         imports="\n".join(_imports(plan)),
         unpack=_indent(_unpack(plan), 4),
         delay=_indent(_stage(plan, "delay"), 4),
+        pace=_indent(_stage(plan, "pace"), 4),
+        lag=_indent(_stage(plan, "lag"), 8),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
         states_restart=_indent(_restart(plan), 12),
         step=_indent(iter(step), 16),
+        settling=SETTLING,
+        settle=_indent(_stage(plan, "reading"), 20),
+        reading=_indent(_stage(plan, "reading"), 12),
         outlier=_indent(_stage(plan, "outlier"), 16),
     )
-    stepping = _STEPPING.format(
+    stepping = STEPPING.format(
         unpack=_indent(_unpack(plan), 8),
         load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
         step=_indent(iter(step), 8),
+        reading=_indent(_stage(plan, "reading"), 8),
         store=_indent((f"state[i, {3 + n}] = {state}" for n, state in enumerate(states)), 8),
     )
     return running + stepping
@@ -225,8 +76,10 @@ def _step(plan: Layout) -> list[str]:
     symbols = [parameter.symbol for parameter in plan.base.parameters]
     settle = plan.base.current_after
     current = _call(plan, "_current_after", settle) if settle else "0.0"
-    return _STEP.format(
+    return STEP.format(
         duty="\n".join(_stage(plan, "duty")),
+        supply="\n".join(_stage(plan, "supply")),
+        inertia=_indent(_stage(plan, "inertia"), 4),
         resistance="base__resistance" if "resistance" in symbols else "0.0",
         resistance_terms="\n".join(_stage(plan, "resistance")),
         inductance="\n".join(_stage(plan, "inductance")),
@@ -236,7 +89,9 @@ def _step(plan: Layout) -> list[str]:
         damping="\n".join(_stage(plan, "damping")),
         torque="\n".join(_stage(plan, "torque")),
         friction="\n".join(_stage(plan, "friction")),
+        hold="\n".join(_stage(plan, "hold")),
         advance="\n".join(_stage(plan, "advance")),
+        stop="\n".join(_stage(plan, "stop")),
         current=current,
     ).splitlines()
 
@@ -302,7 +157,8 @@ def _unpack(plan: Layout) -> Iterator[str]:
 def _restart(plan: Layout) -> Iterator[str]:
     for effect in plan.effects:
         for state in effect.states:
-            yield f"{effect.id}__{state} = {'speed' if state in effect.moving else '0.0'}"
+            if state not in effect.lasting:
+                yield f"{effect.id}__{state} = {'speed' if state in effect.moving else '0.0'}"
 
 
 def _call(plan: Layout, name: str, function: Callable[..., object]) -> str:
@@ -327,30 +183,38 @@ def _stage(plan: Layout, stage: Stage) -> Iterator[str]:
 
 def _guarded(call: Call, stage: Stage) -> Iterator[str]:
     yield f"if with_{call.effect.id}:"
-    yield f"    {_statement(call, stage)}"
-    if stage == "outlier":
-        yield f"    share -= {call.effect.id}__{call.effect.parameters[0].symbol}"
+    for line in _statements(call, stage):
+        yield f"    {line}"
 
 
-def _statement(call: Call, stage: Stage) -> str:
+def _statements(call: Call, stage: Stage) -> Iterator[str]:
     effect = call.effect
     own = {parameter.symbol for parameter in effect.parameters} | set(effect.states)
-    rename = {"angle": "mid_angle", "predicted": "predicted_reading", "reading_std": "std"}
+    rename = {"predicted": "predicted_reading", "reading_std": "std"}
+    if stage in _MIDWAY:
+        rename["angle"] = "mid_angle"
     arguments = ", ".join(f"{effect.id}__{a}" if a in own else rename.get(a, a) for a in call.arguments)
     value = f"_{effect.id}_{stage}({arguments})"
-    match stage:
-        case "duty" | "limit":
-            return f"{stage} = {value}"
-        case "friction":
-            return f"level = {value}"
-        case "torque":
-            return f"load_torque += {value}"
-        case "delay":
-            return f"delay_s += {value}"
-        case "advance":
-            return f"{', '.join(f'{effect.id}__{state}' for state in effect.states)} = {value}"
+    match STAGES[stage].combine:
+        case "replace":
+            yield f"{STAGES[stage].quantity} = {value}"
+        case "states":
+            yield f"{', '.join(f'{effect.id}__{state}' for state in effect.states)} = {value}"
+        case "take":
+            yield f"{STAGES[stage].quantity} -= {value}"
+        case "motion":
+            yield f"angle, speed = {value}"
+        case "shift":
+            yield f"moved, quickened = {value}"
+            yield "shift += moved"
+            yield "speed_shift += quickened"
+        case "hold":
+            yield f"grasp, grip = {value}"
+            yield from _HELD
         case _:
-            return f"{stage} += {value}"
+            yield f"{STAGES[stage].quantity} += {value}"
+    if stage == "outlier":
+        yield f"share -= {effect.id}__{effect.parameters[0].symbol}"
 
 
 def _indent(lines: Iterator[str], width: int) -> str:

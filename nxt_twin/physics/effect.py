@@ -24,7 +24,11 @@ Regime = Literal[
 
 Stage = Literal[
     "delay",
+    "pace",
+    "lag",
     "duty",
+    "supply",
+    "inertia",
     "resistance",
     "inductance",
     "drop",
@@ -32,7 +36,10 @@ Stage = Literal[
     "torque",
     "damping",
     "friction",
+    "hold",
     "advance",
+    "stop",
+    "reading",
     "outlier",
 ]
 """Where in a step a term acts; `stages.STAGES` says how its value is used."""
@@ -50,14 +57,17 @@ class Effect:
     Attributes:
         id: the contract's name (contract 5).
         name: the field's standard name.
-        equation: the law in plain text, with its source.
+        equation: the law in plain text.
         equation_of: which equation of the plant it stands in.
         shows: regimes in which it shows.
-        confusable_with: ids of effects that look alike, with the input that tells them apart.
+        source: where the law is from.
+        confusable_with: ids of effects that look alike, with the input that tells them apart. One side declares
+            it; the library gives it to both.
         parameters: what is fitted. The first is the main one.
         terms: the law as functions, by stage.
         states: names of the extra states, zero at a restart.
         moving: those of them that are speeds and start with the plant's own.
+        lasting: those of them that a restart leaves as they are.
         frames: kinds of plant that can have it.
         supersedes: ids of effects whose parameters this one replaces while it is in the plant.
         inputs: kinds of input with which it makes sense; empty is all.
@@ -73,8 +83,10 @@ class Effect:
     parameters: tuple[Parameter, ...]
     terms: Mapping[Stage, Term]
     confusable_with: Mapping[str, str] = field(default_factory=dict)
+    source: str = ""
     states: tuple[str, ...] = ()
     moving: tuple[str, ...] = ()
+    lasting: tuple[str, ...] = ()
     frames: tuple[Frame, ...] = FRAMES
     supersedes: tuple[str, ...] = ()
     inputs: tuple[InputKind, ...] = ()

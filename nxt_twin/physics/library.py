@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import entry_points
 
@@ -29,4 +31,14 @@ def library() -> dict[str, Effect]:
         if effect.id in effects:
             raise PlantError(f"the effect id {effect.id} is taken", where=f"entry point {point.name}")
         effects[effect.id] = effect
-    return effects
+    return {effect.id: _mutual(effect, effects) for effect in effects.values()}
+
+
+def _mutual(effect: Effect, effects: Mapping[str, Effect]) -> Effect:
+    """The effect with the confusions that others declare with it."""
+    others = {
+        other.id: other.confusable_with[effect.id]
+        for other in effects.values()
+        if effect.id in other.confusable_with
+    }
+    return replace(effect, confusable_with={**others, **effect.confusable_with})

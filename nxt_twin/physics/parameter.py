@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
 
 Frame = Literal["motor", "rotary", "linear"]
 """What kind of plant carries the parameter: an NXT-like motor, another rotary plant, or a linear one."""
@@ -37,10 +41,11 @@ DRAG = Dimension(torque=1.0, speed=-2.0)
 @final
 @dataclass(frozen=True)
 class Scale:
-    """The torque (N·m or N) and speed (rad/s or m/s) that are ordinary for a plant."""
+    """The torque (N·m or N) and speed (rad/s or m/s) that are ordinary for a plant, and what was recorded of it."""
 
     torque: float
     speed: float
+    recordings: tuple[Signals, ...] = field(default=(), compare=False, repr=False)
 
 
 NXT_SCALE = Scale(torque=0.3, speed=10.0)
@@ -65,6 +70,7 @@ class Parameter:
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
+        hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
     """
 
     name: str
@@ -80,6 +86,7 @@ class Parameter:
     frozen: bool = False
     tied_to: str | None = None
     elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
+    hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
 
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""
@@ -102,9 +109,10 @@ class Parameter:
         """The same parameter with starts and bounds carried from NXT scale to `scale`."""
         factor = (scale.torque / NXT_SCALE.torque) ** self.dimension.torque
         factor *= (scale.speed / NXT_SCALE.speed) ** self.dimension.speed
+        hinted = self.hints(scale.recordings) if self.hints and scale.recordings else ()
         return replace(
             self,
-            starts=tuple(start * factor for start in self.starts),
+            starts=tuple(value / self.si for value in hinted) or tuple(x * factor for x in self.starts),
             lower=self.lower * factor,
             upper=self.upper * factor,
         )

@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, final
 
 import numpy as np
 
+from nxt_twin.physics.assemble import SETTLING
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job
-from nxt_twin.physics.terms import calls
+from nxt_twin.physics.terms import Call, calls
 from nxt_twin.recording.recording import FloatArray
 
 _Scope = dict[str, float]
@@ -24,33 +25,35 @@ _Scope = dict[str, float]
 
 def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     """What `Simulator.run` gives for one plant: `predicted`, `weight` and `cost`, each of shape (samples,)."""
-    axis = _Axis(plant)
     signals = job.signals
-    delay_s = axis.formed("delay", {}, 0.0)
-    time_s = float(signals.time_s[0])
-    commands = signals.command_time_s + delay_s
+    axis = _Axis(plant, home=float(job.start.position[0]), session_s=signals.session_s)
+    began_s = float(signals.time_s[0])
+    commands = signals.command_time_s + axis.formed("delay", {}, 0.0)
+    pace = 1.0 + axis.formed("pace", {}, 0.0)
+    taken_s = [t - axis.formed("lag", {"stamp_s": t - began_s}, 0.0) for t in signals.time_s.tolist()]
+    time_s = taken_s[0]
     rows = signals.time_s.size
     found = {name: np.zeros(rows) for name in ("predicted", "weight", "cost")}
     last_reading = 0.0
     for k in range(rows):
-        edges = commands[(commands > time_s) & (commands < signals.time_s[k])]
-        for stop in [*np.unique(edges), float(signals.time_s[k])]:
+        edges = commands[(commands > time_s) & (commands < taken_s[k])]
+        for stop in [*np.unique(edges).tolist(), taken_s[k]]:
             held = int(np.searchsorted(commands, time_s, side="right")) - 1
             pieces = max(1, math.ceil((stop - time_s) / job.step_s - 1e-9))
             for piece in range(pieces if stop > time_s else 0):
-                step_s = (stop - time_s) / pieces
+                piece_s = (stop - time_s) / pieces
                 axis.step(
                     command=float(signals.command[held]) if held >= 0 else 0.0,
                     mode=int(signals.command_mode[max(held, 0)]),
                     supply_v=float(signals.command_supply_v[max(held, 0)]),
-                    elapsed_s=time_s + piece * step_s - float(signals.time_s[0]),
-                    step_s=step_s,
-                    fading=math.exp(-step_s / job.disturbance_time_s),
+                    elapsed_s=time_s + piece * piece_s - began_s,
+                    step_s=piece_s / pace,
+                    fading=math.exp(-piece_s / pace / job.disturbance_time_s),
                 )
-            time_s = float(stop)
+            time_s = max(time_s, stop)
         if job.start.at[k]:
             axis.restart(float(job.start.position[k]), float(job.start.speed[k]))
-            last_reading = axis.reading(is_speed=signals.is_speed)
+            last_reading = float((job.start.speed if signals.is_speed else job.start.position)[k])
         predicted = found["predicted"][k] = axis.reading(is_speed=signals.is_speed)
         reading = float(signals.measured[k])
         if math.isnan(reading) or job.start.at[k]:
@@ -67,23 +70,33 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
 class _Axis:
     """The state of one axis, stepped term by term."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: Plant, home: float, session_s: float) -> None:
         self._plant = plant
+        self._home, self._session_s = home, session_s
         self._base = {s.symbol: v for s, v in plant.values.items() if s.owner == BASE_OWNER}
-        self._states: dict[str, _Scope] = {}
+        self._states: dict[str, _Scope] = {e.id: dict.fromkeys(e.states, 0.0) for e in plant.effects}
         self._angle = self._speed = self._current = self._disturbance = 0.0
-        self.restart(0.0, 0.0)
 
     def restart(self, angle: float, speed: float) -> None:
-        self._angle, self._speed = angle, speed
+        """Start anew where the encoder shows this angle and speed."""
         self._current = self._disturbance = 0.0
-        self._states = {
-            effect.id: {state: speed if state in effect.moving else 0.0 for state in effect.states}
-            for effect in self._plant.effects
-        }
+        for effect in self._plant.effects:
+            for state in effect.states:
+                if state not in effect.lasting:
+                    self._states[effect.id][state] = speed if state in effect.moving else 0.0
+        self._angle, self._speed = angle, speed
+        for _ in range(SETTLING):
+            shift, speed_shift = self._shifts()
+            self._angle, self._speed = angle - shift, speed - speed_shift
 
     def reading(self, *, is_speed: bool) -> float:
-        return self._speed if is_speed else self._angle
+        shift, speed_shift = self._shifts()
+        return self._speed + speed_shift if is_speed else self._angle + shift
+
+    def _shifts(self) -> tuple[float, float]:
+        scope = {"angle": self._angle, "speed": self._speed}
+        pairs = list(self._values("reading", scope))
+        return sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
 
     def correct(self, change: FloatArray) -> None:
         self._angle += float(change[0])
@@ -109,46 +122,47 @@ class _Axis:
         total = fresh + self.formed("outlier", scope, 0.0) + 1e-300
         return fresh / total, -math.log(total)
 
-    def formed(self, stage: Stage, scope: Mapping[str, float], start: float, *, chained: str = "") -> float:
-        """The value that the active terms of `stage` form: a sum, or handed through each under `chained`."""
+    def formed(self, stage: Stage, scope: Mapping[str, float], start: float) -> float:
+        """The sum of the active terms of `stage` and `start`."""
+        return start + sum(float(value) for value in self._values(stage, scope))
+
+    def chained(self, stage: Stage, scope: Mapping[str, float], name: str, start: float) -> float:
+        """`start`, handed as `name` through each active term of `stage`."""
         value = start
-        for call in calls(self._plant.layout, stage):
-            if call.effect.id not in self._plant.active:
-                continue
-            handed = {**scope, chained: value} if chained else scope
-            result = call.term(*self._arguments(call.effect.id, call.arguments, handed))
-            value = float(result) if chained else value + float(result)  # type: ignore[arg-type]
+        for call in self._calls(stage):
+            value = float(self._value(call, {**scope, name: value}))
         return value
 
     def step(
         self, command: float, mode: int, supply_v: float, elapsed_s: float, step_s: float, fading: float
     ) -> None:
-        before, inertia = self._speed, self._base["inertia"]
+        before = self._speed
         scope: _Scope = {"elapsed_s": elapsed_s, "speed": before, "current": self._current, "step_s": step_s}
-        scope["duty"] = self.formed("duty", {**scope, "duty": command}, command, chained="duty")
-        drive: _Scope = {**self._base, **scope, "mode": mode, "supply_v": supply_v}
-        drive["resistance"] = self.formed("resistance", scope, self._base.get("resistance", 0.0))
+        scope["session_s"] = self._session_s
+        scope["duty"] = self.chained("duty", scope, "duty", command)
+        inertia = scope["inertia"] = self.formed("inertia", scope, self._base["inertia"])
+        drive: _Scope = {**self._base, **scope, "mode": mode}
+        drive["supply_v"] = self.chained("supply", scope, "supply_v", supply_v)
+        resistance = self._base.get("resistance", 0.0)
+        for call in self._calls("resistance"):
+            resistance += float(self._value(call, {**scope, "resistance": resistance}))
+        drive["resistance"] = scope["resistance"] = resistance
         drive["inductance"] = self.formed("inductance", scope, 0.0)
         drive["drop"] = self.formed("drop", scope, 0.0)
-        drive["limit"] = self.formed("limit", scope, math.inf, chained="limit")
+        drive["limit"] = self.chained("limit", scope, "limit", math.inf)
         force, coupling = _call(self._plant.layout.base.drive, drive)
-        scope |= {"angle": self._angle + 0.5 * step_s * before, "inertia": inertia}
+        scope |= {"angle": self._angle + 0.5 * step_s * before, "drive_torque": force - coupling * before}
         damping = coupling + self.formed("damping", scope, 0.0)
-        load = self.formed("torque", scope, 0.0)
+        load = scope["load_torque"] = self.formed("torque", scope, 0.0)
         pull = force + load + inertia * self._disturbance
         free = ((2 * inertia / step_s - damping) * before + 2 * pull) / (2 * inertia / step_s + damping)
-        scope |= {
-            "direction": math.copysign(1.0, before if before != 0.0 else free),
-            "drive_torque": force - coupling * before,
-            "load_torque": load,
-        }
-        level = self.formed("friction", scope, 0.0, chained="level")
-        bite = 2.0 * level / (2 * inertia / step_s + damping)
-        after = free - scope["direction"] * bite
-        if after * scope["direction"] < 0.0:  # it comes to rest within the step, and may then turn back
-            push = scope["direction"] * (before - free) - bite
-            reached = scope["direction"] * before / (push + 2.0 * bite) if push > 0.0 else 1.0
-            after = -scope["direction"] * push * (1.0 - reached) if push > 0.0 else 0.0
+        direction = scope["direction"] = math.copysign(1.0, before if before != 0.0 else free)
+        level = self.chained("friction", scope, "level", 0.0)
+        for call in self._calls("hold"):
+            grasp, grip = self._value(call, {**scope, "level": level})
+            pull, damping, level = pull - grasp, damping + grip, 0.0
+            free = ((2 * inertia / step_s - damping) * before + 2 * pull) / (2 * inertia / step_s + damping)
+        after = _braked(before, free, direction, 2.0 * level / (2 * inertia / step_s + damping))
         self._advance({**scope, "before": before, "after": after})
         settle = self._plant.layout.base.current_after
         if settle:
@@ -156,14 +170,25 @@ class _Axis:
             self._current = _call(settle, {**drive, **ends})
         self._angle += 0.5 * step_s * (before + after)
         self._speed = after
+        for call in self._calls("stop"):
+            scope = {"angle": self._angle, "speed": self._speed, "home": self._home}
+            self._angle, self._speed = self._value(call, scope)
         self._disturbance *= fading
 
     def _advance(self, scope: _Scope) -> None:
-        for call in calls(self._plant.layout, "advance"):
-            effect = call.effect
-            if effect.id in self._plant.active:
-                values = call.term(*self._arguments(effect.id, call.arguments, scope))
-                self._states[effect.id] = dict(zip(effect.states, values, strict=True))  # type: ignore[arg-type]
+        for call in self._calls("advance"):
+            values = self._value(call, scope)
+            values = values if len(call.effect.states) > 1 else (values,)
+            self._states[call.effect.id] = dict(zip(call.effect.states, values, strict=True))
+
+    def _values(self, stage: Stage, scope: Mapping[str, float]) -> Iterator[Any]:
+        return (self._value(call, scope) for call in self._calls(stage))
+
+    def _calls(self, stage: Stage) -> Iterator[Call]:
+        return (c for c in calls(self._plant.layout, stage) if c.effect.id in self._plant.active)
+
+    def _value(self, call: Call, scope: Mapping[str, float]) -> Any:  # noqa: ANN401  # as the term
+        return call.term(*self._arguments(call.effect.id, call.arguments, scope))
 
     def _arguments(self, owner: str, names: tuple[str, ...], scope: Mapping[str, float]) -> list[float]:
         states = self._states.get(owner, {})
@@ -171,6 +196,16 @@ class _Axis:
         return [
             own[name] if name in own else states[name] if name in states else scope[name] for name in names
         ]
+
+
+def _braked(before: float, free: float, direction: float, bite: float) -> float:
+    """The speed after a step whose dry friction takes `bite` of it; it may come to rest within, and turn back."""
+    after = free - direction * bite
+    if after * direction >= 0.0:
+        return after
+    push = direction * (before - free) - bite
+    reached = direction * before / (push + 2.0 * bite) if push > 0.0 else 1.0
+    return -direction * push * (1.0 - reached) if push > 0.0 else 0.0
 
 
 def _call(function: Callable[..., Any], scope: Mapping[str, float]) -> Any:  # noqa: ANN401  # as the function

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -36,6 +37,7 @@ class Signals:
         measured: readings in rad or m, or per second; NaN where a row has none, shape (samples,).
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
+        session_s: when the recording began, counted from the beginning of the first one of its session.
     """
 
     name: str
@@ -49,28 +51,24 @@ class Signals:
     measured: FloatArray
     is_speed: bool
     quantum: float
+    session_s: float = 0.0
 
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""
-        return Signals(
-            self.name,
-            self.channel,
-            self.input_kind,
-            self.command_time_s,
-            self.command,
-            self.command_mode,
-            self.command_supply_v,
-            self.time_s[rows],
-            self.measured[rows],
-            self.is_speed,
-            self.quantum,
-        )
+        return replace(self, time_s=self.time_s[rows], measured=self.measured[rows])
 
     def command_at_samples(self) -> FloatArray:
         """The command in force just before each reading, shape (samples,)."""
         before = np.searchsorted(self.command_time_s, self.time_s, side="left") - 1
         held: FloatArray = np.where(before >= 0, self.command[np.maximum(before, 0)], 0.0)
         return held
+
+
+def in_session(recordings: Sequence[Signals]) -> list[Signals]:
+    """The same recordings as one session, end to end in their order."""
+    length_s = [float(signals.time_s[-1] - signals.time_s[0]) for signals in recordings]
+    began_s = np.concatenate([[0.0], np.cumsum(length_s)])
+    return [replace(signals, session_s=float(at)) for signals, at in zip(recordings, began_s, strict=False)]
 
 
 def signals_of(recording: Recording, port: str | None) -> Signals:

@@ -131,6 +131,7 @@ class Simulator:
             start.speed,
             1.0 / job.disturbance_time_s,
             signals.is_speed,
+            signals.session_s,
             result.predicted,
             result.weight,
             result.cost,

@@ -15,7 +15,7 @@ from typing import Literal, final
 
 from nxt_twin.physics.effect import Stage
 
-Combine = Literal["add", "replace", "states", "density"]
+Combine = Literal["add", "take", "replace", "states", "density", "hold", "motion", "shift"]
 
 
 @final
@@ -24,8 +24,10 @@ class StageRule:
     """How a stage works.
 
     Attributes:
-        combine: `add` sums the terms' values; `replace` hands the quantity through each term in turn;
-            `states` gives the effect's new states; `density` sums probability densities.
+        combine: `add` sums the terms' values; `take` subtracts them; `replace` hands the quantity through each
+            term in turn; `states` gives the effect's new states; `density` sums probability densities;
+            `hold` gives a torque that opposes the motion and its growth with the step's mean speed, in the place
+            of clipped friction; `motion` gives angle and speed anew; `shift` sums pairs, for angle and speed.
         quantity: the local that the stage forms; a `replace` term takes it as argument.
         reads: names of quantities that a term may take as arguments, all SI.
     """
@@ -37,21 +39,30 @@ class StageRule:
 
 _DRIVE = ("duty", "elapsed_s", "speed", "current")
 _MOTION = ("angle", "speed", "step_s", "elapsed_s", "inertia", "duty", "current")
+_FRICTION = ("level", "direction", "drive_torque", "load_torque", *_MOTION)
 
 STAGES: dict[Stage, StageRule] = {
     "delay": StageRule("add", "delay_s", ()),
+    "pace": StageRule("add", "pace", ()),
+    "lag": StageRule("take", "target", ("stamp_s",)),
     "duty": StageRule("replace", "duty", ("duty", "elapsed_s")),
-    "resistance": StageRule("add", "resistance", _DRIVE),
+    "supply": StageRule("replace", "supply_v", ("supply_v", "elapsed_s")),
+    "inertia": StageRule("add", "inertia", ("elapsed_s", "session_s", "step_s")),
+    "resistance": StageRule("add", "resistance", ("resistance", *_DRIVE)),
     "inductance": StageRule("add", "inductance", _DRIVE),
     "drop": StageRule("add", "drop", _DRIVE),
     "limit": StageRule("replace", "limit", ("limit", *_DRIVE)),
     "damping": StageRule("add", "damping", _MOTION),
     "torque": StageRule("add", "load_torque", _MOTION),
-    "friction": StageRule(
-        "replace", "level", ("level", "direction", "drive_torque", "load_torque", *_MOTION)
-    ),
-    "advance": StageRule("states", "", ("before", "after", *_MOTION)),
+    "friction": StageRule("replace", "level", _FRICTION),
+    "hold": StageRule("hold", "", _FRICTION),
+    "advance": StageRule("states", "", ("before", "after", "resistance", *_MOTION)),
+    "stop": StageRule("motion", "", ("angle", "speed", "home")),
+    "reading": StageRule("shift", "", ("angle", "speed")),
     "outlier": StageRule("density", "outlier", ("reading", "predicted", "last_reading", "reading_std")),
 }
-"""`angle` is that of the middle of the step, `speed` that of its beginning. Friction `level` is the torque at which
-dry friction holds or brakes; `direction` is the sign of the motion it opposes. `limit` bounds the current."""
+"""`angle` is that of the middle of the step (of its end in `stop` and `reading`), `speed` that of its beginning.
+Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion it
+opposes. `limit` bounds the current. `pace` is how fast the stamps' clock runs, `lag` how late a reading's stamp is,
+`stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in the
+session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off."""

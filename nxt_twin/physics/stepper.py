@@ -55,6 +55,13 @@ class Stepper:
         return self._state[:, _SPEED]
 
     @property
+    def shown(self) -> FloatArray:
+        """Angles as the encoders show them, rad, shape (plants,)."""
+        shown = np.empty((self._state.shape[0], 2))
+        self._kernel.read_many(self._values, self._active, self._state, shown)
+        return shown[:, 0]
+
+    @property
     def current(self) -> FloatArray:
         """Winding currents, A, shape (plants,)."""
         return self._state[:, _CURRENT]

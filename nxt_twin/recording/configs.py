@@ -11,6 +11,7 @@ from nxt_twin.recording.yaml_file import read_yaml
 
 _PACKAGE = Path(__file__).parents[1]
 _YAML_SUFFIXES = (".yaml", ".yml")
+_FOLDERS = ("plants", "sensors")
 
 
 def configs_dir() -> Path:
@@ -23,20 +24,20 @@ def load_plant_config(name_or_path: str | Path) -> dict[str, Any]:
     """Read a plant configuration as it stands in its file, unchecked.
 
     Args:
-        name_or_path: a path, or the name of one of the tool's own plants such as `nxt_motor`. A file may
-            hold the plant's keys at the top or under `plant:`.
+        name_or_path: a path, or the name of one of the tool's own plants such as `nxt_motor`, or of its
+            sensors such as `nxt_ultrasonic`. A file may hold the plant's keys at the top or under `plant:`.
 
     Raises:
         PlantError: if there is no such plant or its file is no YAML.
     """
     path = Path(name_or_path)
     if path.suffix.lower() not in _YAML_SUFFIXES:
-        folder = configs_dir() / "plants"
-        path = folder / f"{name_or_path}.yaml"
-        known = [plant.stem for plant in sorted(folder.glob("*.yaml"))]
+        files = [file for folder in _FOLDERS for file in sorted((configs_dir() / folder).glob("*.yaml"))]
+        known = {file.stem: file for file in files}
         if str(name_or_path) not in known:
             mend = f"nearest known: {nearest(str(name_or_path), known)}; or name a .yaml file"
             raise PlantError(f"there is no plant named {quoted(str(name_or_path))}", mend=mend)
+        path = known[str(name_or_path)]
     config = read_yaml(path, PlantError)
     inner = config.get("plant")
     return inner if isinstance(inner, dict) else config

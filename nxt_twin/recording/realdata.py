@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import shutil
 from collections.abc import Callable, Mapping
@@ -67,7 +68,7 @@ def prepare_case(name: str, data: Path, out: Path) -> Path:
     """Make the case folder `out/name` of a data set; files already there are written anew.
 
     Args:
-        name: `emps`, `ev3-large` or `nxt-step`.
+        name: `emps`, `ev3-large`, `nxt-step` or `nxt-ultrasonic`.
         data: the data root, as from `data_root`.
         out: the folder to make it in.
 
@@ -126,6 +127,19 @@ def _write_ev3(path: Path, time_s: FloatArray, power_pct: FloatArray, tacho_deg:
     write_recording(Recording(path.name, columns), path)
 
 
+def _fill_ultrasonic(source: Path, folder: Path) -> None:
+    """Stamps and whole centimetres; the other columns were derived from them. Its header is Latin-1."""
+    path = _existing(source / "sepTest.csv")
+    _, *rows = csv.reader(path.read_text(encoding="latin-1").splitlines())
+    try:
+        time_s, distance_cm = np.array([[float(cell) for cell in row[:2]] for row in rows]).T
+    except ValueError:
+        what = "has not the two columns time and distance"
+        raise RecordingError(what, where=str(path), mend=_ADVICE) from None
+    columns = {"time_s": time_s, "s4_ultrasonic_cm": distance_cm}
+    write_recording(Recording(path.name, columns), folder / path.name)
+
+
 def _existing(path: Path) -> Path:
     if not path.is_file():
         raise MissingDataError("there is no such file", where=str(path), mend=_ADVICE)
@@ -139,5 +153,6 @@ DATA_SETS: Mapping[str, DataSet] = MappingProxyType(
         "nxt-step": DataSet(
             Path("nxt-motor-step-ari"), _copy("motor_data_identifikace.txt"), has_mapping=True
         ),
+        "nxt-ultrasonic": DataSet(Path("nxt-ultrasonic"), _fill_ultrasonic, has_mapping=False),
     }
 )

@@ -16,6 +16,7 @@ from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.leftover_plot import leftover_figure
 from nxt_twin.view.run_plot import run_figure
+from nxt_twin.view.sensor_plot import is_of_sensor, sensor_figure
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.telling import most_telling
 from nxt_twin.view.traces import picture_of
@@ -32,6 +33,7 @@ class _DrawnRun:
 
     run: HeldOutRun
     svg: str
+    of_sensor: bool
     shaded: bool
     stale_count: int
 
@@ -122,8 +124,11 @@ def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
     label = (
         f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"
     )
-    svg = inline_svg(run_figure(picture), f"run{number}", label)
-    return _DrawnRun(run, svg, bool(picture.spells), int(np.count_nonzero(run.stale > 0.5)))
+    of_sensor = is_of_sensor(run)
+    figure = sensor_figure(picture) if of_sensor else run_figure(picture)
+    svg = inline_svg(figure, f"run{number}", label)
+    shaded = bool(picture.spells) and not of_sensor
+    return _DrawnRun(run, svg, of_sensor, shaded, int(np.count_nonzero(run.stale > 0.5)))
 
 
 def _draw_leftover(diagnosis: Diagnosis) -> str:

@@ -9,6 +9,7 @@ import os
 import socket
 import subprocess
 import sys
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -16,9 +17,10 @@ import serial
 from brick_fakes import ScriptedLink, VirtualClock
 
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.errors import LinkRefusedError, LinkTimeoutError, LinkUrlError, Refusal
+from nxt_twin.brick.errors import LinkLostError, LinkRefusedError, LinkTimeoutError, LinkUrlError, Refusal
 from nxt_twin.brick.links.bluetooth import open_bluetooth
 from nxt_twin.brick.links.serial_port import open_serial
+from nxt_twin.brick.links.sockets import SocketStream
 from nxt_twin.brick.open import open_brick, open_link
 from nxt_twin.brick.url import host_and_port
 
@@ -117,8 +119,11 @@ class FakeBluetooth:
             raise OSError(self._connected, os.strerror(self._connected))
         self.target = target
 
-    def sendall(self, data: bytes) -> None:
-        self.near.sendall(data)
+    def send(self, data: bytes) -> int:
+        return self.near.send(data)
+
+    def recv(self, size: int) -> bytes:
+        return self.near.recv(size)
 
     def close(self) -> None:
         self.closed += 1
@@ -211,3 +216,34 @@ def test_a_terminal_that_nobody_reads_takes_no_more_and_does_not_hang(monkeypatc
     finally:
         os.close(device)
         os.close(controller)
+
+
+def test_a_peer_that_reads_nothing_stalls_a_socket_no_longer_than_its_timeout(monkeypatch):
+    monkeypatch.setattr("nxt_twin.brick.links.sockets._WRITE_TIMEOUT_S", 0.01)
+    near, far = socket.socketpair()
+    stream = SocketStream(near, "pair")
+    with far, pytest.raises(LinkTimeoutError, match="no more bytes"):
+        stream.write(bytes(1 << 22))
+    stream.close()
+
+
+def test_what_fits_a_socket_only_in_parts_arrives_whole():
+    near, far = socket.socketpair()
+    stream = SocketStream(near, "pair")
+    data = bytes(range(256)) * (1 << 12)
+    got = bytearray()
+
+    def take() -> None:
+        while len(got) < len(data):
+            got.extend(far.recv(1 << 16))
+
+    reader = threading.Thread(target=take)
+    reader.start()
+    stream.write(data)
+    reader.join()
+    assert bytes(got) == data
+    assert stream.read(0.0) == b""
+    far.close()
+    with pytest.raises(LinkLostError, match="closed it"):
+        stream.read(1.0)
+    stream.close()

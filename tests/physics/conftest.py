@@ -16,3 +16,9 @@ def motor_simulator():
 def rotary_simulator():
     with Simulator(layout("rigid_body", "rotary"), workers=1) as simulator:
         yield simulator
+
+
+@pytest.fixture(scope="session")
+def linear_simulator():
+    with Simulator(layout("rigid_body", "linear"), workers=1) as simulator:
+        yield simulator

@@ -1,12 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from physics_samples import NXT, job_with_readings, rotary_plant, signals
+from physics_samples import NXT, job_with_readings, signals
 
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.reference import predict
 from nxt_twin.physics.simulate import Simulator, free_job
-from nxt_twin.physics.start import at_rest
+from nxt_twin.physics.start import at_rest, restarts
 from nxt_twin.physics.stepper import Stepper
 
 MOTOR = layout("dc_motor", "motor")
@@ -38,11 +40,36 @@ def test_compiled_kernel_agrees_with_plain_python_when_corrected(motor_simulator
         np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-8, atol=1e-8)
 
 
-def test_a_plant_on_a_known_torque_agrees_with_plain_python(rotary_simulator):
-    plant = rotary_plant()
-    run = signals(seconds=2.0, kind="torque_nm", size=0.1)
+def body(kind, effect_id):
+    """A body with friction on a known torque or force, with one effect at NXT scale."""
+    config = {"kind": "rigid_body", "inertia": 2e-3, "viscous_friction": 5e-3, "coulomb_friction": 0.02}
+    plant = plant_from_config(config, kind)
+    if effect_id == "none":
+        return plant
+    parameters = [p.in_frame(plant.layout.frame) for p in plant.layout.effect(effect_id).parameters]
+    return plant.with_effect(effect_id, {p.symbol: p.starts[0] * p.si for p in parameters})
+
+
+def nested(frame):
+    return ["none", *(e.id for e in layout("rigid_body", frame).effects if not e.plain)]
+
+
+@pytest.mark.parametrize("effect_id", nested("rotary"))
+def test_a_plant_on_a_known_torque_agrees_with_plain_python(rotary_simulator, effect_id):
+    plant = body("torque_nm", effect_id)
+    run = signals(seconds=1.0, kind="torque_nm", size=0.1)
     job = free_job(run, at_rest(run))
     compiled = rotary_simulator.trace(plant, job)["predicted"]
+    np.testing.assert_allclose(compiled, predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("effect_id", nested("linear"))
+def test_a_plant_on_a_known_force_read_as_speed_agrees_with_plain_python(linear_simulator, effect_id):
+    plant = body("force_n", effect_id)
+    run = replace(signals(seconds=1.0, kind="force_n", size=0.1), is_speed=True)
+    start = restarts(replace(run, measured=np.zeros(run.time_s.size)), 0.4)
+    job = free_job(run, start)
+    compiled = linear_simulator.trace(plant, job)["predicted"]
     np.testing.assert_allclose(compiled, predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
 
 
@@ -57,16 +84,25 @@ def test_a_batch_on_several_threads_gives_what_its_members_give_alone(motor_simu
         np.testing.assert_array_equal(predicted, motor_simulator.trace(plant, job)["predicted"])
 
 
-def test_stepping_from_outside_is_the_same_motion(motor_simulator):
-    plant = with_effect("backlash")
+STEPPED = [effect_id for effect_id in EFFECT_IDS if effect_id not in {"clock_skew", "stale_samples"}]
+
+
+@pytest.mark.parametrize("effect_id", STEPPED)
+def test_stepping_from_outside_is_the_same_motion(motor_simulator, effect_id):
+    plant = with_effect(effect_id)
     run = signals(seconds=1.0, regular=True)
-    whole = motor_simulator.trace(plant, free_job(run, at_rest(run)))["predicted"]
+    whole = motor_simulator.trace(plant, free_job(run, at_rest(run)))
     stepper = Stepper([plant, plant])
-    stepped = []
+    shift = whole["predicted"][0] - stepper.shown[0]
+    shown = []
     for t in np.arange(round(run.time_s[-1] * 1000) + 1) / 1000.0:
         if np.isclose(run.time_s, t, atol=1e-6).any():
-            stepped.append(stepper.angle.copy())
+            shown.append(stepper.shown.copy())
         held = np.searchsorted(run.command_time_s, t + 1e-6) - 1
         stepper.step(np.full(2, run.command[held]), np.zeros(2, dtype=np.int64), NXT["supply_v"], 1e-3)
-    np.testing.assert_allclose(np.array(stepped)[:, 0], whole, atol=1e-6)
-    np.testing.assert_array_equal(np.array(stepped)[:, 0], np.array(stepped)[:, 1])
+    if (
+        effect_id == "encoder_eccentricity"
+    ):  # a stepper begins at hub angle 0, a run where the encoder shows 0
+        assert shift == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(np.array(shown)[:, 0] + shift, whole["predicted"], atol=1e-6)
+    np.testing.assert_array_equal(np.array(shown)[:, 0], np.array(shown)[:, 1])

@@ -29,9 +29,9 @@ class Now(NamedTuple):
     angle: float
     speed: float
 
-    def drive(self, duty=None, resistance=R, drop=0.0):
+    def drive(self, duty=None, resistance=R, drop=0.0, supply=UB):
         """The motor's torque."""
-        volts = UB * (self.duty if duty is None else duty) - K * self.speed
+        volts = supply * (self.duty if duty is None else duty) - K * self.speed
         return K * math.copysign(max(abs(volts) - drop, 0.0), volts) / resistance
 
     def plain(self):
@@ -79,6 +79,18 @@ LAWS = {
     "gravity_load": (
         {"gravity_torque_nm": 0.05, "phase_deg": 30.0},
         lambda m: m.plain() - 0.05 * math.sin(m.angle + math.radians(30.0)),
+    ),
+    "cogging": (
+        {"cogging_torque_nm": 0.03, "cycles_per_turn": 6.0, "phase_deg": 40.0},
+        lambda m: m.plain() + 0.03 * math.cos(6.0 * m.angle + math.radians(40.0)),
+    ),
+    "angle_dependent_friction": (
+        {"binding_torque_nm": 0.06, "cycles_per_turn": 2.0, "phase_deg": 30.0, "sharpness": 3.0},
+        lambda m: m.plain() - m.sign * 0.06 * (0.5 + 0.5 * math.cos(2.0 * m.angle + math.radians(30.0))) ** 3,
+    ),
+    "battery_drain": (
+        {"drain_v_per_s": 0.5},
+        lambda m: m.drive(supply=UB - 0.5 * m.time_s) - B * m.speed - m.sign * TC,
     ),
     "spring_load": (
         {"stiffness_nm_per_rad": 2e-3, "rest_angle_deg": 90.0},

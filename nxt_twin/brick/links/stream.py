@@ -13,6 +13,10 @@ from nxt_twin.brick.errors import GarbageError, HalfTelegramError, LinkTimeoutEr
 _QUIET_S: Final = 0.05
 """A stream that was silent for so long is between two telegrams."""
 _DRAIN_READS_MAX: Final = 256
+_PREFIXES: Final = tuple(
+    size.to_bytes(LENGTH_PREFIX_SIZE, "little") for size in range(RECEIVE_BUFFER_SIZE + 1)
+)
+"""What stands before a telegram, by its length."""
 
 
 class ByteStream(Protocol):
@@ -57,6 +61,7 @@ class StreamLink:
         self._stream = stream
         self._clock = clock
         self._name = name
+        self._write, self._read = stream.write, stream.read
         self._splitter = FrameSplitter()
         self._ready: deque[bytes] = deque()
         self._out_of_step = False
@@ -65,13 +70,16 @@ class StreamLink:
         """Hand one telegram over, behind its length, in a single write; errors as with `Link`."""
         if self._out_of_step:
             self._drain()
-        self._stream.write(frame(telegram))
+        size = len(telegram)
+        self._write(_PREFIXES[size] + telegram if size < len(_PREFIXES) else frame(telegram))
 
     def receive(self, timeout_s: float) -> bytes:
         """Wait for one telegram; errors as with `Link`."""
         if not self._ready:
-            data = self._stream.read(timeout_s)
-            if _is_one_frame(data) and not self._splitter.pending:
+            data = self._read(timeout_s)
+            # Exactly one telegram behind its length, as nearly always.
+            size = len(data) - LENGTH_PREFIX_SIZE
+            if 0 < size < len(_PREFIXES) and data.startswith(_PREFIXES[size]) and not self._splitter.pending:
                 return data[LENGTH_PREFIX_SIZE:]
             self._put_together(data, timeout_s)
         return self._ready.popleft()
@@ -116,9 +124,3 @@ class StreamLink:
                 break
         self._splitter.reset()
         self._out_of_step = False
-
-
-def _is_one_frame(data: bytes) -> bool:
-    """Whether the bytes are exactly one telegram behind its length, as nearly always."""
-    size = len(data) - LENGTH_PREFIX_SIZE
-    return 0 < size <= RECEIVE_BUFFER_SIZE and data[0] == size and not data[1]

@@ -11,6 +11,7 @@ import serial
 
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError
 
+_write, _read = os.write, os.read
 _WRITE_TIMEOUT_MS: Final = 5000
 _READ_SIZE: Final = 4096
 _READ_WAITS_S: Final = 0.1
@@ -48,7 +49,7 @@ class TerminalStream:
     def write(self, data: bytes) -> None:
         """Hand all bytes over; errors as with `ByteStream`."""
         try:
-            sent = 0 if self._unanswered else os.write(self._handle, data)
+            sent = 0 if self._unanswered else _write(self._handle, data)
             if sent < len(data):
                 self._write_as_it_fits(data[sent:])
         except OSError as error:
@@ -60,7 +61,7 @@ class TerminalStream:
         try:
             data = b""
             if timeout_s >= _READ_WAITS_S:
-                data = os.read(self._handle, _READ_SIZE)
+                data = _read(self._handle, _READ_SIZE)
                 timeout_s -= _READ_WAITS_S
             if not data:
                 if not self._readable.poll(timeout_s * 1000):

@@ -6,6 +6,7 @@ which changes nothing, and mends what keeps the answer away: drain, then clear h
 
 from __future__ import annotations
 
+import array
 import errno
 import os
 from enum import StrEnum
@@ -37,7 +38,7 @@ from nxt_twin.brick.links.usb_devices import (
 from nxt_twin.brick.question import question
 from nxt_twin.brick.url import usb_serial
 
-_WRITE_TIMEOUT_S: Final = 2.0
+_WRITE_TIMEOUT_MS: Final = 2000
 _DRAIN_S: Final = 0.02
 _PROBE_S: Final = 0.5
 _DRAIN_READS_MAX: Final = 64
@@ -64,15 +65,18 @@ class UsbLink:
 
     def __init__(self, device: Any, url: str) -> None:  # noqa: ANN401 - pyusb has no types
         self._device = device
+        self._write, self._read = device.write, device.read
+        self._packet: array.array[int] = usb.util.create_buffer(PACKET_SIZE)
         self._url = url
         self._open = True
         self.recovery = Recovery.NONE
 
     def send(self, telegram: bytes) -> None:
         """Hand one telegram over; errors as with `Link`."""
-        self._check_open()
+        if not self._open:
+            raise self._closed()
         try:
-            self._device.write(ENDPOINT_OUT, telegram, _milliseconds(_WRITE_TIMEOUT_S))
+            self._write(ENDPOINT_OUT, telegram, _WRITE_TIMEOUT_MS)
         except usb.core.USBTimeoutError as error:
             raise LinkTimeoutError("takes no more telegrams", where=self._url) from error
         except usb.core.USBError as error:
@@ -80,14 +84,16 @@ class UsbLink:
 
     def receive(self, timeout_s: float) -> bytes:
         """Wait for one telegram; errors as with `Link`."""
-        self._check_open()
+        if not self._open:
+            raise self._closed()
         try:
-            packet: bytes = self._device.read(ENDPOINT_IN, PACKET_SIZE, _milliseconds(timeout_s)).tobytes()
+            # At least 1 ms: libusb takes 0 for ever.
+            size = self._read(ENDPOINT_IN, self._packet, max(1, round(timeout_s * 1000)))
         except usb.core.USBTimeoutError as error:
             raise LinkTimeoutError(f"nothing came within {timeout_s:g} s", where=self._url) from error
         except usb.core.USBError as error:
             raise self._failure(error, ENDPOINT_IN) from error
-        return packet
+        return self._packet[:size].tobytes()
 
     def close(self) -> None:
         """Give the device back; closing again does nothing."""
@@ -146,9 +152,8 @@ class UsbLink:
             mend="plug the brick in and switch it on",
         )
 
-    def _check_open(self) -> None:
-        if not self._open:
-            raise LinkLostError("the link was closed", where=self._url)
+    def _closed(self) -> LinkLostError:
+        return LinkLostError("the link was closed", where=self._url)
 
 
 def open_usb(
@@ -239,8 +244,3 @@ def _make_answer(link: UsbLink, url: str, *, may_reset: bool) -> None:
         where=url,
         mend="switch it off and on; if its screen is dark and it clicks, it is in firmware download mode",
     )
-
-
-def _milliseconds(timeout_s: float) -> int:
-    """At least 1: libusb takes 0 for ever."""
-    return max(1, round(timeout_s * 1000))

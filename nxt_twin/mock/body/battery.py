@@ -30,7 +30,7 @@ class Battery:
         drain_v_per_c: float = DEFAULT_DRAIN_V_PER_C,
     ) -> None:
         self.open_circuit_v = voltage_v
-        self._resistance_ohm = resistance_ohm
+        self.resistance_ohm = resistance_ohm
         self._drain_v_per_c = drain_v_per_c
         self.terminal_v = voltage_v
 
@@ -38,4 +38,4 @@ class Battery:
         """Deliver the motors' current, and the brick's own, for a while."""
         current_a = max(0.0, motor_current_a) + IDLE_CURRENT_A
         self.open_circuit_v = max(0.0, self.open_circuit_v - current_a * duration_s * self._drain_v_per_c)
-        self.terminal_v = max(0.0, self.open_circuit_v - current_a * self._resistance_ohm)
+        self.terminal_v = max(0.0, self.open_circuit_v - current_a * self.resistance_ohm)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 from nxt_twin.mock.body.battery import Battery
@@ -19,12 +19,16 @@ class Body:
         battery: feeds all.
         motors: on ports A, B and C.
         sensors: on ports 1 to 4.
+
+    Attributes:
+        followers: called after each tick; what hangs on a motor and has a memory, such as a carriage with play.
     """
 
     def __init__(self, battery: Battery, motors: Motors, sensors: Sequence[Sensor]) -> None:
         self.battery = battery
         self.motors = motors
         self.sensors = list(sensors)
+        self.followers: list[Callable[[], None]] = []
         self.time_s = 0.0
 
     def step(self) -> None:
@@ -32,6 +36,8 @@ class Body:
         current_a = self.motors.step(self.battery.terminal_v, TICK_S)
         self.battery.draw(current_a, TICK_S)
         self.time_s += TICK_S
+        for follow in self.followers:
+            follow()
 
     def tacho_counts(self) -> Sequence[int]:
         """The encoders' counts since power-on."""

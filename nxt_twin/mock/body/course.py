@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Sequence
-from typing import Literal, final
+from typing import Literal, Protocol, final
 
 Between = Literal["step", "line"]
+
+
+class Showing(Protocol):
+    """What a sensor is shown: a course, or a test rig round the brick."""
+
+    def at(self, time_s: float) -> float:
+        """The value at a time since power-on."""
+        ...
 
 
 @final

@@ -49,6 +49,11 @@ class Motors:
         self._mode = np.full(count, MODE_COAST, dtype=np.int64)
         self._set = [(0, False)] * count
 
+    @property
+    def plants(self) -> Plants:
+        """The plants behind the bridges."""
+        return self._plants
+
     def set(self, port: int, speed: int, *, brake: bool) -> None:
         """Set a bridge, as `Hardware.set_motor` says."""
         if self._set[port] == (speed, brake):

@@ -20,7 +20,7 @@ from firmware_protocol.ultrasonic import (
     UltrasonicCommand,
     UltrasonicRegister,
 )
-from nxt_twin.mock.body.course import Course
+from nxt_twin.mock.body.course import Showing
 from nxt_twin.mock.body.sensor import OPEN_READING, Sensor
 
 PING_S: Final = 0.04
@@ -49,8 +49,8 @@ class Ultrasonic(Sensor):
         answering: False is a fault: it acknowledges, but sends nothing.
     """
 
-    def __init__(self, distance_cm: Course) -> None:
-        self.distance_cm = distance_cm
+    def __init__(self, distance_cm: Showing) -> None:
+        self.distance_cm: Showing = distance_cm
         self.acknowledging = True
         self.answering = True
         self._powered = False
@@ -58,6 +58,11 @@ class Ultrasonic(Sensor):
         self._ping_due_s: float | None = 0.0
         self._memory = bytearray(_MEMORY_SIZE)
         self._reset()
+
+    @property
+    def pinging(self) -> bool:
+        """Whether it sends pings by itself, which others may hear."""
+        return self._powered and self._ping_due_s is not None
 
     def _reset(self) -> None:
         self._memory[:] = bytes(_MEMORY_SIZE)

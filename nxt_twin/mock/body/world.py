@@ -145,12 +145,17 @@ class World(_Part):
         """
         cells = self.battery
         battery = Battery(cells.voltage_v, cells.internal_resistance_ohm, cells.drain_v_per_c)
-        plants = [self._plant(port, folder) for port in ("a", "b", "c")]
+        plants = [self.plant(port, folder) for port in ("a", "b", "c")]
         random = Random(seed)  # noqa: S311 - noise, not secrets
         sensors = [self._sensor(port, random) for port in (1, 2, 3, 4)]
         return Body(battery, Motors(Stepper(plants)), sensors)
 
-    def _plant(self, port: Literal["a", "b", "c"], folder: Path | None) -> Plant:
+    def plant(self, port: Literal["a", "b", "c"], folder: Path | None = None) -> Plant:
+        """The plant on a port; `folder` is where paths of plant files start.
+
+        Raises:
+            PlantError: it is none.
+        """
         given = self.motors.get(port, _DEFAULT_PLANT)
         if isinstance(given, dict):
             return plant_from_config(given, "power_pct")

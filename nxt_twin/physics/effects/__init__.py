@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects.binding import ANGLE_DEPENDENT_FRICTION, PRESLIDING
 from nxt_twin.physics.effects.electrical import (
+    BATTERY_DRAIN,
     BATTERY_SAG,
     CURRENT_LIMIT,
     INDUCTANCE,
     POWER_CURVE,
     VOLTAGE_DROP,
+    WINDING_HEATING,
 )
+from nxt_twin.physics.effects.encoder import ENCODER_ECCENTRICITY, MISSED_COUNTS
 from nxt_twin.physics.effects.friction import (
     ASYMMETRIC_FRICTION,
     ASYMMETRIC_VISCOUS_FRICTION,
@@ -20,8 +24,15 @@ from nxt_twin.physics.effects.friction import (
     STICTION,
     VISCOUS_FRICTION,
 )
-from nxt_twin.physics.effects.load import CONSTANT_LOAD, GRAVITY_LOAD, SPRING_LOAD
-from nxt_twin.physics.effects.timing import COMMAND_DELAY, STALE_SAMPLES
+from nxt_twin.physics.effects.load import (
+    COGGING,
+    CONSTANT_LOAD,
+    END_STOP,
+    GRAVITY_LOAD,
+    PAYLOAD_INERTIA,
+    SPRING_LOAD,
+)
+from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
 
 BUILT_IN: tuple[Effect, ...] = (
@@ -34,15 +45,25 @@ BUILT_IN: tuple[Effect, ...] = (
     STICTION,
     LOAD_DEPENDENT_FRICTION,
     FRICTION_WARMUP,
+    ANGLE_DEPENDENT_FRICTION,
+    PRESLIDING,
     QUADRATIC_DRAG,
     CONSTANT_LOAD,
     GRAVITY_LOAD,
     SPRING_LOAD,
+    COGGING,
+    PAYLOAD_INERTIA,
+    END_STOP,
     BACKLASH,
     SHAFT_COMPLIANCE,
+    WINDING_HEATING,
     BATTERY_SAG,
+    BATTERY_DRAIN,
     VOLTAGE_DROP,
     POWER_CURVE,
     COMMAND_DELAY,
+    CLOCK_SKEW,
     STALE_SAMPLES,
+    MISSED_COUNTS,
+    ENCODER_ECCENTRICITY,
 )

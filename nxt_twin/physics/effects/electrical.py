@@ -15,7 +15,8 @@ def _sag(duty: float, internal: float) -> float:
 BATTERY_SAG = Effect(
     id="battery_sag",
     name="battery sag",
-    equation="U = u·(Ub - Ri·|u|·i): the bridge draws |u|·i from the battery, so the winding sees Ri·u² in series",
+    equation="U = u·(Ub - Ri·|u|·i): the bridge draws |u|·i, so that the winding sees Ri·u² in series",
+    source="a battery as a source with an internal resistance",
     equation_of="electrical",
     shows=("high_current", "after_command"),
     parameters=(Parameter("internal_resistance_ohm", "internal", "Ω", NUMBER, (0.8, 2.5), 0.0, 20.0),),
@@ -36,6 +37,7 @@ VOLTAGE_DROP = Effect(
     id="voltage_drop",
     name="bridge or brush voltage drop",
     equation="U = u·Ub - Ud·sign(i), no current within ±Ud",
+    source="the contact drop of brushes and the saturation of a bipolar bridge, taken as constant",
     equation_of="electrical",
     shows=("low_speed", "direction"),
     parameters=(Parameter("drop_v", "brush_drop", "V", NUMBER, (0.4, 1.0), 0.0, 5.0),),
@@ -57,6 +59,7 @@ POWER_CURVE = Effect(
     id="power_curve",
     name="nonlinear duty",
     equation="U = Ub·sign(u)·|u|^n",
+    source="our own: the simplest curve through 0 and full power",
     equation_of="electrical",
     shows=("after_command", "high_speed"),
     parameters=(Parameter("exponent", "exponent", "1", NUMBER, (1.3, 0.8), 0.3, 3.0, spread=1.0),),
@@ -74,7 +77,8 @@ def _inductance(winding: float) -> float:
 INDUCTANCE = Effect(
     id="inductance",
     name="winding inductance",
-    equation="U = e + R·i + L·di/dt (Gonçalves et al., equation 1)",
+    equation="U = e + R·i + L·di/dt",
+    source="Gonçalves et al., equation 1",
     equation_of="electrical",
     shows=("after_command",),
     parameters=(Parameter("inductance_h", "winding", "H", NUMBER, (4.88e-3, 0.05), 0.0, 2.0, frozen=True),),
@@ -93,7 +97,8 @@ def _limit(limit: float, ceiling: float) -> float:
 CURRENT_LIMIT = Effect(
     id="current_limit",
     name="current limit of the driver",
-    equation="|i| ≤ imax (Gonçalves et al., figure 9)",
+    equation="|i| ≤ imax",
+    source="Gonçalves et al., figure 9",
     equation_of="electrical",
     shows=("high_current", "after_command"),
     parameters=(Parameter("current_limit_a", "ceiling", "A", NUMBER, (0.6, 0.3, 1.0), 0.02, 20.0),),
@@ -102,4 +107,60 @@ CURRENT_LIMIT = Effect(
     frames=("motor",),
     inputs=("power_pct", "voltage_v"),
     plain=True,
+)
+
+
+def _drained(supply_v: float, elapsed_s: float, drain: float) -> float:
+    return supply_v - drain * elapsed_s
+
+
+BATTERY_DRAIN = Effect(
+    id="battery_drain",
+    name="battery drain",
+    equation="Ub = U0 - d·t, t since the recording began",
+    source="the flat middle of a discharge curve, as a straight line",
+    equation_of="electrical",
+    shows=("elapsed_time", "high_speed"),
+    parameters=(Parameter("drain_v_per_s", "drain", "V/s", NUMBER, (0.03, 0.1), 0.0, 2.0),),
+    terms={"supply": _drained},
+    confusable_with={
+        "winding_heating": "a rest tells: a winding cools in it, a battery stays low; or read the battery often",
+        "friction_warmup": "opposite signs: a draining battery slows the motor with time, running in speeds it up",
+    },
+    frames=("motor",),
+    inputs=("power_pct",),
+)
+
+
+def _heated(resistance: float, warm: float) -> float:
+    return resistance * warm
+
+
+def _warmer(
+    warm: float, current: float, resistance: float, step_s: float, rise: float, thermal_time: float
+) -> float:
+    return warm + step_s * (rise * resistance * current * current - warm / thermal_time)
+
+
+WINDING_HEATING = Effect(
+    id="winding_heating",
+    name="winding that heats up",
+    equation="R = R0·(1 + w), dw/dt = r·R·i² - w/T",
+    source="one thermal mass; copper gains 0.393 % of its resistance a kelvin (IEC 60028)",
+    equation_of="electrical",
+    shows=("elapsed_time", "high_current"),
+    parameters=(
+        Parameter("resistance_rise_per_joule", "rise", "1/J", NUMBER, (0.01, 0.05, 2e-3), 0.0, 1.0),
+        Parameter("thermal_time_constant_s", "thermal_time", "s", NUMBER, (45.0,), 2.0, 1000.0, spread=2.0),
+    ),
+    terms={"resistance": _heated, "advance": _warmer},
+    states=("warm",),
+    lasting=("warm",),
+    confusable_with={
+        "battery_drain": "a rest tells: a winding cools in it, a battery stays low; or read the battery often",
+        "battery_sag": "the same push early and late tells: sag is there at once, heat comes with time",
+        "friction_warmup": "opposite signs: a hot winding slows the motor with time, running in speeds it up",
+    },
+    frames=("motor",),
+    inputs=("power_pct", "voltage_v"),
 )

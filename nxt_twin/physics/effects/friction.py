@@ -15,7 +15,8 @@ def _coulomb(level: float, coulomb: float) -> float:
 COULOMB_FRICTION = Effect(
     id="coulomb_friction",
     name="Coulomb friction",
-    equation="τ = -Tc·sign(ω), holding up to Tc at rest (Gonçalves et al., equation 4)",
+    equation="τ = -Tc·sign(ω), holding up to Tc at rest",
+    source="Gonçalves et al., equation 4",
     equation_of="torque_balance",
     shows=("low_speed", "reversal", "direction"),
     parameters=(
@@ -47,7 +48,8 @@ def _viscous(viscous: float) -> float:
 VISCOUS_FRICTION = Effect(
     id="viscous_friction",
     name="viscous friction",
-    equation="τ = -B·ω (Gonçalves et al., equation 7)",
+    equation="τ = -B·ω",
+    source="Gonçalves et al., equation 7",
     equation_of="torque_balance",
     shows=("high_speed",),
     parameters=(
@@ -82,6 +84,7 @@ ASYMMETRIC_FRICTION = Effect(
     id="asymmetric_friction",
     name="direction-dependent Coulomb friction",
     equation="τ = -T₊ for ω > 0, +T₋ for ω < 0",
+    source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, a survey",
     equation_of="torque_balance",
     shows=("direction", "low_speed"),
     parameters=(
@@ -122,6 +125,7 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
     id="asymmetric_viscous_friction",
     name="direction-dependent viscous friction",
     equation="τ = -B₊·ω for ω > 0, -B₋·ω for ω < 0",
+    source="the same survey; a slope of its own for each direction",
     equation_of="torque_balance",
     shows=("direction", "high_speed"),
     parameters=(
@@ -162,7 +166,8 @@ def _stribeck(level: float, speed: float, breakaway: float, stribeck_speed: floa
 STICTION = Effect(
     id="stiction",
     name="Stribeck stiction",
-    equation="|τ| = Tc + (Ts - Tc)·exp(-(ω/ωs)²), Ts at rest (Armstrong-Hélouvry 1994)",
+    equation="|τ| = Tc + (Ts - Tc)·exp(-(ω/ωs)²), Ts at rest",
+    source="Stribeck's curve in the form of Armstrong-Hélouvry 1994",
     equation_of="torque_balance",
     shows=("low_speed", "reversal"),
     parameters=(
@@ -200,7 +205,8 @@ def _load_dependent(level: float, drive_torque: float, load_torque: float, per_t
 LOAD_DEPENDENT_FRICTION = Effect(
     id="load_dependent_friction",
     name="load-dependent gear friction",
-    equation="|τ| = k·|τ carried|, the larger of drive and load (Duclusaud et al. 2024, models M3 to M6)",
+    equation="|τ| = Tc + k·|τ carried|, the larger of drive and load",
+    source="Duclusaud et al. 2024, models M3 to M6",
     equation_of="torque_balance",
     shows=("high_current", "after_command"),
     parameters=(
@@ -231,6 +237,7 @@ QUADRATIC_DRAG = Effect(
     id="quadratic_drag",
     name="quadratic drag",
     equation="τ = -c·ω·|ω|",
+    source="drag at high Reynolds numbers: a fan, a paddle",
     equation_of="torque_balance",
     shows=("high_speed",),
     parameters=(
@@ -258,6 +265,7 @@ FRICTION_WARMUP = Effect(
     id="friction_warmup",
     name="friction that runs in",
     equation="|τ| = Tc + Tw·exp(-t/tw), t since the recording began",
+    source="Bittencourt et al. 2010 on how gear friction falls as it warms; one time constant",
     equation_of="torque_balance",
     shows=("elapsed_time",),
     parameters=(

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+
+import numpy as np
 
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.parameter import ANGLE, NUMBER, STIFFNESS, TORQUE, Parameter
+from nxt_twin.physics.parameter import ANGLE, INERTIA, NUMBER, STIFFNESS, TORQUE, Parameter
+from nxt_twin.physics.signals import Signals
 
 
 def _constant(load: float) -> float:
@@ -15,7 +19,8 @@ def _constant(load: float) -> float:
 CONSTANT_LOAD = Effect(
     id="constant_load",
     name="constant load",
-    equation="τ = τ0, a steady torque such as a hanging weight's",
+    equation="τ = τ0",
+    source="the weight of a mass on a drum: m·g·r",
     equation_of="torque_balance",
     shows=("direction", "low_speed"),
     parameters=(
@@ -46,6 +51,7 @@ GRAVITY_LOAD = Effect(
     id="gravity_load",
     name="unbalanced arm",
     equation="τ = -τg·sin(θ + φ)",
+    source="the pendulum: m·g·l·sin",
     equation_of="torque_balance",
     shows=("angle",),
     parameters=(
@@ -67,7 +73,8 @@ def _spring(angle: float, stiffness: float, rest: float) -> float:
 SPRING_LOAD = Effect(
     id="spring_load",
     name="elastic load",
-    equation="τ = -k·(θ - θ0), such as a rubber band's",
+    equation="τ = -k·(θ - θ0)",
+    source="Hooke's law; a rubber band about its rest",
     equation_of="torque_balance",
     shows=("angle",),
     parameters=(
@@ -95,4 +102,132 @@ SPRING_LOAD = Effect(
     ),
     terms={"torque": _spring},
     confusable_with={"gravity_load": "several turns tell: a spring winds up, gravity comes round again"},
+)
+
+
+def _ripple(angle: float, cogging: float, cycles: float, phase: float) -> float:
+    return cogging * math.cos(cycles * angle + phase)
+
+
+COGGING = Effect(
+    id="cogging",
+    name="cogging",
+    equation="τ = τc·cos(n·θ + φ), n ≥ 2",
+    source="Hanselman 2003; the first harmonic of magnets, commutator or teeth",
+    equation_of="torque_balance",
+    shows=("angle", "low_speed"),
+    parameters=(
+        Parameter("cogging_torque_nm", "cogging", "N·m", TORQUE, (0.012,), 0.0, 3.0),
+        Parameter(
+            "cycles_per_turn",
+            "cycles",
+            "1",
+            NUMBER,
+            (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0, 16.0, 20.0, 24.0, 32.0, 48.0),
+            1.5,
+            100.0,
+        ),
+        Parameter(
+            "phase_deg", "phase", "deg", NUMBER, (0.0, 120.0, -120.0), -360.0, 360.0, si=math.pi / 180.0
+        ),
+    ),
+    terms={"torque": _ripple},
+    confusable_with={
+        "gravity_load": "whole turns tell: gravity comes round once a turn, cogging at least twice",
+        "angle_dependent_friction": "turning both ways tells: friction brakes both, cogging pushes one way",
+        "encoder_eccentricity": "the same turns at several speeds tell: a torque fades with speed, a reading does not",
+    },
+    frames=("motor", "rotary"),
+)
+
+
+def _added(elapsed_s: float, session_s: float, step_s: float, added_inertia: float, onset: float) -> float:
+    late = (session_s + elapsed_s + step_s - onset) / step_s
+    return added_inertia * min(max(late, 0.0), 1.0)
+
+
+def _onsets(recordings: Sequence[Signals]) -> list[float]:
+    """Times of the session: where a recording begins, and seven between."""
+    at_s = []
+    for signals in recordings:
+        length_s = float(signals.time_s[-1] - signals.time_s[0])
+        at_s += [
+            signals.session_s + share * length_s for share in (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75)
+        ]
+    return [at for at in at_s if at > 0.0]
+
+
+PAYLOAD_INERTIA = Effect(
+    id="payload_inertia",
+    name="payload from some time on",
+    equation="J = J0 + Ja from t0 on; t0 from the beginning of the first recording, all laid end to end",
+    source="rigid bodies: inertias on one axis add",
+    equation_of="torque_balance",
+    shows=("elapsed_time", "after_command"),
+    parameters=(
+        Parameter(
+            "added_inertia_kg_m2",
+            "added_inertia",
+            "kg·m²",
+            INERTIA,
+            (1e-3,),
+            0.0,
+            0.2,
+            elsewhere={"linear": ("added_mass_kg", "kg")},
+        ),
+        Parameter("onset_s", "onset", "s", NUMBER, (5.0, 0.0, 10.0, 20.0, 40.0), 0.0, 1e6, hints=_onsets),
+    ),
+    terms={"inertia": _added},
+    confusable_with={
+        "friction_warmup": "steady speeds before and after tell: a payload leaves them alone, friction does not",
+        "shaft_compliance": "a payload that is there all the time is inertia; only its coming, or a ringing, tells",
+    },
+)
+
+
+def _bounce(angle: float, speed: float, home: float, limit: float, restitution: float) -> tuple[float, float]:
+    side = 1.0 if limit >= home else -1.0
+    beyond = side * (angle - limit)
+    if beyond <= 0.0:
+        return angle, speed
+    if side * speed <= 0.0:
+        return limit, speed
+    return limit - side * restitution * beyond, -restitution * speed
+
+
+def _reached(recordings: Sequence[Signals]) -> list[float]:
+    """Where the readings end, either way; nowhere if speeds were read."""
+    if any(signals.is_speed for signals in recordings):
+        return []
+    readings = [signals.measured for signals in recordings]
+    return [max(float(np.nanmax(r)) for r in readings), min(float(np.nanmin(r)) for r in readings)]
+
+
+END_STOP = Effect(
+    id="end_stop",
+    name="end stop",
+    equation="θ ≤ θs (≥ θs where the run began beyond it); a hit turns the speed round: ω → -e·ω",
+    source="Newton's law of restitution",
+    equation_of="torque_balance",
+    shows=("angle", "reversal"),
+    parameters=(
+        Parameter(
+            "limit_deg",
+            "limit",
+            "deg",
+            ANGLE,
+            (360.0, -360.0, 90.0, -90.0, 1440.0, -1440.0),
+            -36000.0,
+            36000.0,
+            si=math.pi / 180.0,
+            elsewhere={"linear": ("limit_m", "m", 1.0)},
+            hints=_reached,
+        ),
+        Parameter("restitution", "restitution", "1", NUMBER, (0.4,), 0.0, 0.95, spread=1.0),
+    ),
+    terms={"stop": _bounce},
+    confusable_with={
+        "spring_load": "a push that stalls tells: a spring yields more to a stronger push, a stop does not",
+        "gravity_load": "a push that stalls tells: an arm passes over or comes back, a stop only blocks",
+    },
 )

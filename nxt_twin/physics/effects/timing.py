@@ -16,6 +16,7 @@ COMMAND_DELAY = Effect(
     id="command_delay",
     name="command delay",
     equation="u(t) = command(t - d)",
+    source="a dead time, as a radio link or a polling loop has",
     equation_of="timing",
     shows=("after_command",),
     parameters=(Parameter("delay_s", "command_delay", "s", NUMBER, (0.01, 0.04, 0.1), 0.0, 0.5),),
@@ -45,9 +46,56 @@ STALE_SAMPLES = Effect(
     id="stale_samples",
     name="stale samples",
     equation="with probability p a reading was taken at any time since the last one, and stamped late",
+    source="our own: a mixture likelihood, uniform between last reading and prediction",
     equation_of="timing",
     shows=("after_gap",),
     parameters=(Parameter("stale_fraction", "stale_fraction", "1", NUMBER, (0.02,), 1e-4, 0.5, frozen=True),),
     terms={"outlier": _stale_density},
+    fault=True,
+)
+
+
+def _pace(rate_error: float) -> float:
+    return rate_error
+
+
+def _lag(stamp_s: float, lag_span: float, lag_period: float, lag_phase: float) -> float:
+    return lag_span * math.cos(math.pi * (stamp_s / lag_period + lag_phase)) ** 2
+
+
+CLOCK_SKEW = Effect(
+    id="clock_skew",
+    name="clock skew",
+    equation="stamp = (1 + ε)·(t + s·cos²(π·(t/P + φ))) for readings, (1 + ε)·t for commands",
+    source="rate error as of Moon, Skelly and Towsley 1999; the lag wanders as a sine, our own",
+    equation_of="timing",
+    shows=("high_speed", "elapsed_time"),
+    parameters=(
+        Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03,), 0.0, 0.5),
+        Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=1.0),
+        Parameter(
+            "lag_period_s",
+            "lag_period",
+            "s",
+            NUMBER,
+            (4.0, 2.0, 2.3, 2.6, 3.0, 3.4, 4.8, 5.8, 7.4, 10.0),
+            0.5,
+            300.0,
+        ),
+        Parameter(
+            "lag_phase",
+            "lag_phase",
+            "1",
+            NUMBER,
+            (0.0, 1.0 / 3.0, -1.0 / 3.0),
+            -1.0,
+            1.0,
+        ),
+    ),
+    terms={"pace": _pace, "lag": _lag},
+    confusable_with={
+        "command_delay": "a long recording tells: a delay stays, a lag wanders",
+        "stale_samples": "steady turning tells: a stale reading stands still, a late one is behind by the same time",
+    },
     fault=True,
 )

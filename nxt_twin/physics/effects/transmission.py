@@ -86,6 +86,7 @@ BACKLASH = Effect(
     id="backlash",
     name="backlash",
     equation="load free within ±gap/2 of the hub, stiff and inelastic contact beyond",
+    source="the dead-zone model of Nordin and Gutman 2002, flanks critically damped",
     equation_of="torque_balance",
     shows=("reversal", "after_command"),
     parameters=(
@@ -150,7 +151,8 @@ def _shaft_advance(
 SHAFT_COMPLIANCE = Effect(
     id="shaft_compliance",
     name="shaft compliance (two masses)",
-    equation="load on a torsion spring: τ = k·(θ - θL) + c·(ω - ωL), c at 3 % of critical",
+    equation="τ = k·(θ - θL) + c·(ω - ωL), c at 3 % of critical",
+    source="two masses on a torsion spring, as in any text on drives",
     equation_of="torque_balance",
     shows=("after_command", "reversal"),
     parameters=(

@@ -1,0 +1,132 @@
+"""`nxt-twin identify`: carry an experiment out, fit, and write a plant or sensor configuration."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, final
+
+import typer
+
+from nxt_twin.brick.clock import SystemClock
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.openers import OPENERS, mock_options
+from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.experiment.errors import StoppedError
+from nxt_twin.experiment.folder import RunFolder
+from nxt_twin.experiment.identified import Identified
+from nxt_twin.experiment.identify import carry_out, conclude
+from nxt_twin.experiment.outline import axes_of, outline
+from nxt_twin.experiment.plan import Experiment, read_experiment
+from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
+from nxt_twin.experiment.positioner.spec import read_spec
+from nxt_twin.experiment.run_sweep import Progress, Surroundings
+from nxt_twin.experiment.standin.movers import standin_positioners
+from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
+
+
+def identify(
+    experiment: Annotated[
+        str, typer.Argument(help="An experiment: a YAML file, or the name of one that comes along.")
+    ],
+    url: Annotated[str, typer.Argument(help="The brick: usb:, bt:ADDRESS, tcp:HOST:PORT, mock: …")] = "usb:",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The run's folder; one that is half done is gone on with."),
+    ] = None,
+    positioner: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What moves things: hand (asks you), rail:PORT,mm_per_deg=…, nx100:HOST,along=…,value_now=…;"
+            " with AXIS= before it, such as angle_deg=hand, for one of several axes."
+        ),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")
+    ] = False,
+    json: JsonOption = None,
+) -> None:
+    """Carry out an experiment on a brick, fit what it recorded, and write plant.yaml or sensor.yaml.
+
+    On `mock:` a rig made of software moves things, in virtual time. Interrupted, the motors coast and positioners
+    stop; run with the same --out, the experiment goes on where it stopped.
+    """
+    wanted = read_experiment(experiment)
+    movers = assigned([read_spec(text) for text in positioner or []], axes_of(wanted))
+    lines = list(outline(wanted, movers))
+    if dry_run:
+        print(*lines, sep="\n")
+        return
+    if out is None:
+        raise typer.BadParameter("is missing: where should the recordings go?", param_hint="--out")
+    folder = RunFolder(out, wanted)
+    screen = _Screen()
+    if url.split(":")[0] == "mock":
+        bench = _bench(wanted, url)
+        with bench.brick as brick:
+            positioners = standin_positioners(bench, movers)
+            ask = helper(bench, wanted)
+            carry_out(wanted, folder, Surroundings(brick, bench.clock, positioners, ask, screen.tell))
+    else:
+        clock = SystemClock()
+        with open_brick(url, clock, OPENERS) as brick:
+            positioners = open_positioners(movers, brick, clock, screen.ask)
+            try:
+                carry_out(wanted, folder, Surroundings(brick, clock, positioners, screen.ask, screen.tell))
+            finally:
+                close_positioners(positioners)
+    screen.clear()
+    _show(conclude(wanted, folder), folder, json)
+
+
+def _bench(wanted: Experiment, url: str) -> Workbench:
+    options = mock_options(url.partition(":")[2])
+    world = options.get("world")
+    bench = workbench(None if world is None else Path(world), int(options.get("seed", "0")))
+    place_sensors(bench, wanted)
+    return bench
+
+
+def _show(identified: Identified, folder: RunFolder, json: str | None) -> None:
+    written = identified.write(folder.path)
+    if json:
+        emit_json(json, identified.to_json())
+    if json == "-":
+        return
+    for value in (*identified.values, *identified.compared):
+        rests = f"   rests on {value.rests_on}" if value.rests_on else ""
+        print(f"{value.name} = {value.value:.5g} ± {value.std:.2g} {value.unit}{rests}")
+    print(*identified.notes, sep="\n")
+    print("written:", *written)
+
+
+@final
+class _Screen:
+    """Progress and questions, both on standard error: one line that is written over, or one a recording."""
+
+    def __init__(self) -> None:
+        self._over = sys.stderr.isatty()
+        self._last = ""
+
+    def tell(self, now: Progress) -> None:
+        """Show how far it is."""
+        if self._over:
+            sys.stderr.write(f"\r\x1b[2K{now.done} of {now.total}: {now.words}")
+            sys.stderr.flush()
+        elif (recording := now.words.split(":")[0]) != self._last:
+            self._last = recording
+            print(f"{now.done} of {now.total}: {recording}", file=sys.stderr)
+
+    def ask(self, request: str) -> str:
+        """Put a question and wait for the answer; the end of the input ends the experiment."""
+        self.clear()
+        print(request, end="", file=sys.stderr, flush=True)
+        answer = sys.stdin.readline()
+        if not answer:
+            raise StoppedError("nobody is there to answer", mend="run it on a terminal")
+        return answer.strip()
+
+    def clear(self) -> None:
+        """Take the line away."""
+        if self._over:
+            sys.stderr.write("\r\x1b[2K")

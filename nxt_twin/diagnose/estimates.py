@@ -1,0 +1,124 @@
+"""Parameters with their doubt: intervals, the anchors they rest on, and ratios where there is no anchor."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import Estimate, Moved, Ratio
+from nxt_twin.diagnose.evidence import Evidence
+from nxt_twin.diagnose.structure import Structure
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.parameter import Parameter
+from nxt_twin.recording.recording import FloatArray
+
+ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
+_ELECTRICAL_UNITS = {"Ω": 1.0, "H": 1.0, "A": -1.0}
+_NORMAL_95 = 1.959964
+
+
+def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
+    """The parameters of a found effect, by name."""
+    doubts = _Doubts(evidence)
+    plant = evidence.final.plant
+    return {
+        parameter.name: doubts.estimate(slot, parameter)
+        for slot, parameter in plant.layout.parameters.items()
+        if slot.owner == effect.id
+    }
+
+
+def refitted(evidence: Evidence) -> dict[str, Moved]:
+    """The baseline's parameters that the re-fit moved, by name."""
+    doubts = _Doubts(evidence)
+    given, plant = evidence.problem.plant, evidence.final.plant
+    moved = {}
+    for slot, parameter in plant.layout.parameters.items():
+        if slot in given.values and slot in plant.values and slot in doubts.stds:
+            found = doubts.estimate(slot, parameter)
+            before = given.values[slot] / parameter.si
+            moved[parameter.name] = Moved(
+                before, found.value, found.std, found.unit, found.interval_95, found.rests_on, found.ratio
+            )
+    return moved
+
+
+@final
+class _Doubts:
+    """Standard deviations and ratios of one final structure."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self._structure = evidence.final
+        self._covariance = evidence.covariance
+        self._place = {
+            slot: (number, ratio)
+            for number, variable in enumerate(evidence.final.fitted.variables)
+            for slot, ratio in zip(variable.slots, variable.ratios, strict=True)
+        }
+        self._is_motor = evidence.problem.plant.layout.frame == "motor"
+        self.stds = _stds(evidence.final, evidence.covariance)
+
+    def estimate(self, slot: Slot, parameter: Parameter) -> Estimate:
+        """The parameter at `slot` with everything that is in doubt about it."""
+        value = self._structure.plant.values[slot] / parameter.si
+        std = self.stds.get(slot, 0.0) / parameter.si
+        low, high = value - _NORMAL_95 * std, value + _NORMAL_95 * std
+        if parameter.lower >= 0.0:
+            low = max(low, 0.0)
+        rests = self._is_motor and _needs_anchor(parameter)
+        return Estimate(
+            value=value,
+            std=std,
+            unit=parameter.unit,
+            interval_95=(low, high) if std > 0.0 else None,
+            rests_on=ANCHORS if rests else (),
+            ratio=self._ratio(slot, parameter) if rests else None,
+        )
+
+    def _ratio(self, slot: Slot, parameter: Parameter) -> Ratio | None:
+        """A torque over the inertia, a resistance over the winding's: what the recordings fix by themselves."""
+        power = _ELECTRICAL_UNITS.get(parameter.unit, 1.0)
+        symbol = "resistance" if parameter.unit in _ELECTRICAL_UNITS else "inertia"
+        reference = Slot(BASE_OWNER, symbol)
+        if slot == reference or slot not in self._place or reference not in self._place:
+            return None
+        values = self._structure.plant.values
+        if values[slot] == 0.0:
+            return None
+        other = values[reference]
+        value = values[slot] / parameter.si * (1.0 / other if power > 0.0 else other)
+        (a, a_ratio), (b, b_ratio) = self._place[slot], self._place[reference]
+        slope = np.zeros(len(self._covariance))
+        slope[a] += a_ratio / values[slot]
+        slope[b] -= power * b_ratio / other
+        std = abs(value) * math.sqrt(max(float(slope @ self._covariance @ slope), 0.0))
+        of = "inertia_kg_m2" if symbol == "inertia" else "resistance_ohm"
+        return Ratio(value, std, _ratio_unit(parameter.unit), of)
+
+
+def _needs_anchor(parameter: Parameter) -> bool:
+    return parameter.dimension.torque != 0.0 or parameter.unit in _ELECTRICAL_UNITS
+
+
+def _ratio_unit(unit: str) -> str:
+    known = {"Ω": "1", "H": "s", "A": "V", "N·m": "1/s²", "kg·m²": "1", "N·m·s/rad": "1/s", "N·m/rad": "1/s²"}
+    return known.get(unit, f"{unit}/(kg·m²)")
+
+
+def _stds(structure: Structure, covariance: FloatArray) -> dict[Slot, float]:
+    """Standard deviations, SI: from the covariance, and for the share of a fault from counting."""
+    readings = max(structure.fitted.readings, 1)
+    stds = {}
+    for effect in structure.plant.effects:
+        if "outlier" in effect.terms:
+            slot = Slot(effect.id, effect.parameters[0].symbol)
+            share = structure.plant.values[slot]
+            stds[slot] = math.sqrt(share * (1.0 - share) / readings)
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    for variable, std in zip(structure.fitted.variables, spread, strict=True):
+        for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
+            stds[slot] = float(std) * ratio
+    return stds

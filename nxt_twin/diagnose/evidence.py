@@ -1,0 +1,150 @@
+"""Everything that a diagnosis is put together from, and how the verdict follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.diagnose.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
+from nxt_twin.diagnose.detectable import allowed
+from nxt_twin.diagnose.diagnosis import Verdict
+from nxt_twin.diagnose.explain import Explanation
+from nxt_twin.diagnose.intervals import robust_covariance
+from nxt_twin.diagnose.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
+from nxt_twin.diagnose.kalman import clean_innovations
+from nxt_twin.diagnose.linear import Linear, linearise, trials_of
+from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.residuals import Residuals, residuals
+from nxt_twin.diagnose.structure import Structure
+from nxt_twin.diagnose.units import Units, units_of
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.recording import FloatArray
+
+STRUCTURED_NATS = 15.0
+STRUCTURED_TORQUE = 2e-3
+LARGE_TORQUE = 3e-2
+MOST_LEFT = 0.3
+FAR_OFF = 4.0
+"""When what is left is more than noise: a flexible function of the state foretells it by so many nats, more than in
+clean recordings made up like these, and it is at least the second, or it is the third whatever foretells it; as
+fractions of a torque ordinary for the plant. Where effects were found, it must also be the fourth of all that there
+was to explain. Where none was found, free runs over readings that only check must not be the fifth times as far off
+as noise alone."""
+
+_CLEAN_LEFTOVERS = 40
+
+
+@final
+@dataclass(frozen=True)
+class Evidence:
+    """What the verdict and all findings rest on.
+
+    Attributes:
+        problem, units, explanation: as their types say.
+        baseline: the re-fitted baseline at its best.
+        final: the best structure, fitted on everything that is not held out.
+        before, after: what the two leave at each reading.
+        baseline_runs, final_runs: their free runs over what is held out.
+        linear: `final` as a linear regression.
+        lacking: `baseline` as one, under the noise of `final`.
+        covariance: of the variables of `final`, robust, SI.
+        clean: innovations of made-up clean recordings, as those of `linear`.
+        leftover_limit: nats that a clean case leaves at most.
+        false_alarms: what the search would have made of the clean cases.
+    """
+
+    problem: Problem
+    units: Units
+    explanation: Explanation
+    baseline: Structure
+    final: Structure
+    before: Residuals
+    after: Residuals
+    baseline_runs: list[FreeRun]
+    final_runs: list[FreeRun]
+    linear: Linear
+    lacking: Linear
+    covariance: FloatArray
+    clean: FloatArray
+    leftover_limit: float
+    false_alarms: FalseAlarms
+
+
+def gather(
+    simulator: Simulator,
+    problem: Problem,
+    explanation: Explanation,
+    baseline: Structure,
+    final: Structure,
+    rng: Generator,
+) -> Evidence:
+    """Run both structures over everything, and made-up clean recordings beside them."""
+    before, after = (
+        residuals(simulator, structure.plant, problem.everything(), final.noise)
+        for structure in (baseline, final)
+    )
+    linear = linearise(simulator, problem, final)
+    lacking = (
+        linear if baseline is final else linearise(simulator, problem, replace(baseline, noise=final.noise))
+    )
+    clean = clean_cases(linear, rng)
+    clean_left = leftover_nats_of(after, _clean_residuals(linear, rng))
+    limit = leftover_threshold(clean_left, STRUCTURED_NATS)
+    trials = [trial for effect in allowed(problem, final.plant) for trial in trials_of(effect, problem.scale)]
+    alarmed = alarms(simulator, linear, trials, clean)
+    return Evidence(
+        problem=problem,
+        units=units_of(problem.plant.layout.frame, problem.signals[0]),
+        explanation=explanation,
+        baseline=baseline,
+        final=final,
+        before=before,
+        after=after,
+        baseline_runs=free_runs(simulator, problem, baseline.plant, final.plant, final.noise),
+        final_runs=free_runs(simulator, problem, final.plant, final.plant, final.noise),
+        linear=linear,
+        lacking=lacking,
+        covariance=robust_covariance(simulator, linear),
+        clean=linear.left_of(clean),
+        leftover_limit=limit,
+        false_alarms=FalseAlarms(int(np.sum(alarmed)), len(alarmed)),
+    )
+
+
+def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:
+    """Innovations of clean cases at the readings of `Residuals`: the first thinning of each recording."""
+    seen: set[str] = set()
+    parts = []
+    for job, predicted in zip(linear.jobs, linear.predicted, strict=True):
+        if job.signals.name in seen:
+            continue
+        seen.add(job.signals.name)
+        read = np.isfinite(job.signals.measured) & ~job.start.at
+        made = clean_innovations(job, predicted, linear.structure.noise, _CLEAN_LEFTOVERS, rng)
+        parts.append(made[:, read])
+    return np.concatenate(parts, axis=1)
+
+
+def verdict_of(evidence: Evidence) -> Verdict:
+    """Adequate, explained or unexplained, by what is left beside what was found."""
+    left = leftover_nats(evidence.after)
+    before, after = (torque_share(evidence.problem, s) for s in (evidence.baseline, evidence.final))
+    structured = left > evidence.leftover_limit and after > STRUCTURED_TORQUE
+    large = after > LARGE_TORQUE
+    if not evidence.explanation.found:
+        floor = noise_floor(evidence.problem, evidence.final.noise)
+        runs_away = evidence.final.free_run_rms[0] > FAR_OFF * floor
+        return "unexplained" if structured or large or runs_away else "adequate"
+    gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
+    mostly_left = structured and left > MOST_LEFT * (left + gained)
+    return "unexplained" if mostly_left or (large and after > 0.5 * before) else "explained"
+
+
+def torque_share(problem: Problem, structure: Structure) -> float:
+    """The unknown torque that a structure leaves, as a fraction of one that is ordinary for the plant."""
+    inertia = structure.plant.values[Slot(BASE_OWNER, "inertia")]
+    return structure.noise.disturbance_std * inertia / problem.scale.torque

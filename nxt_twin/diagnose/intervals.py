@@ -1,0 +1,76 @@
+"""How sure the parameters are: covariance under innovations that are neither white nor of one size."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from nxt_twin.diagnose.linear import Linear
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.recording import FloatArray
+
+_BLOCK_S = 1.0
+_FEWEST_BLOCKS = 12
+_SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
+_SUPPLY_MOVE = 1e-3
+_MODEL_DOUBT = 1.15  # what a wrong law of friction and the choice of effects add, from the development seeds
+
+
+def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
+    """Covariance of the structure's variables, SI, shape (variables, variables).
+
+    The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
+    of the scores over blocks of time (Newey and West's idea, with blocks): where innovations hang together or gather
+    in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own, and what
+    the battery's readings leave open of the supply comes on top.
+    """
+    variables = linear.variables
+    scale = np.array([v.scale for v in variables])
+    bread = linear.slopes @ linear.slopes.T + np.diag(linear.tightness) + 1e-12 * np.eye(scale.size)
+    inverse: FloatArray = np.asarray(np.linalg.pinv(bread, hermitian=True), dtype=np.float64)
+    filling = _block_scatter(linear) + np.diag(linear.tightness)
+    sandwich: FloatArray = inverse @ filling @ inverse
+    shift = _SUPPLY_DOUBT / _SUPPLY_MOVE * linear.absorbed(_supply_signature(simulator, linear))[0]
+    spread = _MODEL_DOUBT**2 * _larger(inverse, sandwich) + np.outer(shift, shift)
+    return np.asarray(spread * np.outer(scale, scale))
+
+
+def _supply_signature(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What a slightly higher supply does to the readings; nothing where the command is no duty."""
+    if any(job.signals.input_kind != "power_pct" for job in linear.jobs):
+        return np.zeros((1, linear.innovations.size))
+    more = 1.0 + _SUPPLY_MOVE
+    jobs = [
+        replace(job, signals=replace(job.signals, command_supply_v=more * job.signals.command_supply_v))
+        for job in linear.jobs
+    ]
+    values, active = linear.structure.plant.vectors()
+    return linear.whitened(simulator.run(values[None], active[None], jobs))
+
+
+def _block_scatter(linear: Linear) -> FloatArray:
+    """Sum over blocks of time of the outer products of their scores, with the small-sample factor."""
+    length_s = max(float(linear.time_s.max()), 1e-9)
+    block_s = min(_BLOCK_S, length_s * len(linear.jobs) / _FEWEST_BLOCKS)
+    block = linear.run * (math.ceil(length_s / block_s) + 1) + np.floor(linear.time_s / block_s).astype(int)
+    _, number = np.unique(block, return_inverse=True)
+    count = int(number.max()) + 1
+    scores = np.zeros((count, linear.slopes.shape[0]))
+    np.add.at(scores, number, (linear.slopes * linear.innovations).T)
+    factor = count / max(count - linear.slopes.shape[0], 1)
+    return np.asarray(factor * (scores.T @ scores), dtype=np.float64)
+
+
+def _larger(plain: FloatArray, robust: FloatArray) -> FloatArray:
+    """`robust`, raised where it is below `plain`: directions in which blocks happen to scatter little."""
+    spread = np.sqrt(np.maximum(np.diag(plain), 1e-300))
+    scaled = robust / np.outer(spread, spread)
+    correlation = plain / np.outer(spread, spread)
+    values, vectors = np.linalg.eigh(correlation)
+    root = vectors @ np.diag(np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    back = vectors @ np.diag(1.0 / np.sqrt(np.maximum(values, 1e-12))) @ vectors.T
+    shares, axes = np.linalg.eigh(back @ scaled @ back)
+    raised = root @ axes @ np.diag(np.maximum(shares, 1.0)) @ axes.T @ root
+    return np.asarray(raised * np.outer(spread, spread))

@@ -1,0 +1,250 @@
+"""The linear observer by itself: deviations from innovations, their likelihood, and made-up clean recordings.
+
+The state is position, speed and an unknown torque over inertia that leaks away, as in `physics.observer`; what is
+random may here change from reading to reading.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.simulate import Job
+from nxt_twin.recording.recording import FloatArray
+
+_STANDING_SHARE = 1e-3
+
+
+@final
+@dataclass(frozen=True)
+class Randomness:
+    """Variances at each sample of a job, SI, each of shape (samples,).
+
+    Attributes:
+        reading: of the reading.
+        torque: of the unknown torque over inertia, stationary.
+        slip_per_s: that the position gains by itself in a second.
+    """
+
+    reading: FloatArray
+    torque: FloatArray
+    slip_per_s: FloatArray
+
+
+def quiet(job: Job, noise: Noise) -> Randomness:
+    """The same noise at every sample."""
+    ones = np.ones(job.signals.time_s.size)
+    return Randomness(noise.reading_std**2 * ones, noise.disturbance_std**2 * ones, 0.0 * ones)
+
+
+def deviation(job: Job, predicted: FloatArray, noise: Noise) -> FloatArray:
+    """How far readings are from what the plant would have done without correction, to first order, SI.
+
+    Args:
+        job: the recording, with the gains under which it was run.
+        predicted: each reading as foretold by the corrected run, SI, shape (samples,).
+        noise: its damping and its memory.
+    """
+    signals = job.signals
+    known = np.isfinite(signals.measured) & ~job.start.at
+    innovation = np.where(known, signals.measured - predicted, 0.0)
+    found = np.zeros(known.size)
+    _undo(
+        signals.time_s,
+        innovation,
+        job.observer.gains,
+        noise.damping_per_s,
+        1.0 / noise.disturbance_time_s,
+        1 if signals.is_speed else 0,
+        found,
+    )
+    return np.asarray(np.where(known, found, np.nan))
+
+
+def cost(job: Job, deviations: FloatArray, noise: Noise, randomness: Randomness) -> float:
+    """Negative log-likelihood of `deviations` under `randomness`, nats."""
+    signals = job.signals
+    return float(
+        _cost(
+            signals.time_s,
+            deviations,
+            noise.damping_per_s,
+            1.0 / noise.disturbance_time_s,
+            1 if signals.is_speed else 0,
+            randomness.reading,
+            randomness.torque,
+            randomness.slip_per_s,
+        )
+    )
+
+
+def clean_innovations(
+    job: Job, predicted: FloatArray, noise: Noise, count: int, rng: Generator
+) -> FloatArray:
+    """Innovations of `count` recordings like `job` in which nothing is missing, over their standard deviations.
+
+    Same stamps and gains, the same unknown torque and reading noise, readings cut to the same quantum; where the
+    plant stands, dry friction holds it against the unknown torque.
+
+    Returns:
+        Shape (count, samples); 0 where there is no reading.
+    """
+    signals = job.signals
+    known = np.isfinite(signals.measured) & ~job.start.at
+    step = np.abs(np.diff(predicted, prepend=predicted[0]))
+    standing = step < _STANDING_SHARE * max(float(np.max(step)), 1e-12)
+    quantum = 0.0 if signals.is_speed else signals.quantum
+    own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
+    found = np.zeros((count, known.size))
+    _clean(
+        signals.time_s,
+        np.nan_to_num(predicted),
+        known,
+        standing,
+        job.observer.gains,
+        job.observer.innovation_std,
+        noise.damping_per_s,
+        1.0 / noise.disturbance_time_s,
+        1 if signals.is_speed else 0,
+        quantum,
+        own_std,
+        noise.disturbance_std,
+        rng.standard_normal((count, known.size, 2)),
+        found,
+    )
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _propagate(state, dt, damping_per_s, leak_per_s):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    hold = math.exp(-damping_per_s * dt)
+    gain = (1.0 - hold) / damping_per_s if damping_per_s > 1e-9 else dt
+    state[0] += gain * state[1] + 0.5 * dt * dt * state[2]
+    state[1] = hold * state[1] + gain * state[2]
+    state[2] *= math.exp(-leak_per_s * dt)
+
+
+@njit(cache=True, nogil=True)
+def _undo(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba infers the types
+    time_s,  # noqa: ANN001
+    innovation,  # noqa: ANN001
+    gains,  # noqa: ANN001
+    damping_per_s,  # noqa: ANN001
+    leak_per_s,  # noqa: ANN001
+    read,  # noqa: ANN001
+    found,  # noqa: ANN001
+):
+    state = np.zeros(3)
+    for k in range(1, time_s.shape[0]):
+        _propagate(state, time_s[k] - time_s[k - 1], damping_per_s, leak_per_s)
+        found[k] = innovation[k] + state[read]
+        for i in range(3):
+            state[i] += gains[k, i] * innovation[k]
+
+
+@njit(cache=True, nogil=True)
+def _cost(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba infers the types
+    time_s,  # noqa: ANN001
+    deviations,  # noqa: ANN001
+    damping_per_s,  # noqa: ANN001
+    leak_per_s,  # noqa: ANN001
+    read,  # noqa: ANN001
+    reading_var,  # noqa: ANN001
+    torque_var,  # noqa: ANN001
+    slip_per_s,  # noqa: ANN001
+):
+    state = np.zeros(3)
+    p00, p01, p02, p11, p12 = reading_var[0], 0.0, 0.0, 1e2 * reading_var[0], 0.0
+    p22 = torque_var[0]
+    total = 0.0
+    for k in range(1, time_s.shape[0]):
+        dt = time_s[k] - time_s[k - 1]
+        _propagate(state, dt, damping_per_s, leak_per_s)
+        hold = math.exp(-damping_per_s * dt)
+        a = (1.0 - hold) / damping_per_s if damping_per_s > 1e-9 else dt
+        h = 0.5 * dt * dt
+        f = math.exp(-leak_per_s * dt)
+        fresh = torque_var[k] * (1.0 - f * f)
+        q00 = p00 + 2.0 * (a * p01 + h * p02) + a * a * p11 + 2.0 * a * h * p12 + h * h * p22
+        q01 = hold * (p01 + a * p11 + h * p12) + a * (p02 + a * p12 + h * p22)
+        q02 = f * (p02 + a * p12 + h * p22)
+        q11 = hold * hold * p11 + 2.0 * hold * a * p12 + a * a * p22
+        q12 = f * (hold * p12 + a * p22)
+        q22 = f * f * p22
+        p00 = q00 + slip_per_s[k] * dt
+        p01 = q01
+        p02 = q02
+        p11 = q11 + fresh * dt * dt / 3.0
+        p12 = q12 + 0.5 * fresh * dt
+        p22 = q22 + fresh
+        seen = deviations[k]
+        if seen != seen:  # not a number: nothing was read
+            continue
+        c0, c1, c2 = (p01, p11, p12) if read == 1 else (p00, p01, p02)
+        variance = (p11 if read == 1 else p00) + reading_var[k]
+        e = seen - state[read]
+        total += 0.5 * (e * e / variance + math.log(6.283185307179586 * variance))
+        state[0] += c0 / variance * e
+        state[1] += c1 / variance * e
+        state[2] += c2 / variance * e
+        p00 -= c0 * c0 / variance
+        p01 -= c0 * c1 / variance
+        p02 -= c0 * c2 / variance
+        p11 -= c1 * c1 / variance
+        p12 -= c1 * c2 / variance
+        p22 -= c2 * c2 / variance
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba infers the types
+    time_s,  # noqa: ANN001
+    predicted,  # noqa: ANN001
+    known,  # noqa: ANN001
+    standing,  # noqa: ANN001
+    gains,  # noqa: ANN001
+    std,  # noqa: ANN001
+    damping_per_s,  # noqa: ANN001
+    leak_per_s,  # noqa: ANN001
+    read,  # noqa: ANN001
+    quantum,  # noqa: ANN001
+    own_std,  # noqa: ANN001
+    torque_std,  # noqa: ANN001
+    normals,  # noqa: ANN001
+    found,  # noqa: ANN001
+):
+    """The true state less the plant's, and the observer's correction, step by step for each made-up recording."""
+    for r in range(found.shape[0]):
+        state = np.zeros(3)
+        state[2] = torque_std * normals[r, 0, 0]
+        guess = np.zeros(3)
+        for k in range(1, time_s.shape[0]):
+            dt = time_s[k] - time_s[k - 1]
+            if standing[k]:
+                state[1] = 0.0
+            else:
+                _propagate(state, dt, damping_per_s, leak_per_s)
+            forget = math.exp(-leak_per_s * dt)
+            push = torque_std * math.sqrt(1.0 - forget * forget) * normals[r, k, 0]
+            state[2] += push
+            if not standing[k]:
+                state[1] += 0.5 * dt * push
+            _propagate(guess, dt, damping_per_s, leak_per_s)
+            if standing[k]:
+                guess[1] = 0.0
+            if not known[k]:
+                continue
+            truth = predicted[k] + state[read]
+            seen = truth + own_std * normals[r, k, 1]
+            if quantum > 0.0:
+                seen = quantum * math.floor(seen / quantum + 0.5)
+            innovation = seen - predicted[k] - guess[read]
+            found[r, k] = innovation / std[k]
+            for i in range(3):
+                guess[i] += gains[k, i] * innovation

@@ -1,0 +1,153 @@
+"""Every start of every effect tried in one run each: what it promises, once the rest has been re-fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.fit import BoolArray, Target, Variable, values_of
+from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, Workshop, step_for
+from nxt_twin.diagnose.variables import starts_of, variables_of
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Result
+from nxt_twin.recording.recording import FloatArray
+
+_MOST_READINGS_A_BATCH = 2_000_000  # bounds the memory of a batch: three numbers a reading
+_LARGEST_STRETCH = 4.0
+_LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
+_DIFFERENCE = 2e-3
+
+
+@final
+@dataclass(frozen=True)
+class Prospect:
+    """An effect added to a plant at one of its starts, and the gain that it promises, nats."""
+
+    effect: Effect
+    plant: Plant
+    gain: float
+
+
+def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) -> list[Prospect]:
+    """What each start of each of `effects` promises beside `structure`, likeliest first.
+
+    One run a start gives the signature: the change of all predictions in standard deviations. What a re-fit of the
+    structure's own variables could imitate is projected out (a score test with nuisance parameters), by their slopes
+    at the structure's values; the rest may be stretched, since a start has only the order of magnitude.
+    """
+    plants = [
+        (effect, _with_load_split(structure.plant.with_effect(effect.id, start), effect))
+        for effect in effects
+        for start in starts_of(effect, workshop.problem.scale)
+    ]
+    found = []
+    steps_s = {step_for(plant, DRAFT_STEP_S) for _, plant in plants}
+    for step_s in sorted(steps_s):
+        some = [(effect, plant) for effect, plant in plants if step_for(plant, DRAFT_STEP_S) == step_s]
+        nuisance = _Nuisance(workshop, structure, workshop.tuned(structure.noise, step_s))
+        gains = nuisance.gains([plant for _, plant in some])
+        found += [Prospect(effect, plant, gain) for (effect, plant), gain in zip(some, gains, strict=True)]
+    return sorted(found, key=lambda prospect: -prospect.gain)
+
+
+@final
+class _Nuisance:
+    """What the structure's own variables can imitate: residuals and slopes at its values."""
+
+    def __init__(self, workshop: Workshop, structure: Structure, target: Target) -> None:
+        self._simulator = workshop.simulator
+        self._target = target
+        plant = structure.plant
+        variables = variables_of(plant, workshop.problem.plant, workshop.problem.scale)
+        values, active = _shifted(plant, variables)
+        self._results = self._simulator.run(values, active, target.jobs)
+        self._cost = float(target.cost([_last(result) for result in self._results])[0])
+        self._masks: list[BoolArray] = []
+        self._inverse: list[FloatArray] = []
+        self._residual: list[FloatArray] = []
+        self._slopes: list[FloatArray] = []
+        hessian = np.diag([(v.scale / v.spread) ** 2 for v in variables])
+        gradient = np.zeros(len(variables))
+        for job, mask, result in zip(target.jobs, target.counted, self._results, strict=True):
+            seen = mask & np.isfinite(job.signals.measured) & ~job.start.at
+            inverse = np.sqrt(target.evidence * result.weight[-1, seen]) / job.observer.innovation_std[seen]
+            residual = (job.signals.measured[seen] - result.predicted[-1, seen]) * inverse
+            slopes = np.nan_to_num((result.predicted[:-1, seen] - result.predicted[-1, seen]) * inverse)
+            slopes /= _DIFFERENCE
+            hessian += slopes @ slopes.T
+            gradient += slopes @ residual
+            self._masks.append(seen)
+            self._inverse.append(inverse)
+            self._residual.append(residual)
+            self._slopes.append(slopes)
+        self._solve = np.linalg.pinv(hessian, hermitian=True)
+        self._gradient = gradient
+
+    def gains(self, plants: Sequence[Plant]) -> list[float]:
+        """What each of the plants promises, nats."""
+        rows = sum(job.signals.time_s.size for job in self._target.jobs)
+        size = max(1, _MOST_READINGS_A_BATCH // rows)
+        found: list[float] = []
+        for low in range(0, len(plants), size):
+            found += self._gains_of_batch(plants[low : low + size])
+        return found
+
+    def _gains_of_batch(self, plants: Sequence[Plant]) -> list[float]:
+        vectors = [plant.vectors() for plant in plants]
+        values = np.array([values for values, _ in vectors])
+        active = np.array([active for _, active in vectors])
+        results = self._simulator.run(values, active, self._target.jobs)
+        along = np.zeros((len(plants), self._gradient.size))  # signature · slopes
+        fit, power = (
+            np.zeros(len(plants)),
+            np.zeros(len(plants)),
+        )  # signature · residual, signature · signature
+        parts = zip(
+            results, self._results, self._masks, self._inverse, self._residual, self._slopes, strict=True
+        )
+        for result, base, mask, inverse, residual, slopes in parts:
+            signature = np.clip(
+                np.nan_to_num((result.predicted[:, mask] - base.predicted[-1, mask]) * inverse),
+                -_LARGEST_SIGNATURE,
+                _LARGEST_SIGNATURE,
+            )
+            along += signature @ slopes.T
+            fit += signature @ residual
+            power += np.einsum("ij,ij->i", signature, signature)
+        fit -= along @ self._solve @ self._gradient
+        power -= np.einsum("ij,jk,ik->i", along, self._solve, along)
+        stretch = np.clip(fit / np.maximum(power, 1e-9), 0.0, _LARGEST_STRETCH)
+        linear = stretch * fit - 0.5 * stretch**2 * power
+        outright = self._cost - self._target.cost(results)  # faults change likelihoods and not predictions
+        return [float(gain) for gain in np.maximum(linear, np.nan_to_num(outright, neginf=-1e9))]
+
+
+def _shifted(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, BoolArray]:
+    """Value vectors with one variable after another moved by a little, the plant itself last."""
+    values, active = plant.vectors()
+    sets = np.repeat(values[None], len(variables) + 1, axis=0)
+    index = plant.layout.index
+    for row, (variable, x) in enumerate(zip(variables, values_of(plant, variables), strict=True)):
+        for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
+            sets[row, index[slot]] = (x + _DIFFERENCE * variable.scale) * ratio
+    return sets, np.repeat(active[None], len(variables) + 1, axis=0)
+
+
+def _last(result: Result) -> Result:
+    return Result(result.predicted[-1:], result.weight[-1:], result.cost[-1:])
+
+
+def _with_load_split(plant: Plant, effect: Effect) -> Plant:
+    """Take a new load's inertia off the body, which has carried it until now."""
+    load = Slot(effect.id, "load_inertia")
+    if load not in plant.values:
+        return plant
+    body = Slot(BASE_OWNER, "inertia")
+    total = plant.values[body]
+    share = plant.values[load] / (plant.values[load] + plant.layout.parameters[body].starts[0])
+    return plant.with_values({body: (1.0 - share) * total, load: share * total})

@@ -1,0 +1,1 @@
+"""Diagnosis of sensor cases: what a sensor does beyond its ideal (contract 6)."""

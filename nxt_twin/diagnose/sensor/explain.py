@@ -1,0 +1,133 @@
+"""Which effects a sensor needs: forward selection, exchange, backward elimination."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, log
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.sensor.declaration import SensorEffect
+from nxt_twin.diagnose.sensor.structure import Structure, Workshop
+
+NEEDED_NATS = 6.0
+"""What an effect must gain beyond its parameters' share (half a BIC) to come in, and to stay."""
+
+RIVAL_NATS = 6.0
+"""Another effect in its place that is behind by less cannot be told from it."""
+
+_CHECK_NATS = 1.0
+_UNTOUCHED_NATS = 0.2
+_OBVIOUS_NATS = 20.0
+"""An effect must do better on the items that check it, by the first; or they have nothing of it (the second) and it
+gains the third."""
+
+_MOST_EFFECTS = 4
+
+
+@final
+@dataclass(frozen=True)
+class Rival:
+    """An effect in another's place, and by how many nats it is behind."""
+
+    effect: SensorEffect
+    structure: Structure
+    behind: float
+
+
+@final
+@dataclass(frozen=True)
+class Explanation:
+    """What the search found.
+
+    Attributes:
+        best: the structure, fitted on all that is not held out.
+        gained: for each of its effects, the nats that it earns beyond its share.
+        rivals: for each, what might stand in its place, nearest first.
+        refused: the effect that came nearest where none was found, with its gain.
+    """
+
+    best: Structure
+    gained: dict[str, float]
+    rivals: dict[str, tuple[Rival, ...]]
+    refused: tuple[SensorEffect, float] | None
+
+
+def explain(workshop: Workshop, baseline: Structure, progress: Callable[[str], None]) -> Explanation:
+    """Add effects while they pay, then drop those that no longer do, then look for rivals."""
+    best, refused = baseline, None
+    while len(best.active) < _MOST_EFFECTS:
+        tried = list(_tried(workshop, best, progress))
+        passing = [(gain, other) for gain, other in tried if _pays(best, other, gain)]
+        if not passing:
+            if not best.active and tried:
+                gain, other = max(tried, key=lambda each: each[0])
+                refused = (other.active[-1], gain)
+            break
+        best = max(passing, key=lambda each: each[0])[1]
+    best, gained = _pruned(workshop, best)
+    rivals = {effect.id: _rivals(workshop, best, effect) for effect in best.active}
+    return Explanation(workshop.on_everything(best), gained, rivals, refused)
+
+
+def _tried(
+    workshop: Workshop, best: Structure, progress: Callable[[str], None]
+) -> list[tuple[float, Structure]]:
+    found = []
+    for effect in workshop.problem.effects:
+        if effect.id in best.ids:
+            continue
+        progress(f"trying {effect.name}")
+        other = workshop.with_effect(best, effect)
+        if other is not None:
+            found.append((_gain(workshop, best, other), other))
+    return found
+
+
+def _gain(workshop: Workshop, fewer: Structure, more: Structure) -> float:
+    """What `more` gains beyond the share of its parameters and of where they were looked for, nats."""
+    nats = more.fit_nats - fewer.fit_nats + more.check_nats - fewer.check_nats
+    count = int(np.count_nonzero(workshop.split.known))
+    share = 0.5 * (len(more.names) - len(fewer.names)) * log(max(count, 2))
+    looked = sum(effect.prior_nats for effect in more.active) - sum(e.prior_nats for e in fewer.active)
+    return nats * more.independent - share - looked
+
+
+def _pays(fewer: Structure, more: Structure, gain: float) -> bool:
+    checked = more.check_nats - fewer.check_nats
+    untouched = abs(checked) < _UNTOUCHED_NATS and gain > _OBVIOUS_NATS
+    return gain > NEEDED_NATS and (checked > _CHECK_NATS or untouched)
+
+
+def _pruned(workshop: Workshop, best: Structure) -> tuple[Structure, dict[str, float]]:
+    """The structure without effects that do not pay once the others are in, and what each of the rest gains."""
+    while best.active:
+        rest = [(effect, workshop.without(best, effect)) for effect in best.active]
+        gains = {effect.id: _gain(workshop, fewer, best) for effect, fewer in rest}
+        worst, fewer = min(rest, key=lambda each: gains[each[0].id])
+        if gains[worst.id] > NEEDED_NATS:
+            return best, gains
+        best = fewer
+    return best, {}
+
+
+def _rivals(workshop: Workshop, best: Structure, effect: SensorEffect) -> tuple[Rival, ...]:
+    fewer = workshop.without(best, effect)
+    own = _gain(workshop, fewer, best)
+    found = []
+    for other in workshop.problem.effects:
+        if other.id in best.ids:
+            continue
+        changed = workshop.with_effect(fewer, other)
+        if changed is not None:
+            found.append(Rival(other, changed, own - _gain(workshop, fewer, changed)))
+    return tuple(sorted(found, key=lambda rival: rival.behind))
+
+
+def probability(behind: float, all_behind: list[float]) -> float:
+    """The share of one structure among several, by their nats."""
+    least = min([behind, *all_behind])
+    own = exp(-min(behind - least, 700.0))
+    return own / (own + sum(exp(-min(other - least, 700.0)) for other in all_behind))

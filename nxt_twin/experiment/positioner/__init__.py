@@ -1,0 +1,1 @@
+"""What moves the target or the sensor: a hand, a rail driven by an NXT motor, an industrial robot."""

@@ -1,0 +1,84 @@
+"""What the encoder makes of the angle."""
+
+from __future__ import annotations
+
+import math
+
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.parameter import ANGLE, NUMBER, SPEED, Parameter
+
+_EDGE = 0.1  # over this share of the threshold the loss sets in, so that a fit can move the threshold
+
+
+def _lost_share(speed: float, loss: float, threshold: float) -> float:
+    above = (abs(speed) - threshold) / (_EDGE * threshold) + 0.5
+    return loss * min(max(above, 0.0), 1.0)
+
+
+def _miscount(speed: float, lost: float, loss: float, threshold: float) -> tuple[float, float]:
+    return -lost, -_lost_share(speed, loss, threshold) * speed
+
+
+def _lose(lost: float, before: float, after: float, step_s: float, loss: float, threshold: float) -> float:
+    mean = 0.5 * (before + after)
+    return lost + step_s * mean * _lost_share(mean, loss, threshold)
+
+
+MISSED_COUNTS = Effect(
+    id="missed_counts",
+    name="missed counts",
+    equation="reading = θ - ∫p·ω·[|ω| > ωm] dt",
+    source="our own: a counter that misses a share p of the edges above a speed ωm",
+    equation_of="measurement",
+    shows=("high_speed",),
+    parameters=(
+        Parameter("loss_fraction", "loss", "1", NUMBER, (0.05, 0.15), 0.0, 0.95),
+        Parameter(
+            "speed_threshold_rad_s",
+            "threshold",
+            "rad/s",
+            SPEED,
+            (5.0, 4.0, 6.5, 8.0, 10.0),
+            0.5,
+            40.0,
+            elsewhere={"linear": ("speed_threshold_m_s", "m/s")},
+        ),
+    ),
+    terms={"reading": _miscount, "advance": _lose},
+    states=("lost",),
+    confusable_with={
+        "quadratic_drag": "a mark on the hub tells after a fast run: lost counts leave it displaced, drag does not",
+        "viscous_friction": "coasting down tells: the loss ends at a speed, friction goes on",
+    },
+)
+
+
+def _eccentric(
+    angle: float, speed: float, amplitude: float, cycles: float, phase: float
+) -> tuple[float, float]:
+    turn = cycles * angle + phase
+    return amplitude * math.sin(turn), amplitude * cycles * speed * math.cos(turn)
+
+
+ENCODER_ECCENTRICITY = Effect(
+    id="encoder_eccentricity",
+    name="encoder eccentricity",
+    equation="reading = θ + A·sin(n·θ + φ)",
+    source="geometry: a disc off its centre by a, read at radius r, errs by a/r·sin, to first order",
+    equation_of="measurement",
+    shows=("angle", "high_speed"),
+    parameters=(
+        Parameter("amplitude_deg", "amplitude", "deg", ANGLE, (2.0,), 0.0, 45.0, si=math.pi / 180.0),
+        Parameter("cycles_per_turn", "cycles", "1", NUMBER, (1.0, 2.0, 3.0, 4.0, 6.0), 0.5, 60.0),
+        Parameter(
+            "phase_deg", "phase", "deg", NUMBER, (0.0, 120.0, -120.0), -360.0, 360.0, si=math.pi / 180.0
+        ),
+    ),
+    terms={"reading": _eccentric},
+    confusable_with={
+        "gravity_load": "the same turns at several speeds tell: a torque fades with speed, a reading does not",
+        "cogging": "the same turns at several speeds tell: a torque fades with speed, a reading does not",
+        "angle_dependent_friction": "the same turns at several speeds tell: a torque fades with speed",
+    },
+    frames=("motor", "rotary"),
+)

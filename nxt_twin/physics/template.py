@@ -1,0 +1,225 @@
+"""The text of a kernel, into which `assemble` puts the terms of its effects."""
+
+from __future__ import annotations
+
+FRAME = '''"""The compiled step of a {kind} ({frame}), written by nxt_twin.physics.assemble; never edit."""
+
+import math
+
+from numba import njit
+from numba.extending import register_jitable
+
+{imports}
+
+_SQRT_TAU = math.sqrt(2.0 * math.pi)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+def run(
+    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
+    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+    disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
+):
+{unpack}
+    delay_s = 0.0
+{delay}
+    pace = 1.0
+{pace}
+    rows = out_time_s.shape[0]
+    commands = command_time_s.shape[0]
+    home = restart_angle[0]
+    t = out_time_s[0]
+    j = -1
+    angle = 0.0
+    speed = 0.0
+    current = 0.0
+    disturbance = 0.0
+    duty = 0.0
+    drive_torque = 0.0
+    last_reading = 0.0
+    inertia = base__inertia
+{states_zero_outer}
+    for k in range(rows):
+        target = out_time_s[k]
+        stamp_s = target - out_time_s[0]
+{lag}
+        if k == 0:
+            t = target
+        while t < target:
+            while j + 1 < commands and command_time_s[j + 1] + delay_s <= t:
+                j += 1
+            stop = target
+            if j + 1 < commands and command_time_s[j + 1] + delay_s < target:
+                stop = command_time_s[j + 1] + delay_s
+            held = command[j] if j >= 0 else 0.0
+            mode = command_mode[j] if j >= 0 else command_mode[0]
+            open_circuit_v = command_supply_v[j] if j >= 0 else command_supply_v[0]
+            pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
+            piece_s = (stop - t) / pieces
+            step_s = piece_s / pace
+            fading = math.exp(-step_s * disturbance_rate)
+            momentum = 2.0 * inertia / step_s
+            for piece in range(pieces):
+                elapsed_s = t + piece * piece_s - out_time_s[0]
+{step}
+            t = stop
+        reading = measured[k]
+        if restart[k]:
+            angle = restart_angle[k]
+            speed = restart_speed[k]
+            current = 0.0
+            disturbance = 0.0
+            last_reading = speed if observe_speed else angle
+{states_restart}
+            if any_reading:
+                for _ in range({settling}):
+                    shift = 0.0
+                    speed_shift = 0.0
+{settle}
+                    angle = restart_angle[k] - shift
+                    speed = restart_speed[k] - speed_shift
+        predicted_reading = speed if observe_speed else angle
+        if any_reading:
+            shift = 0.0
+            speed_shift = 0.0
+{reading}
+            predicted_reading += speed_shift if observe_speed else shift
+        predicted[k] = predicted_reading
+        weight[k] = 0.0
+        cost[k] = 0.0
+        if reading == reading and not restart[k]:
+            innovation = reading - predicted_reading
+            std = reading_std[k]
+            fresh = 1.0
+            if std > 0.0:
+                share = 1.0
+                outlier = 0.0
+{outlier}
+                if share < 1.0:
+                    ratio = innovation / std
+                    density = share * math.exp(-0.5 * ratio * ratio) / (std * _SQRT_TAU)
+                    total = density + outlier + 1e-300
+                    fresh = density / total
+                    cost[k] = -math.log(total)
+                else:
+                    cost[k] = 0.5 * (innovation / std) ** 2 + math.log(std * _SQRT_TAU)
+            weight[k] = fresh
+            angle += gains[k, 0] * fresh * innovation
+            speed += gains[k, 1] * fresh * innovation
+            disturbance += gains[k, 2] * fresh * innovation
+            last_reading = reading
+        if trace.shape[0] > 0:
+            shift = 0.0
+            speed_shift = 0.0
+{reading}
+            trace[k, 0] = angle + shift
+            trace[k, 1] = speed + speed_shift
+            trace[k, 2] = current
+            trace[k, 3] = duty
+            trace[k, 4] = disturbance
+            trace[k, 5] = drive_torque
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+def run_many(
+    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
+    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+    disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
+):
+    for i in range(values.shape[0]):
+        run(
+            values[i], active[i], step_max_s, command_time_s, command, command_mode, command_supply_v,
+            out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+            disturbance_rate, observe_speed, session_s, predicted[i], weight[i], cost[i], trace,
+        )
+'''
+
+STEP = """\
+duty = held
+{duty}
+supply_v = open_circuit_v
+{supply}
+if any_inertia:
+    inertia = base__inertia
+{inertia}
+    momentum = 2.0 * inertia / step_s
+resistance = {resistance}
+{resistance_terms}
+inductance = 0.0
+{inductance}
+drop = 0.0
+{drop}
+limit = math.inf
+{limit}
+force, coupling = {drive}
+drive_torque = force - coupling * speed
+before = speed
+mid_angle = angle + 0.5 * step_s * before
+damping = 0.0
+{damping}
+load_torque = 0.0
+{torque}
+inverse = 1.0 / (momentum + coupling + damping)
+free = (
+    (momentum - coupling - damping) * before
+    + 2.0 * (force + load_torque + inertia * disturbance)
+) * inverse
+direction = math.copysign(1.0, before if before != 0.0 else free)
+level = 0.0
+{friction}
+{hold}
+bite = 2.0 * level * inverse
+after = free - direction * bite
+if after * direction < 0.0:
+    push = direction * (before - free) - bite
+    after = -direction * push * (1.0 - direction * before / (push + 2.0 * bite)) if push > 0.0 else 0.0
+{advance}
+current = {current}
+angle += 0.5 * step_s * (before + after)
+speed = after
+{stop}
+disturbance *= fading
+"""
+
+STEPPING = """
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+def step_many(values_of_all, active_of_all, state, commands, modes, open_circuit_v, elapsed_s, step_s):
+    session_s = 0.0
+    home = 0.0
+    disturbance = 0.0
+    fading = 0.0
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        inertia = base__inertia
+        momentum = 2.0 * inertia / step_s
+        held = commands[i]
+        mode = modes[i]
+        angle = state[i, 0]
+        speed = state[i, 1]
+        current = state[i, 2]
+{load}
+{step}
+        state[i, 0] = angle
+        state[i, 1] = speed
+        state[i, 2] = current
+{store}
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+def read_many(values_of_all, active_of_all, state, shown):
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        angle = state[i, 0]
+        speed = state[i, 1]
+        shift = 0.0
+        speed_shift = 0.0
+{load}
+{reading}
+        shown[i, 0] = angle + shift
+        shown[i, 1] = speed + speed_shift
+"""

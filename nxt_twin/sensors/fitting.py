@@ -1,0 +1,232 @@
+"""Maximum likelihood with standard deviations, for likelihoods that may have edges.
+
+The curvature is taken over steps at which the likelihood falls by about half a nat, that is on the scale of the
+answer's own doubt. On a smooth likelihood this is the observed Fisher information; across a threshold that lies
+somewhere between two readings it gives about half the gap, where a derivative would give nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar, final
+
+import numpy as np
+from scipy.optimize import minimize
+
+from nxt_twin.sensors.arrays import FloatArray
+
+ParametersT = TypeVar("ParametersT")
+
+_WANTED_DROP = 0.5
+_STEP_TRIES = 40
+_SMALLEST_EIGENVALUE = 1e-9
+_ROUNDS = 2
+_PAYS_NATS = 0.05
+
+
+@final
+@dataclass(frozen=True)
+class Free:
+    """A parameter that is fitted.
+
+    Attributes:
+        name: the dataclass field.
+        lower, upper: bounds.
+        scale: a change of it that matters.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    scale: float
+
+
+@final
+@dataclass(frozen=True)
+class Fitted(Generic[ParametersT]):
+    """A fit.
+
+    Attributes:
+        parameters: all parameters, the fitted ones at their likeliest.
+        names: the fitted ones, in the order of `covariance`.
+        std: standard deviation of each fitted one.
+        covariance: shape (fitted, fitted).
+        log_likelihood: at the optimum, nats.
+    """
+
+    parameters: ParametersT
+    names: tuple[str, ...]
+    std: Mapping[str, float]
+    covariance: FloatArray
+    log_likelihood: float
+
+
+def fit_free(
+    log_likelihood: Callable[[ParametersT], float], start: ParametersT, free: Sequence[Free]
+) -> Fitted[ParametersT]:
+    """Fit the `free` parameters from `start`; all others keep their values."""
+
+    def at(x: FloatArray) -> ParametersT:
+        changes: dict[str, Any] = {part.name: float(value) for part, value in zip(free, x, strict=True)}
+        return replace(start, **changes)  # type: ignore[type-var]
+
+    def objective(x: FloatArray) -> float:
+        return log_likelihood(at(x))
+
+    x0 = np.array([getattr(start, part.name) for part in free], dtype=np.float64)
+    best = maximise(objective, x0, free)
+    covariance = covariance_at(objective, best, free)
+    stds = np.sqrt(np.diag(covariance))
+    names = tuple(part.name for part in free)
+    return Fitted(
+        at(best), names, dict(zip(names, map(float, stds), strict=True)), covariance, objective(best)
+    )
+
+
+def maximise(objective: Callable[[FloatArray], float], x0: FloatArray, free: Sequence[Free]) -> FloatArray:
+    """The likeliest values: gradient steps, then a simplex for the edges, as long as it pays."""
+    x = climb(objective, x0, free)
+    for _ in range(_ROUNDS):
+        before = objective(x)
+        x = climb(objective, _simplex_search(objective, x, free), free)
+        if objective(x) - before < _PAYS_NATS:
+            break
+    return x
+
+
+def climb(
+    objective: Callable[[FloatArray], float], x0: FloatArray, free: Sequence[Free], most_steps: int = 50
+) -> FloatArray:
+    """Gradient steps alone; a few are enough to compare starts."""
+    lower, upper, scale = _bounds(free)
+    begin = np.clip(x0, lower, upper)
+    if x0.size == 0:
+        return begin
+    box = list(zip(lower / scale, upper / scale, strict=True))
+    cost = _cost(objective, free)
+    end = minimize(
+        cost, begin / scale, method="L-BFGS-B", bounds=box, options={"maxiter": most_steps, "ftol": 1e-7}
+    )
+    found = np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64)
+    return found if end.fun < cost(begin / scale) else begin
+
+
+def _simplex_search(
+    objective: Callable[[FloatArray], float], x0: FloatArray, free: Sequence[Free]
+) -> FloatArray:
+    lower, upper, scale = _bounds(free)
+    if x0.size == 0:
+        return x0
+    z = x0 / scale
+    end = minimize(
+        _cost(objective, free), z, method="Nelder-Mead", bounds=list(zip(lower / scale, upper / scale, strict=True)),
+        options={
+            "initial_simplex": _simplex(z, lower / scale, upper / scale),
+            "maxfev": 60 * z.size, "xatol": 1e-3, "fatol": 1e-3,
+        },
+    )  # fmt: skip
+    return np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64)
+
+
+def _cost(objective: Callable[[FloatArray], float], free: Sequence[Free]) -> Callable[[FloatArray], float]:
+    lower, upper, scale = _bounds(free)
+
+    def cost(z: FloatArray) -> float:
+        value = -objective(np.clip(z * scale, lower, upper))
+        return value if np.isfinite(value) else 1e12
+
+    return cost
+
+
+def covariance_at(
+    objective: Callable[[FloatArray], float], best: FloatArray, free: Sequence[Free]
+) -> FloatArray:
+    """The inverse of the curvature over steps of about half a nat; shape (free, free)."""
+    count = best.size
+    if count == 0:
+        return np.zeros((0, 0))
+    lower, upper, scale = _bounds(free)
+    top = objective(best)
+    steps = np.array([_step(objective, best, top, i, scale[i], lower[i], upper[i]) for i in range(count)])
+
+    def drop(*moves: tuple[int, int]) -> float:
+        x = best.copy()
+        for index, sign in moves:
+            x[index] += sign * steps[index]
+        return top - objective(np.clip(x, lower, upper))
+
+    up = np.array([drop((i, 1)) for i in range(count)])
+    down = np.array([drop((i, -1)) for i in range(count)])
+    curvature = np.diag([_curvature(up[i], down[i], best, steps, lower, upper, i) for i in range(count)])
+    for i in range(count):
+        for j in range(i):
+            mixed = (
+                drop((i, 1), (j, 1)) + drop((i, -1), (j, -1)) - drop((i, 1), (j, -1)) - drop((i, -1), (j, 1))
+            )
+            curvature[i, j] = curvature[j, i] = 0.25 * mixed
+    values, vectors = np.linalg.eigh(curvature)
+    inverse = (vectors / np.maximum(values, _SMALLEST_EIGENVALUE + 1e-3 * values.max())) @ vectors.T
+    return np.asarray(inverse * np.outer(steps, steps), dtype=np.float64)
+
+
+def _curvature(
+    up: float, down: float, best: FloatArray, steps: FloatArray, lower: FloatArray, upper: FloatArray, i: int
+) -> float:
+    """The second difference in units of the step; at a bound, of the one side that there is."""
+    if best[i] + steps[i] > upper[i]:
+        return max(2.0 * down, 1e-6)
+    if best[i] - steps[i] < lower[i]:
+        return max(2.0 * up, 1e-6)
+    return max(up + down, 1e-6)
+
+
+def _step(
+    objective: Callable[[FloatArray], float],
+    best: FloatArray,
+    top: float,
+    index: int,
+    scale: float,
+    lower: float,
+    upper: float,
+) -> float:
+    """How far the parameter has to move, alone, for the likelihood to fall by about half a nat."""
+
+    def drop(step: float) -> float:
+        falls = []
+        for sign in (1.0, -1.0):
+            x = best.copy()
+            x[index] += sign * step
+            if lower <= x[index] <= upper:
+                falls.append(top - objective(x))
+        return float(np.mean(falls)) if falls else np.inf
+
+    low, high = 0.0, np.inf
+    step, widest = 0.1 * scale, upper - lower
+    for _ in range(_STEP_TRIES):
+        fallen = drop(step)
+        if 0.8 * _WANTED_DROP < fallen < 1.3 * _WANTED_DROP:
+            return step
+        if fallen < _WANTED_DROP:
+            low = step
+        else:
+            high = step
+        step = 2.0 * step if np.isinf(high) else 0.5 * (low + high)
+        if step > widest:
+            return float(widest)
+    return step
+
+
+def _simplex(z: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    corners = np.tile(z, (z.size + 1, 1))
+    for i in range(z.size):
+        corners[i + 1, i] += 0.25 if z[i] + 0.25 <= upper[i] else -0.25
+    return np.clip(corners, lower, upper)
+
+
+def _bounds(free: Sequence[Free]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return (
+        np.array([part.lower for part in free]),
+        np.array([part.upper for part in free]),
+        np.array([part.scale for part in free]),
+    )

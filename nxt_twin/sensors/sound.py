@@ -1,0 +1,155 @@
+"""The sound sensor: loudness in dB or dBA as a 10-bit reading that falls as it gets louder.
+
+The paper leaves it out. A-weighting: IEC 61672-1. The firmware's range (raw 162 is 100 %): LEGO NXT firmware 1.29,
+c_input.h. That percent grows as a compressed power of the sound pressure is an assumption, set so that speech at
+60 dB gives about 20 % and 90 dB gives 100 %, which is what LEGO's guide tells of quiet talk and of shouting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self, final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.sensors.config import Layout, from_config, to_config
+from nxt_twin.sensors.errors import SensorError
+from nxt_twin.sensors.expected import Expected
+from nxt_twin.sensors.fitting import Fitted, Free, fit_free
+from nxt_twin.sensors.intervals import log_interval_probability
+
+HIGHEST_RAW = 1023.0
+
+LAYOUT = Layout("sound_sensor", {})
+
+
+@final
+@dataclass(frozen=True)
+class SoundParameters:
+    """A sound sensor.
+
+    Attributes:
+        silent_raw: the reading in silence.
+        loud_raw: the reading at `loud_db`, and the lowest that the amplifier gives.
+        loud_db: the level that reaches the amplifier's end, dB (dBA where weighted).
+        exponent: of the pressure: 1 would be proportional to it, 0.5 its root.
+        noise_raw: standard deviation before rounding.
+        weighted: 1 for the dBA mode, which hears as an ear does; 0 for dB.
+    """
+
+    silent_raw: float = 1000.0
+    loud_raw: float = 162.0
+    loud_db: float = 90.0
+    exponent: float = 0.466
+    noise_raw: float = 6.0
+    weighted: float = 0.0
+
+    def to_config(self) -> dict[str, Any]:
+        """The parameters as a YAML-ready mapping."""
+        return to_config(LAYOUT, self)
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> Self:
+        """Read them from a mapping as `to_config` writes it.
+
+        Raises:
+            SensorError: a kind, key or value that is none.
+        """
+        return from_config(LAYOUT, cls, config)
+
+
+@final
+@dataclass(frozen=True)
+class SoundTruth:
+    """Level (dB of sound pressure) and frequency (Hz; None is 1 kHz) of a tone at each poll, shape (polls,)."""
+
+    level_db: FloatArray
+    frequency_hz: FloatArray | None = None
+
+
+FREE: tuple[Free, ...] = (
+    Free("silent_raw", 0.0, 1200.0, 5.0),
+    Free("loud_raw", 0.0, 1023.0, 5.0),
+    Free("loud_db", 50.0, 140.0, 1.0),
+    Free("exponent", 0.05, 2.0, 0.02),
+    Free("noise_raw", 0.1, 300.0, 0.5),
+)
+"""The parameters that can be fitted, with their bounds. `loud_db` only where readings reach the end."""
+
+_FREE_BY_NAME = {part.name: part for part in FREE}
+
+
+def a_weighting_db(frequency_hz: FloatArray) -> FloatArray:
+    """The A-weighting of IEC 61672-1, dB, 0 at 1 kHz; shape as `frequency_hz`."""
+    f2 = np.maximum(frequency_hz, 1e-3) ** 2
+    top = 12194.0**2 * f2**2
+    bottom = (f2 + 20.6**2) * np.sqrt((f2 + 107.7**2) * (f2 + 737.9**2)) * (f2 + 12194.0**2)
+    return np.asarray(20.0 * np.log10(top / bottom) + 2.0, dtype=np.float64)
+
+
+def mean_raw(parameters: SoundParameters, truth: SoundTruth) -> FloatArray:
+    """The reading's mean before noise and rounding, shape (polls,); it stops at `loud_raw`."""
+    p, level = parameters, truth.level_db
+    if p.weighted and truth.frequency_hz is not None:
+        level = level + p.weighted * a_weighting_db(truth.frequency_hz)
+    share = np.minimum(10.0 ** (p.exponent * (level - p.loud_db) / 20.0), 1.0)
+    return np.asarray(p.silent_raw + (p.loud_raw - p.silent_raw) * share, dtype=np.float64)
+
+
+def log_likelihood(parameters: SoundParameters, readings: FloatArray, truth: SoundTruth) -> float:
+    """The log-likelihood of the raw readings, nats; exact for a rounded reading."""
+    if readings.shape != truth.level_db.shape:
+        raise SensorError("readings and truth differ in length", where="sound sensor")
+    seen = ~np.isnan(readings)
+    given = np.where(seen, readings, 0.0)
+    mean = mean_raw(parameters, truth)
+    low = np.where(given <= 0.0, -np.inf, (given - 0.5 - mean) / parameters.noise_raw)
+    high = np.where(given >= HIGHEST_RAW, np.inf, (given + 0.5 - mean) / parameters.noise_raw)
+    return float(np.sum(np.where(seen, log_interval_probability(low, high), 0.0)))
+
+
+def simulate(parameters: SoundParameters, truth: SoundTruth, rng: Generator) -> FloatArray:
+    """Raw readings 0 to 1023, shape (polls,), drawn from the model."""
+    noise = parameters.noise_raw * rng.standard_normal(truth.level_db.size)
+    return np.clip(np.rint(mean_raw(parameters, truth) + noise), 0.0, HIGHEST_RAW)
+
+
+def expected(parameters: SoundParameters, level_db: float, frequency_hz: float = 1000.0) -> Expected:
+    """What the sensor is expected to read, raw, for one tone."""
+    truth = SoundTruth(np.array([level_db]), np.array([frequency_hz]))
+    mean = float(np.clip(mean_raw(parameters, truth)[0], 0.0, HIGHEST_RAW))
+    return Expected(mean, parameters.noise_raw**2 + 1.0 / 12.0, 0.0)
+
+
+def fit(
+    readings: FloatArray,
+    truth: SoundTruth,
+    *,
+    start: SoundParameters | None = None,
+    free: Sequence[str] = ("silent_raw", "loud_raw", "exponent", "noise_raw"),
+) -> Fitted[SoundParameters]:
+    """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
+
+    Args:
+        readings: raw, shape (polls,), NaN where not sampled.
+        truth: the tone at each poll.
+        start: where to begin; the defaults if None.
+        free: names out of `FREE`.
+
+    Raises:
+        SensorError: a name that cannot be fitted, or too few readings.
+    """
+    unknown = [name for name in free if name not in _FREE_BY_NAME]
+    if unknown:
+        mend = f"known are {', '.join(_FREE_BY_NAME)}"
+        raise SensorError(f"cannot fit {', '.join(unknown)}", where="sound sensor", mend=mend)
+    if int(np.count_nonzero(~np.isnan(readings))) <= len(free):
+        raise SensorError("too few readings", where="sound sensor", mend="record more")
+    return fit_free(
+        lambda parameters: log_likelihood(parameters, readings, truth),
+        start or SoundParameters(),
+        [_FREE_BY_NAME[name] for name in free],
+    )

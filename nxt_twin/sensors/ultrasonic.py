@@ -1,0 +1,432 @@
+"""The ultrasonic sensor: time of flight, whole centimetres, and where that breaks down.
+
+Source of the effects: Gonçalves, Lima, Malheiros, Costa, *Sensor and actuator stochastic modeling of the Lego
+Mindstorms NXT educational kit*, section III.C; of the speed of sound: c = 331.3 m/s · √(1 + T/273.15 °C), dry air.
+Default parameters are the ideal sensor: true distance, whole centimetres, small noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self, final
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.sensors.config import Layout, from_config, to_config
+from nxt_twin.sensors.errors import SensorError
+from nxt_twin.sensors.expected import Expected
+from nxt_twin.sensors.fitting import Fitted, Free, fit_free
+from nxt_twin.sensors.intervals import interval_probability, logistic
+from nxt_twin.sensors.pings import at_pings, first_polls, ping_numbers
+
+NO_ECHO = 255.0
+"""The reading without an echo, cm."""
+
+REFERENCE_TEMPERATURE_C = 20.0
+"""Air temperature at which the sensor's own clock gives true centimetres; an assumption."""
+
+_KELVIN = 273.15
+_LEAST = 1e-280
+_LARGEST_READING = 254.0
+
+
+LAYOUT = Layout(
+    "ultrasonic_sensor",
+    {
+        "ultrasonic_blind_zone": {
+            "blind_distance_mm": "blind_distance_mm",
+            "silent_share": "blind_silent_share",
+            "reading_mm": "blind_reading_mm",
+            "spread_mm": "blind_spread_mm",
+        },
+        "ultrasonic_near_offset": {
+            "offset_mm": "near_offset_mm",
+            "below_mm": "near_below_mm",
+            "share": "near_share",
+        },
+        "ultrasonic_range_noise": {"noise_per_distance": "noise_per_distance", "power": "noise_power"},
+        "ultrasonic_dropout": {
+            "max_angle_deg": "max_angle_deg",
+            "best_distance_mm": "best_distance_mm",
+            "contact_angle_deg": "contact_angle_deg",
+            "far_angle_deg": "far_angle_deg",
+            "near_shape": "beam_near_shape",
+            "far_shape": "beam_far_shape",
+            "edge_deg": "beam_edge_deg",
+        },
+        "ultrasonic_sound_speed": {"air_temperature_c": "air_temperature_c"},
+    },
+)
+
+
+@final
+@dataclass(frozen=True)
+class UltrasonicParameters:
+    """An ultrasonic sensor. The reading's mean is scale · c(20 °C)/c(T) · distance + zero, plus the near offset.
+
+    Attributes:
+        noise_mm: standard deviation of the distance before it is rounded, mm, at distance 0.
+        noise_per_distance: by how much it grows with each mm of distance.
+        noise_power: how the two add: 1 as numbers, 2 as independent causes do, by their squares.
+        zero_mm: the mean's shift, mm; -5 for a sensor that cuts off instead of rounding.
+        scale: gain, beside what the air's temperature does.
+        air_temperature_c: °C; at 20 the speed of sound is the one that the sensor assumes.
+        quantum_mm: step of the reading, mm.
+        transducer_spacing_mm: between the axes of emitter and receiver; lengthens short paths.
+        blind_distance_mm: below it no distance is measured; 0 is off.
+        blind_silent_share: probability that a blind sensor says 255; otherwise it says
+        blind_reading_mm, blind_spread_mm: about this, with this standard deviation, mm.
+        blind_edge_mm: width of the blind zone's edge (logistic scale), mm.
+        near_offset_mm: added to the mean below `near_below_mm`; 0 is off.
+        near_below_mm: where the near offset ends, mm.
+        near_share: the share of near readings that have it (the paper: "most of the measurements").
+        near_edge_mm: width of its end (logistic scale), mm.
+        max_angle_deg: incidence at which the echo is lost at the best distance, deg; 180 is off.
+        best_distance_mm: where the beam is widest, mm.
+        contact_angle_deg: the limit extrapolated to distance 0, deg.
+        far_angle_deg: the limit at `far_mm`, deg.
+        beam_near_shape, beam_far_shape: exponents of the fall from the widest to the two: 1 is a straight line, 2 is
+            rounded at the top.
+        far_mm: the distance to which `far_angle_deg` belongs, mm.
+        beam_edge_deg: width of the beam's edge (logistic scale), deg.
+        miss_probability: of an echo lost at any distance.
+        stray_probability: of a reading anywhere between 0 and 254 cm.
+        crosstalk_per_mm: density of another sensor's pings, 1/mm of path; such a ping that comes before the
+            echo is taken for it. One over half the way that sound makes in the other's ping period.
+        update_period_s: time between pings; a poll sees the last ping's reading. 0: each poll is a ping.
+    """
+
+    noise_mm: float = 3.0
+    noise_per_distance: float = 0.0
+    noise_power: float = 1.0
+    zero_mm: float = 0.0
+    scale: float = 1.0
+    air_temperature_c: float = REFERENCE_TEMPERATURE_C
+    quantum_mm: float = 10.0
+    transducer_spacing_mm: float = 0.0
+    blind_distance_mm: float = 0.0
+    blind_silent_share: float = 1.0
+    blind_reading_mm: float = 30.0
+    blind_spread_mm: float = 10.0
+    blind_edge_mm: float = 1.0
+    near_offset_mm: float = 0.0
+    near_below_mm: float = 250.0
+    near_share: float = 1.0
+    near_edge_mm: float = 2.0
+    max_angle_deg: float = 180.0
+    best_distance_mm: float = 438.0
+    contact_angle_deg: float = 20.0
+    far_angle_deg: float = 15.0
+    far_mm: float = 1538.0
+    beam_near_shape: float = 1.0
+    beam_far_shape: float = 1.0
+    beam_edge_deg: float = 2.0
+    miss_probability: float = 0.0
+    stray_probability: float = 0.0
+    crosstalk_per_mm: float = 0.0
+    update_period_s: float = 0.0
+
+    def to_config(self) -> dict[str, Any]:
+        """The parameters as a YAML-ready mapping."""
+        return to_config(LAYOUT, self)
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> Self:
+        """Read them from a mapping as `to_config` writes it.
+
+        Raises:
+            SensorError: a kind, key or value that is none.
+        """
+        return from_config(LAYOUT, cls, config)
+
+
+@final
+@dataclass(frozen=True)
+class UltrasonicTruth:
+    """What was in front of the sensor at each poll; arrays of shape (polls,).
+
+    Attributes:
+        distance_mm: of the target along the sensor's axis.
+        angle_deg: of incidence, 0 is square on; None is square on throughout.
+        time_s: stamps of the polls; needed only where `update_period_s` is not 0.
+    """
+
+    distance_mm: FloatArray
+    angle_deg: FloatArray | None = None
+    time_s: FloatArray | None = None
+
+    @property
+    def incidence_deg(self) -> FloatArray:
+        """The angle's size, deg."""
+        return np.zeros_like(self.distance_mm) if self.angle_deg is None else np.abs(self.angle_deg)
+
+
+FREE: tuple[Free, ...] = (
+    Free("noise_mm", 0.3, 200.0, 1.0),
+    Free("noise_per_distance", 0.0, 0.5, 0.005),
+    Free("zero_mm", -60.0, 60.0, 2.0),
+    Free("scale", 0.7, 1.4, 0.01),
+    Free("air_temperature_c", -40.0, 80.0, 2.0),
+    Free("blind_distance_mm", 0.0, 400.0, 5.0),
+    Free("blind_silent_share", 0.0, 1.0, 0.1),
+    Free("blind_reading_mm", 0.0, 2550.0, 20.0),
+    Free("blind_spread_mm", 1.0, 2000.0, 20.0),
+    Free("near_offset_mm", -150.0, 150.0, 3.0),
+    Free("near_below_mm", 0.0, 1200.0, 10.0),
+    Free("near_share", 0.3, 1.0, 0.1),
+    Free("max_angle_deg", 3.0, 120.0, 4.0),
+    Free("best_distance_mm", 30.0, 2400.0, 40.0),
+    Free("contact_angle_deg", -60.0, 120.0, 8.0),
+    Free("far_angle_deg", -90.0, 120.0, 8.0),
+    Free("beam_near_shape", 0.4, 4.0, 0.1),
+    Free("beam_far_shape", 0.4, 4.0, 0.1),
+    Free("beam_edge_deg", 0.05, 15.0, 0.7),
+    Free("miss_probability", 0.0, 0.5, 0.01),
+    Free("stray_probability", 0.0, 0.5, 0.01),
+    Free("crosstalk_per_mm", 0.0, 2e-3, 5e-5),
+)
+"""The parameters that can be fitted, with their bounds."""
+
+_FREE_BY_NAME = {part.name: part for part in FREE}
+
+
+def sound_speed(temperature_c: float) -> float:
+    """The speed of sound in dry air, m/s: 331.3·√(1 + T/273.15 °C)."""
+    return 331.3 * float(np.sqrt(1.0 + temperature_c / _KELVIN))
+
+
+def gain(parameters: UltrasonicParameters) -> float:
+    """By what the true distance is multiplied: the scale, and what the air's temperature does."""
+    warmth = sound_speed(REFERENCE_TEMPERATURE_C) / sound_speed(parameters.air_temperature_c)
+    return parameters.scale * warmth
+
+
+def beam_limit_deg(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
+    """The incidence at which half of the echoes are lost, deg; shape as `distance_mm`."""
+    p = parameters
+    before = np.maximum(1.0 - distance_mm / p.best_distance_mm, 0.0) ** p.beam_near_shape
+    span = max(p.far_mm - p.best_distance_mm, 1.0)
+    behind = np.maximum((distance_mm - p.best_distance_mm) / span, 0.0) ** p.beam_far_shape
+    near, far = p.contact_angle_deg - p.max_angle_deg, p.far_angle_deg - p.max_angle_deg
+    return np.asarray(p.max_angle_deg + near * before + far * behind, dtype=np.float64)
+
+
+def mean_mm(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> FloatArray:
+    """The distance that an echo gives on average, before rounding and without the near offset, mm.
+
+    Emitter and receiver half a spacing s off the axis see a wall at distance d and incidence φ over a path of
+    2·√(d² + (s·cos φ / 2)²), by the mirror image of the emitter.
+    """
+    half = 0.5 * parameters.transducer_spacing_mm * np.cos(np.deg2rad(truth.incidence_deg))
+    return gain(parameters) * np.sqrt(truth.distance_mm**2 + half**2) + parameters.zero_mm
+
+
+def noise_std_mm(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
+    """Standard deviation before rounding, mm: (σ0^p + (k·d)^p)^(1/p)."""
+    grown, power = parameters.noise_per_distance * distance_mm, parameters.noise_power
+    if power == 1.0:
+        return parameters.noise_mm + grown
+    return np.asarray((parameters.noise_mm**power + grown**power) ** (1.0 / power), dtype=np.float64)
+
+
+def log_likelihood_each(
+    parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth
+) -> FloatArray:
+    """The logarithm of each reading's probability, nats, shape (polls,).
+
+    0 where the reading is NaN, and where it only repeats the last ping's.
+    """
+    if readings.shape != truth.distance_mm.shape:
+        raise SensorError("readings and truth differ in length", where="ultrasonic sensor")
+    seen = ~np.isnan(readings)
+    if parameters.update_period_s > 0.0:
+        time_s = _stamps(truth)
+        seen &= first_polls(ping_numbers(time_s, parameters.update_period_s))
+        truth = _at_pings(parameters, truth)
+    given = np.where(seen, readings, 0.0)
+    return np.where(seen, np.log(np.maximum(probability(parameters, given, truth), _LEAST)), 0.0)
+
+
+def log_likelihood(parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth) -> float:
+    """The log-likelihood of the readings (cm), nats; exact for a rounded reading."""
+    return float(np.sum(log_likelihood_each(parameters, readings, truth)))
+
+
+def probability(parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth) -> FloatArray:
+    """The probability of each whole reading (cm, 255 without echo), shape (polls,)."""
+    p, distance = parameters, truth.distance_mm
+    quantum, none = p.quantum_mm, readings >= NO_ECHO * 10.0 / p.quantum_mm
+    mean, std = mean_mm(p, truth), noise_std_mm(p, distance)
+    near = near_probability(p, distance)
+    measured = (1.0 - near) * _rounded(readings, mean, std, quantum)
+    if p.near_offset_mm:
+        measured += near * _rounded(readings, mean + p.near_offset_mm, std, quantum)
+    else:
+        measured += near * _rounded(readings, mean, std, quantum)
+    if p.stray_probability:
+        anywhere = np.where(none, 0.0, 1.0 / (_LARGEST_READING + 1.0))
+        measured = (1.0 - p.stray_probability) * measured + p.stray_probability * anywhere
+    silent = silent_probability(p, truth)
+    blind = blind_probability(p, distance)
+    chance = (1.0 - blind) * (silent * none + (1.0 - silent) * measured)
+    if p.blind_distance_mm > 0.0:
+        spread = np.full_like(distance, p.blind_spread_mm)
+        said = _rounded(readings, np.full_like(distance, p.blind_reading_mm), spread, quantum)
+        chance += blind * (p.blind_silent_share * none + (1.0 - p.blind_silent_share) * said)
+    if p.crosstalk_per_mm:
+        chance = _with_crosstalk(p, chance, readings, none, mean, std, silent)
+    return np.asarray(chance, dtype=np.float64)
+
+
+def near_probability(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
+    """The probability that a reading carries the near offset."""
+    edge = (parameters.near_below_mm - distance_mm) / parameters.near_edge_mm
+    return parameters.near_share * logistic(edge)
+
+
+def blind_probability(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
+    """The probability that the target is too near to be measured."""
+    if parameters.blind_distance_mm <= 0.0:
+        return np.zeros_like(distance_mm)
+    return logistic((parameters.blind_distance_mm - distance_mm) / parameters.blind_edge_mm)
+
+
+def silent_probability(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> FloatArray:
+    """The probability that no echo comes back, by incidence or by chance."""
+    missed = np.full_like(truth.distance_mm, parameters.miss_probability)
+    if parameters.max_angle_deg >= 180.0:
+        return missed
+    limit = beam_limit_deg(parameters, truth.distance_mm)
+    heard = logistic((limit - truth.incidence_deg) / parameters.beam_edge_deg)
+    return 1.0 - heard * (1.0 - missed)
+
+
+def _rounded(readings: FloatArray, mean: FloatArray, std: FloatArray, quantum: float) -> FloatArray:
+    """Probability of whole readings of a normal distance; 0 takes all below, 255 all above."""
+    low = np.where(readings <= 0.0, -np.inf, ((readings - 0.5) * quantum - mean) / std)
+    high = np.where(readings >= NO_ECHO * 10.0 / quantum, np.inf, ((readings + 0.5) * quantum - mean) / std)
+    return interval_probability(low, high)
+
+
+def _with_crosstalk(
+    p: UltrasonicParameters,
+    chance: FloatArray,
+    readings: FloatArray,
+    none: NDArray[np.bool_],
+    mean: FloatArray,
+    std: FloatArray,
+    silent: FloatArray,
+) -> FloatArray:
+    """The probability where another sensor's ping, at a place that is uniform, may come first."""
+    reach = (_LARGEST_READING + 0.5) * p.quantum_mm
+    early = np.clip(p.crosstalk_per_mm * np.minimum(mean, reach), 0.0, 1.0)
+    before = interval_probability(np.full_like(mean, -np.inf), (mean - readings * p.quantum_mm) / std)
+    width = p.quantum_mm * np.where(readings <= 0.0, 0.5, 1.0)
+    foreign = np.where(none, 0.0, p.crosstalk_per_mm * width)
+    heard = (1.0 - early) * chance + foreign * before
+    alone = none * (1.0 - p.crosstalk_per_mm * reach) + foreign
+    return np.asarray((1.0 - silent) * heard + silent * alone, dtype=np.float64)
+
+
+def simulate(parameters: UltrasonicParameters, truth: UltrasonicTruth, rng: Generator) -> FloatArray:
+    """Readings in whole cm, 255 without echo, shape (polls,), drawn from the model."""
+    if parameters.update_period_s > 0.0:
+        numbers = ping_numbers(_stamps(truth), parameters.update_period_s)
+        first = first_polls(numbers)
+        pinged = simulate(replace(parameters, update_period_s=0.0), _at_pings(parameters, truth), rng)
+        return np.asarray(pinged[first][np.cumsum(first) - 1], dtype=np.float64)
+    p, count = parameters, truth.distance_mm.size
+    chance = rng.random((5, count))
+    distance = mean_mm(p, truth) + noise_std_mm(p, truth.distance_mm) * rng.standard_normal(count)
+    distance += np.where(chance[0] < near_probability(p, truth.distance_mm), p.near_offset_mm, 0.0)
+    stray = chance[1] < p.stray_probability
+    distance = np.where(stray, np.floor(255.0 * rng.random(count)) * p.quantum_mm, distance)
+    silent = chance[2] < silent_probability(p, truth)
+    blind = chance[3] < blind_probability(p, truth.distance_mm)
+    said = p.blind_reading_mm + p.blind_spread_mm * rng.standard_normal(count)
+    distance = np.where(blind, said, distance)
+    silent = np.where(blind, chance[4] < p.blind_silent_share, silent)
+    if p.crosstalk_per_mm:
+        foreign = rng.random(count) / p.crosstalk_per_mm
+        first = (foreign < distance) | (silent & (foreign <= (_LARGEST_READING + 0.5) * p.quantum_mm))
+        distance, silent = np.where(first, foreign, distance), silent & ~first
+    whole = np.clip(np.rint(distance / p.quantum_mm), 0.0, NO_ECHO * 10.0 / p.quantum_mm)
+    return np.asarray(np.where(silent, NO_ECHO * 10.0 / p.quantum_mm, whole), dtype=np.float64)
+
+
+def expected(parameters: UltrasonicParameters, distance_mm: float, angle_deg: float = 0.0) -> Expected:
+    """What the sensor is expected to read, cm, for one target: cheap enough for a filter's every step."""
+    truth = UltrasonicTruth(np.array([distance_mm]), np.array([angle_deg]))
+    mean, variance, p_no_echo = moments(parameters, truth)
+    return Expected(float(mean[0]), float(variance[0]), float(p_no_echo[0]))
+
+
+def moments(
+    parameters: UltrasonicParameters, truth: UltrasonicTruth
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean (cm) and variance (cm²) of a reading with an echo, and the probability of none; shape (polls,) each."""
+    p, distance = parameters, truth.distance_mm
+    near = near_probability(p, distance) if p.near_offset_mm else np.zeros_like(distance)
+    mean = mean_mm(p, truth) + near * p.near_offset_mm
+    variance = noise_std_mm(p, distance) ** 2 + near * (1.0 - near) * p.near_offset_mm**2
+    blind = blind_probability(p, distance)
+    silent = silent_probability(p, truth)
+    p_none = (1.0 - blind) * silent + blind * p.blind_silent_share
+    talks = blind * (1.0 - p.blind_silent_share)
+    share = talks / np.maximum(talks + (1.0 - blind) * (1.0 - silent), 1e-12)
+    both = (1.0 - share) * mean + share * p.blind_reading_mm
+    variance = (1.0 - share) * (variance + (mean - both) ** 2) + share * (
+        p.blind_spread_mm**2 + (p.blind_reading_mm - both) ** 2
+    )
+    quantum = p.quantum_mm
+    return both / quantum, variance / quantum**2 + 1.0 / 12.0, np.asarray(p_none, dtype=np.float64)
+
+
+def fit(
+    readings: FloatArray,
+    truth: UltrasonicTruth,
+    *,
+    start: UltrasonicParameters | None = None,
+    free: Sequence[str] = ("noise_mm", "noise_per_distance", "zero_mm", "scale"),
+) -> Fitted[UltrasonicParameters]:
+    """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
+
+    Args:
+        readings: cm, shape (polls,), NaN where not sampled.
+        truth: the target at each poll.
+        start: where to begin; the ideal sensor by default.
+        free: names out of `FREE`.
+
+    Raises:
+        SensorError: a name that cannot be fitted, or too few readings.
+    """
+    unknown = [name for name in free if name not in _FREE_BY_NAME]
+    if unknown:
+        mend = f"known are {', '.join(_FREE_BY_NAME)}"
+        raise SensorError(f"cannot fit {', '.join(unknown)}", where="ultrasonic sensor", mend=mend)
+    if int(np.count_nonzero(~np.isnan(readings))) <= len(free):
+        raise SensorError("too few readings", where="ultrasonic sensor", mend="record more")
+    return fit_free(
+        lambda parameters: log_likelihood(parameters, readings, truth),
+        start or UltrasonicParameters(),
+        [_FREE_BY_NAME[name] for name in free],
+    )
+
+
+def _stamps(truth: UltrasonicTruth) -> FloatArray:
+    if truth.time_s is None:
+        mend = "give time_s, or set update_period_s to 0"
+        raise SensorError(
+            "pings at a rate, but the polls have no stamps", where="ultrasonic sensor", mend=mend
+        )
+    return truth.time_s
+
+
+def _at_pings(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> UltrasonicTruth:
+    time_s, period_s = _stamps(truth), parameters.update_period_s
+    angle = None if truth.angle_deg is None else at_pings(truth.angle_deg, time_s, period_s)
+    return UltrasonicTruth(at_pings(truth.distance_mm, time_s, period_s), angle, time_s)

@@ -1,0 +1,106 @@
+"""From a divergence to a better model, while the session goes on: diagnose what was seen, and take over what is found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any, TypeVar, final
+
+from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.engine import Answer, diagnose
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.physics.plant import Plant
+from nxt_twin.recording.case import Case
+from nxt_twin.recording.columns import Port, tacho_column
+from nxt_twin.recording.recording import Recording
+from nxt_twin.twin.records import Event
+
+T = TypeVar("T")
+
+ENOUGH_S = 12.0
+_TRIES = 3
+
+
+@final
+class AtOnce(Executor):
+    """Does what it is given at once, in the caller's thread: for tests, and wherever time is virtual."""
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:  # noqa: ANN401
+        """Do it, and give what came of it."""
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except NxtTwinError as error:
+            future.set_exception(error)
+        return future
+
+
+@final
+class Adopter:
+    """Diagnoses one motor at a time, and not for ever.
+
+    Args:
+        executor: where the diagnosis runs, beside the session.
+        enough_s: how much must have been seen since the onset.
+
+    Attributes:
+        diagnoses: what was found, in order, with the motor it is about.
+    """
+
+    def __init__(self, executor: Executor, enough_s: float = ENOUGH_S) -> None:
+        self._executor = executor
+        self._enough_s = enough_s
+        self._running: tuple[Port, Future[Answer]] | None = None
+        self._tries: dict[Port, int] = {}
+        self.diagnoses: list[tuple[Port, Diagnosis]] = []
+
+    def wants(self, port: Port, seen_s: float) -> bool:
+        """Whether it is time to diagnose a motor that has been off its model for so long."""
+        return self._running is None and seen_s >= self._enough_s and self._tries.get(port, 0) < _TRIES
+
+    def start(self, port: Port, plant: Plant, recording: Recording) -> None:
+        """Diagnose a motor, from a recording of it, against the model that it has."""
+        self._tries[port] = self._tries.get(port, 0) + 1
+        case = Case("live", Path(), plant.to_config(), (recording,), (), port)
+        self._running = (port, self._executor.submit(diagnose, case))
+
+    def finished(self) -> tuple[Port, Answer | NxtTwinError] | None:
+        """What came of the diagnosis, once, when it is over."""
+        if self._running is None or not self._running[1].done():
+            return None
+        port, future = self._running
+        self._running = None
+        error = future.exception()
+        if isinstance(error, NxtTwinError):
+            return port, error
+        answer = future.result()
+        self.diagnoses.append((port, answer.diagnosis))
+        return port, answer
+
+    def close(self) -> None:
+        """Wait for nothing more."""
+        self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
+    """What a diagnosis says, as events."""
+    diagnosis, channel = answer.diagnosis, tacho_column(port)
+    where = f"port {port.upper()}:"
+    named = [
+        Event(
+            time_s,
+            "effect_named",
+            f"{where} {effect.name} (probability {effect.probability:.2f})",
+            port,
+            channel,
+            strength=effect.probability,
+        )
+        for effect in diagnosis.effects
+    ]
+    ids = ", ".join(effect.id.replace("_", " ") for effect in diagnosis.effects)
+    what = f"the model now has {ids}" if ids else "the model's numbers were off and are re-fitted"
+    if diagnosis.verdict == "unexplained":
+        what += "; more is missing that no known effect accounts for"
+    words = f"{where} {what} (off by {diagnosis.fit.baseline:.3g} before, {diagnosis.fit.improved:.3g} {diagnosis.fit.unit} after, in free run)"
+    return [*named, Event(time_s, "adopted", words, port, channel)]

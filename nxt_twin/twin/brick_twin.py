@@ -1,0 +1,175 @@
+"""The twin of a whole brick: its motors on one battery, moved together from reading to reading."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.plant import Plant
+from nxt_twin.recording.columns import Port
+from nxt_twin.recording.recording import DriveMode
+from nxt_twin.twin.batch import Batch
+from nxt_twin.twin.bridge import Bridge, firmware_bridge
+from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
+from nxt_twin.twin.motor import Evidence, MotorTwin
+from nxt_twin.twin.records import MotorState
+from nxt_twin.twin.settings import Noise, Watch
+from nxt_twin.twin.supply import Supply
+
+_SUPPLY_STEP_S = 0.005
+"""How long the battery's voltage is held while the motors' current changes."""
+_CELLS_OHM = 0.35
+"""Six alkaline cells and the contacts between them; where a motor's plant has a sag of its own, it is 0."""
+
+
+@final
+@dataclass(frozen=True)
+class TwinOptions:
+    """How a brick's twin is made.
+
+    Attributes:
+        noise: what is random about its motors.
+        watch: when readings are believed, and what an alarm needs.
+        candidates: effects that are weighed while it runs; none to weigh nothing.
+        bridge: what commands do.
+        cells_ohm: the battery's internal resistance; None for that of six alkaline cells.
+    """
+
+    noise: Noise = Noise()
+    watch: Watch = Watch()
+    candidates: tuple[str, ...] = DEFAULT_CANDIDATES
+    bridge: Bridge = firmware_bridge
+    cells_ohm: float | None = None
+
+
+@final
+class BrickTwin:
+    """Up to three motors; moments are of one clock that never goes back.
+
+    Args:
+        plants: the model of each motor.
+        options: the rest.
+        now_s: the moment to begin with.
+
+    Raises:
+        PlantError: the plants cannot stand side by side.
+    """
+
+    def __init__(
+        self, plants: Mapping[Port, Plant], options: TwinOptions | None = None, now_s: float = 0.0
+    ) -> None:
+        self.options = options or TwinOptions()
+        self._plants = dict(plants)
+        self._commands: dict[Port, tuple[int, DriveMode]] = dict.fromkeys(plants, (0, "coast"))
+        self._supply = self._new_supply()
+        self._motors = self._new_motors()
+        self._batch = self._new_batch(now_s)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """The motors that it has."""
+        return tuple(self._plants)
+
+    @property
+    def plants(self) -> Mapping[Port, Plant]:
+        """The model of each motor."""
+        return self._plants
+
+    @property
+    def now_s(self) -> float:
+        """The moment it has got to."""
+        return self._batch.now_s
+
+    @property
+    def supply_v(self) -> float:
+        """The battery's voltage without load, as estimated, V."""
+        return self._supply.open_v
+
+    def motor(self, port: Port) -> MotorTwin:
+        """One motor's filters."""
+        return self._motors[port]
+
+    def command(self, port: Port, power_pct: int, mode: DriveMode, at_s: float) -> None:
+        """From `at_s` on, a motor is driven so."""
+        if self._commands[port] == (power_pct, mode):
+            return
+        before, _ = self._commands[port]
+        self._commands[port] = (power_pct, mode)
+        self._batch.command(port, at_s, self.options.bridge(power_pct, mode, before / 100.0))
+
+    def commanded(self, port: Port) -> tuple[int, DriveMode]:
+        """Power and mode in force on a port."""
+        return self._commands[port]
+
+    def move(self, to_s: float) -> None:
+        """Let time pass for all motors."""
+        moment_s = self._batch.now_s
+        while moment_s < to_s:
+            moment_s = min(to_s, moment_s + _SUPPLY_STEP_S)
+            self._batch.advance(moment_s, self._supply.under(self._drawn_a()))
+
+    def read_tacho(self, port: Port, taken_s: float, count: int, taken_std_s: float = 0.0) -> Evidence:
+        """Compare a count, taken at `taken_s`, and learn from it."""
+        self.move(taken_s)
+        return self._motors[port].read(self._batch, count, taken_std_s, taken_s)
+
+    def read_battery(self, terminal_v: float) -> None:
+        """Take a reading of the battery."""
+        self._supply.read(terminal_v, self._drawn_a())
+
+    def place(self, port: Port, count: int) -> None:
+        """Begin anew at a count: the brick was away, and may have been switched off."""
+        self._motors[port].place(self._batch, count)
+
+    def forget_evidence(self, port: Port) -> None:
+        """Let the model that is believed begin anew where the motor is."""
+        self._motors[port].forget_evidence(self._batch)
+
+    def state(self, port: Port) -> MotorState:
+        """What is believed of a motor now."""
+        return self._motors[port].state(self._batch, *self._commands[port])
+
+    def adopt(self, port: Port, plant: Plant) -> None:
+        """Put another model in a motor's place, and go on where it is."""
+        motors, batch = self._motors, self._batch
+        self._plants[port] = plant
+        self._supply = self._new_supply(self._supply.open_v)
+        self._motors = self._new_motors()
+        self._batch = self._new_batch(batch.now_s)
+        for each, motor in self._motors.items():
+            duty, mode = batch.in_force(each)
+            self._batch.set_in_force(each, duty, mode)
+            motor.follow(motors[each], self._batch)
+
+    def _drawn_a(self) -> float:
+        return sum(self._batch.drawn_a(motor.row) for motor in self._motors.values())
+
+    def _new_supply(self, assumed_v: float | None = None) -> Supply:
+        plants = self._plants.values()
+        sagging = any("battery_sag" in plant.active for plant in plants)
+        cells_ohm = _CELLS_OHM if self.options.cells_ohm is None else self.options.cells_ohm
+        given_v = max(plant.values[Slot(BASE_OWNER, "supply_v")] for plant in plants)
+        return Supply(given_v if assumed_v is None else assumed_v, 0.0 if sagging else cells_ohm)
+
+    def _new_motors(self) -> dict[Port, MotorTwin]:
+        options, row, motors = self.options, 0, {}
+        for port, plant in self._plants.items():
+            motor = MotorTwin(port, plant, options.noise, options.watch, row, options.candidates)
+            motors[port] = motor
+            row += len(motor.rows)
+        return motors
+
+    def _new_batch(self, now_s: float) -> Batch:
+        plants: list[Plant] = []
+        ports: list[Port] = []
+        for port, motor in self._motors.items():
+            plants += motor.rows
+            ports += [port] * len(motor.rows)
+        return Batch(plants, ports, _delays_s(plants), self.options.noise.torque_time_s, now_s)
+
+
+def _delays_s(plants: Sequence[Plant]) -> list[float]:
+    known: dict[int, float] = {}
+    return [known.setdefault(id(plant), delay_s(plant)) for plant in plants]

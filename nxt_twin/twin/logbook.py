@@ -1,0 +1,175 @@
+"""A brick without a model: polled, driven if wanted, and written down as contract 1 wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final, final
+
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.errors import BrickError
+from nxt_twin.brick.stamped import Stamped
+from nxt_twin.recording.columns import (
+    BATTERY,
+    TIME,
+    Port,
+    Slot,
+    light_column,
+    mode_column,
+    power_column,
+    sound_column,
+    tacho_column,
+    touch_column,
+    ultrasonic_column,
+)
+from nxt_twin.recording.recording import DRIVE_MODES
+from nxt_twin.twin.driver import Driver, Told
+from nxt_twin.twin.history import Recorder
+from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
+from nxt_twin.twin.sensor_twin import SensorKind
+
+_COLUMNS: Final[Mapping[SensorKind, Callable[[Slot], str]]] = {
+    "touch": touch_column,
+    "light": light_column,
+    "sound": sound_column,
+    "ultrasonic": ultrasonic_column,
+}
+
+
+@final
+@dataclass(frozen=True)
+class Beat:
+    """How far it is.
+
+    Attributes:
+        elapsed_s: since the first poll.
+        rows: written so far.
+    """
+
+    elapsed_s: float
+    rows: int
+
+
+Tell = Callable[[Beat], None]
+
+
+def columns_of(ports: tuple[Port, ...], sensors: Mapping[Slot, SensorKind]) -> tuple[str, ...]:
+    """The columns that rows of these motors and sensors may fill."""
+    motors = [name(port) for port in ports for name in (power_column, mode_column, tacho_column)]
+    return (TIME, *motors, BATTERY, *(_COLUMNS[kind](slot) for slot, kind in sensors.items()))
+
+
+@final
+class Logbook:
+    """Polls one brick and writes every poll down.
+
+    In a poll the battery and a sensor come first, if due, then the motors; the row's stamp is that of the last reply.
+    Only then are the motors commanded: so a command acts after the counts that stand in its row.
+
+    Args:
+        brick: open.
+        clock: of all stamps.
+        ports: motors to read.
+        plan: what else is asked, and how often.
+        recorder: keeps the rows; None keeps none.
+        driver: commands the motors; None leaves that to somebody else, and the brick's word is taken for it.
+    """
+
+    def __init__(
+        self,
+        brick: Brick,
+        clock: Clock,
+        ports: tuple[Port, ...],
+        plan: Plan,
+        recorder: Recorder | None = None,
+        driver: Driver | None = None,
+    ) -> None:
+        self._brick, self._clock, self._ports, self._plan = brick, clock, ports, plan
+        self._recorder, self._driver = recorder, driver
+        self._sensors = SensorPoll(brick, plan)
+        self._told: dict[Port, Told] = {}
+        self._counts: dict[Port, int] = {}
+        self._battery_due_s = 0.0
+        self._began_s = 0.0
+        self.rows = 0
+
+    @property
+    def _now_s(self) -> float:
+        return self._clock.now_s() - self._began_s
+
+    def keep(self, seconds: float | None, report: Tell = lambda _: None) -> Beat:
+        """Poll for so long, or until interrupted; whatever ends it, driven motors coast.
+
+        Args:
+            seconds: how long; None for ever.
+            report: is told after each poll.
+
+        Returns:
+            How far it came.
+
+        Raises:
+            BrickError: the brick does not answer.
+            RecordingError: the recorder failed.
+        """
+        self._sensors.set_up()
+        self._began_s = self._clock.now_s()
+        beat = Beat(0.0, self.rows)
+        try:
+            while seconds is None or self._now_s < seconds:
+                began_s = self._now_s
+                self._poll(seconds)
+                beat = Beat(self._now_s, self.rows)
+                report(beat)
+                self._clock.sleep(max(began_s + self._plan.period_s - self._now_s, 0.0))
+        finally:
+            if self._driver is not None:
+                with suppress(BrickError):  # the link is lost, which the error that is on its way tells
+                    self._brick.motors.coast()
+        return beat
+
+    def _poll(self, seconds: float | None) -> None:
+        row: dict[str, float] = {}
+        self._read_battery(row)
+        self._read_sensor(row)
+        received_s = self._now_s
+        for port in self._ports:
+            reply = self._brick.motors.read(OUTPUTS[port])
+            received_s = reply.received_s - self._began_s
+            self._counts[port] = reply.value.tacho_deg
+            row[tacho_column(port)] = float(reply.value.tacho_deg)
+            if self._driver is None or port not in self._driver.ports:
+                self._told[port] = reported(reply.value)
+        if self._driver is not None and (seconds is None or received_s < seconds):
+            self._command(self._driver, received_s)
+        for port in self._ports:
+            power_pct, mode = self._told.get(port, (0, "coast"))
+            row[power_column(port)] = float(power_pct)
+            row[mode_column(port)] = float(DRIVE_MODES.index(mode))
+        self.rows += 1
+        if self._recorder is not None:
+            self._recorder.row({TIME: round(received_s, 6), **row})
+
+    def _command(self, driver: Driver, now_s: float) -> None:
+        for port, told in driver.at(now_s, self._counts).items():
+            if self._told.get(port) != told:
+                self._told[port] = told
+                self._send(port, told)
+
+    def _send(self, port: Port, told: Told) -> Stamped[None]:
+        """Let go at once, as the recording will say, where the firmware's own coasting fades by 1 % each ms."""
+        if told[1] == "coast":
+            return self._brick.motors.drive(OUTPUTS[port], 0, floating=True)
+        return tell(self._brick, port, *told)
+
+    def _read_battery(self, row: dict[str, float]) -> None:
+        if self._now_s >= self._battery_due_s:
+            self._battery_due_s = self._now_s + self._plan.battery_every_s
+            row[BATTERY] = self._brick.device.battery_v().value
+
+    def _read_sensor(self, row: dict[str, float]) -> None:
+        found = self._sensors.next(self._now_s)
+        if found is not None:
+            slot, reply = found
+            row[_COLUMNS[self._plan.sensors[slot]](slot)] = reply.value

@@ -1,0 +1,146 @@
+"""Says in words when a motor leaves its model, and tells trouble of other kinds from missing physics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import final
+
+from nxt_twin.recording.columns import Port, tacho_column
+from nxt_twin.twin.candidates import NOTHING, UNKNOWN
+from nxt_twin.twin.motor import Evidence
+from nxt_twin.twin.records import Event, EventKind
+from nxt_twin.twin.settings import Watch
+from nxt_twin.twin.standstill import Standstill
+from nxt_twin.twin.tally import Regimes, Tally
+
+_MOVING_RAD_S = 0.5
+_BRIEF_S = 1.0
+_SURE = 0.8
+_ENOUGH_S = 2.0
+
+
+@final
+class MotorMonitor:
+    """Watches one motor.
+
+    Args:
+        port: of the brick.
+        watch: thresholds.
+
+    Attributes:
+        diverging: whether the motor is off its model.
+        since_s: since when.
+    """
+
+    def __init__(self, port: Port, watch: Watch) -> None:
+        self._port = port
+        self._watch = watch
+        self._tally = Tally()
+        self._regimes = Regimes()
+        self._standstill = Standstill(watch)
+        self._last_s: float | None = None
+        self._well_s = 0.0
+        self._named: str | None = None
+        self._favourite: tuple[str, float] = ("", 0.0)
+        self._pushed_s = 0.0
+        self._proving = False
+        self.diverging = False
+        self.since_s = 0.0
+
+    @property
+    def trouble(self) -> str | None:
+        """`stall` or `disconnected`, while it lasts."""
+        return self._standstill.trouble
+
+    def take(
+        self, time_s: float, evidence: Evidence, power_pct: int, effects: dict[str, float]
+    ) -> Iterator[Event]:
+        """Take what one reading said, and the probabilities of the effects; yield what is to be said."""
+        moving_s = self._moving_s(time_s, evidence.speed)
+        if self._standstill.take(time_s, evidence.count, power_pct):
+            yield self._trouble(time_s, power_pct)
+        if self._standstill.trouble:
+            self._tally.clear(time_s)
+            return
+        regime = self._regimes.of(time_s, evidence.speed, power_pct)
+        self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
+        if self._tally.nats >= self._watch.alarm_nats:
+            yield from self._alarm(time_s)
+        elif self.diverging or self._proving:
+            yield from self._recover(time_s, moving_s)
+        if self.diverging:
+            yield from self._name(time_s, effects)
+
+    def forget(self, time_s: float, *, proving: bool = False) -> None:
+        """Begin anew: the brick was away, or the model is another, which has to prove itself."""
+        self._tally.clear(time_s)
+        self.diverging = False
+        self._proving = proving
+        self._well_s = 0.0
+        self._named = None
+        self._last_s = None
+
+    def _moving_s(self, time_s: float, speed: float) -> float:
+        passed_s = 0.0 if self._last_s is None else time_s - self._last_s
+        self._last_s = time_s
+        return passed_s if abs(speed) > _MOVING_RAD_S else 0.0
+
+    def _alarm(self, time_s: float) -> Iterator[Event]:
+        tally = self._tally
+        self._well_s = 0.0
+        self._pushed_s = time_s
+        if not self.diverging:
+            self.diverging, self.since_s, self._named = True, tally.since_s, None
+            self._proving = False
+            how = "faster" if tally.push > 0.0 else "slower"
+            where = f", most {tally.regime}" if tally.regime else ""
+            words = f"port {self._port.upper()}: the motor turns {how} than its model since {tally.since_s:.1f} s{where}"
+            yield self._event(time_s, "divergence", words, tally.since_s, tally.nats)
+        tally.clear(time_s)
+
+    def _recover(self, time_s: float, moving_s: float) -> Iterator[Event]:
+        self._well_s += moving_s
+        if self._well_s < self._watch.calm_s:
+            return
+        lasted_s = self._pushed_s - self.since_s
+        brief = self.diverging and lasted_s < _BRIEF_S
+        self.diverging = self._proving = False
+        if brief:
+            words = (
+                f"port {self._port.upper()}: something pushed or let go for {max(lasted_s, 0.1):.1f} s "
+                f"at {self.since_s:.1f} s; the model holds before and after"
+            )
+            yield self._event(time_s, "slip", words, self.since_s, None)
+        words = f"port {self._port.upper()}: the motor turns as its model again"
+        yield self._event(time_s, "calm", words, None, None)
+
+    def _name(self, time_s: float, effects: dict[str, float]) -> Iterator[Event]:
+        named = {name: p for name, p in effects.items() if name not in (NOTHING, UNKNOWN)}
+        if not named:
+            return
+        best = max(named, key=lambda name: named[name])
+        if named[best] < _SURE:
+            self._favourite = ("", time_s)
+            return
+        if self._favourite[0] != best:
+            self._favourite = (best, time_s)
+        if time_s - self._favourite[1] >= _ENOUGH_S and self._named != best:
+            self._named = best
+            words = (
+                f"port {self._port.upper()}: of what is weighed, {best.replace('_', ' ')} explains it best "
+                f"(probability {named[best]:.2f})"
+            )
+            yield self._event(time_s, "effect_named", words, self.since_s, named[best])
+
+    def _trouble(self, time_s: float, power_pct: int) -> Event:
+        port = self._port.upper()
+        if self._standstill.trouble == "disconnected":
+            words = f"port {port}: not a single count at {power_pct} % power: is the motor's cable in?"
+            return self._event(time_s, "disconnected", words, None, None)
+        words = f"port {port}: the motor is driven at {power_pct} % and does not turn: something blocks it"
+        return self._event(time_s, "stall", words, None, None)
+
+    def _event(
+        self, time_s: float, kind: EventKind, words: str, onset_s: float | None, strength: float | None
+    ) -> Event:
+        return Event(time_s, kind, words, self._port, tacho_column(self._port), onset_s, strength)

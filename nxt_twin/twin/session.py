@@ -1,0 +1,288 @@
+"""A session: brick and twin side by side, at the link's own pace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkRefusedError, LinkTimeoutError
+from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
+from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
+from nxt_twin.twin.adopt import Adopter, told
+from nxt_twin.twin.brick_twin import BrickTwin
+from nxt_twin.twin.driver import Driver
+from nxt_twin.twin.history import History, Recorder
+from nxt_twin.twin.monitor import MotorMonitor
+from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
+from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
+from nxt_twin.twin.sensor_twin import SensorTwin
+from nxt_twin.twin.settings import Pace
+from nxt_twin.errors import NxtTwinError
+
+_MISSES_MOST = 3
+_ALONE_S = 0.1
+_WAITS_S = (0.5, 1.0, 2.0, 4.0, 5.0)
+_BEFORE_ONSET_S = 1.0
+_LOW_AGAIN_V = 0.3
+
+
+@final
+@dataclass(frozen=True)
+class Parts:
+    """What a session is put together from.
+
+    Attributes:
+        open_brick: opens the link, again after it was lost.
+        clock: of all stamps.
+        twin: of the brick.
+        sink: is told of every poll and event.
+        plan: what a poll asks.
+        pace: when, between request and reply, the brick acts.
+        driver: commands the motors; None leaves that to somebody else, and the brick's word is taken for it.
+        recorder: keeps the session.
+        adopter: takes over what a diagnosis finds.
+    """
+
+    open_brick: Callable[[], Brick]
+    clock: Clock
+    twin: BrickTwin
+    sink: Sink
+    plan: Plan = Plan()
+    pace: Pace = Pace()
+    driver: Driver | None = None
+    recorder: Recorder | None = None
+    adopter: Adopter | None = None
+
+
+@final
+class Session:
+    """Polls, predicts, compares, learns, records and tells. Not for several threads at once.
+
+    The motors go on as last commanded while the link is lost, as the firmware does; on leaving, they coast.
+
+    Args:
+        parts: what it is put together from.
+
+    Attributes:
+        monitors: one for each motor.
+        polls: how many there were.
+    """
+
+    def __init__(self, parts: Parts) -> None:
+        self._parts = parts
+        self._clock, self._twin, self._sink = parts.clock, parts.twin, parts.sink
+        self._began_s = parts.clock.now_s()
+        watch = parts.twin.options.watch
+        self.monitors = {port: MotorMonitor(port, watch) for port in parts.twin.ports}
+        self._history = {port: History(port) for port in parts.twin.ports}
+        self._sensors = {slot: SensorTwin(slot, kind) for slot, kind in parts.plan.sensors.items()}
+        self._counts: dict[Port, int] = {}
+        self._battery_due_s = 0.0
+        self._battery_low = False
+        self._misses = 0
+        self.polls = 0
+
+    @property
+    def now_s(self) -> float:
+        """Time since the session began, s."""
+        return self._clock.now_s() - self._began_s
+
+    def run(self, seconds: float | None) -> None:
+        """Go on for so long, or until interrupted.
+
+        Raises:
+            LinkError: the first link could not be opened, or a lost one cannot ever be again.
+            NxtTwinError: the recorder failed.
+        """
+        brick = self._parts.open_brick()
+        try:
+            self._tell("started", f"watching motors {', '.join(p.upper() for p in self._twin.ports)}")
+            while not self._over(seconds):
+                brick = self._through(brick, seconds)
+            self._tell("stopped", f"after {self.now_s:.1f} s and {self.polls} polls")
+        finally:
+            brick.close()
+
+    def _over(self, seconds: float | None) -> bool:
+        return seconds is not None and self.now_s >= seconds
+
+    def _through(self, brick: Brick, seconds: float | None) -> Brick:
+        """Poll until the link is lost or time is over; the brick to go on with."""
+        try:
+            sensors = SensorPoll(brick, self._parts.plan)
+            sensors.set_up()
+            while not self._over(seconds):
+                began_s = self.now_s
+                self._poll_or_miss(brick, sensors)
+                left_s = began_s + self._parts.plan.period_s - self.now_s
+                if left_s > 0.0:
+                    self._clock.sleep(left_s)
+        except LinkError as error:
+            self._tell("link_lost", f"the link is lost ({error}); the model goes on alone")
+            brick.close()
+            return self._reopen(seconds) or brick
+        return brick
+
+    def _poll_or_miss(self, brick: Brick, sensors: SensorPoll) -> None:
+        try:
+            self._poll(brick, sensors)
+            self._misses = 0
+        except (LinkTimeoutError, GarbageError) as error:
+            self._misses += 1
+            if self._misses >= _MISSES_MOST:
+                raise LinkLostError(f"{self._misses} polls in a row went wrong: {error.what}") from error
+
+    def _poll(self, brick: Brick, sensors: SensorPoll) -> None:
+        sent_s = self.now_s
+        row: dict[str, float] = {}
+        innovations: list[Innovation] = []
+        self._drive(brick, sent_s)
+        for port in self._twin.ports:
+            innovations.append(self._motor(brick, port, row))
+        innovations += self._sensor(sensors, row)
+        battery_v = self._battery(brick, row)
+        received_s = self.now_s
+        states = tuple(self._twin.state(port) for port in self._twin.ports)
+        self._sink.tick(Tick(self.polls, sent_s, received_s, states, tuple(innovations), battery_v))
+        self.polls += 1
+        if self._parts.recorder is not None:
+            self._parts.recorder.row({TIME: received_s, **row})
+        self._adopt()
+
+    def _drive(self, brick: Brick, now_s: float) -> None:
+        if self._parts.driver is None:
+            return
+        for port, (power_pct, mode) in self._parts.driver.at(now_s, self._counts).items():
+            if self._twin.commanded(port) == (power_pct, mode) and self.polls > 0:
+                continue
+            reply = tell(brick, port, power_pct, mode)
+            acts_s, _ = self._taken(reply.sent_s, reply.received_s)
+            self._commanded(port, acts_s, power_pct, mode)
+
+    def _commanded(self, port: Port, at_s: float, power_pct: int, mode: DriveMode) -> None:
+        self._twin.command(port, power_pct, mode, at_s)
+        self._history[port].command(at_s, power_pct, mode, self._twin.supply_v)
+
+    def _motor(self, brick: Brick, port: Port, row: dict[str, float]) -> Innovation:
+        reply = brick.motors.read(OUTPUTS[port])
+        taken_s, std_s = self._taken(reply.sent_s, reply.received_s)
+        count = reply.value.tacho_deg
+        if self._parts.driver is None or port not in self._parts.driver.ports:
+            power_pct, mode = reported(reply.value)
+            if (power_pct, mode) != self._twin.commanded(port):
+                self._commanded(port, min(taken_s, self._twin.now_s), power_pct, mode)
+        power_pct, mode = self._twin.commanded(port)
+        evidence = self._twin.read_tacho(port, taken_s, count, std_s)
+        self._counts[port] = count
+        self._history[port].count(taken_s, count, power_pct, mode, self._twin.supply_v)
+        self._watch(port, taken_s, evidence_power=power_pct, evidence=evidence)
+        row[tacho_column(port)] = float(count)
+        row[power_column(port)] = float(power_pct)
+        row[mode_column(port)] = float(DRIVE_MODES.index(mode))
+        return evidence.innovation
+
+    def _watch(self, port: Port, time_s: float, *, evidence_power: int, evidence: object) -> None:
+        monitor = self.monitors[port]
+        effects = dict(self._twin.state(port).effects)
+        for event in monitor.take(time_s, evidence, evidence_power, effects):  # type: ignore[arg-type]
+            if event.kind == "divergence":
+                self._twin.forget_evidence(port)
+            self._sink.event(event)
+
+    def _sensor(self, sensors: SensorPoll, row: dict[str, float]) -> list[Innovation]:
+        found = sensors.next(self.now_s)
+        if found is None:
+            return []
+        slot, reply = found
+        taken_s, _ = self._taken(reply.sent_s, reply.received_s)
+        row[self._sensors[slot].column] = reply.value
+        innovation = self._sensors[slot].read(taken_s, reply.value)
+        return [] if innovation is None else [innovation]
+
+    def _battery(self, brick: Brick, row: dict[str, float]) -> float | None:
+        if self.now_s < self._battery_due_s:
+            return None
+        self._battery_due_s = self.now_s + self._parts.plan.battery_every_s
+        voltage_v = brick.device.battery_v().value
+        self._twin.read_battery(voltage_v)
+        row[BATTERY] = voltage_v
+        lowest_v = self._twin.options.watch.low_battery_v
+        if voltage_v < lowest_v and not self._battery_low:
+            self._battery_low = True
+            self._tell("low_battery", f"the battery is down to {voltage_v:.2f} V: change the cells before you trust more")
+        elif voltage_v > lowest_v + _LOW_AGAIN_V:
+            self._battery_low = False
+        return voltage_v
+
+    def _taken(self, sent_s: float, received_s: float) -> tuple[float, float]:
+        """When, in the session's time, the brick did what it was asked, and how well that is known."""
+        trip_s = received_s - sent_s
+        at_s = sent_s + self._parts.pace.share * trip_s - self._began_s
+        return at_s, self._parts.pace.share_std * trip_s
+
+    def _reopen(self, seconds: float | None) -> Brick | None:
+        """Try to reach the brick again, while the model goes on; None if time is over first."""
+        self._misses = 0
+        tries = 0
+        while not self._over(seconds):
+            wait_s = _WAITS_S[min(tries, len(_WAITS_S) - 1)]
+            tries += 1
+            self._alone(wait_s, seconds)
+            try:
+                brick = self._parts.open_brick()
+                self._come_back(brick)
+            except LinkRefusedError:
+                continue
+            except LinkError:
+                continue
+            return brick
+        return None
+
+    def _come_back(self, brick: Brick) -> None:
+        """Begin anew where the motors are: the brick may have been switched off, and counts from 0 then."""
+        for port in self._twin.ports:
+            reply = brick.motors.read(OUTPUTS[port])
+            taken_s, _ = self._taken(reply.sent_s, reply.received_s)
+            self._twin.move(taken_s)
+            power_pct, mode = reported(reply.value)
+            self._twin.command(port, power_pct, mode, taken_s)
+            self._twin.place(port, reply.value.tacho_deg)
+            self._counts[port] = reply.value.tacho_deg
+            self.monitors[port].forget(taken_s)
+            self._history[port].clear()
+        self._tell("link_back", "the link is back; counts and model are together again")
+
+    def _alone(self, duration_s: float, seconds: float | None) -> None:
+        end_s = self.now_s + duration_s
+        while self.now_s < end_s and not self._over(seconds):
+            self._clock.sleep(min(_ALONE_S, end_s - self.now_s))
+            now_s = self.now_s
+            self._twin.move(now_s)
+            states = tuple(self._twin.state(port) for port in self._twin.ports)
+            self._sink.tick(Tick(self.polls, now_s, now_s, states, (), link_up=False))
+
+    def _adopt(self) -> None:
+        adopter = self._parts.adopter
+        if adopter is None:
+            return
+        for port, monitor in self.monitors.items():
+            from_s = monitor.since_s - _BEFORE_ONSET_S
+            if monitor.diverging and adopter.wants(port, self._history[port].seconds_since(from_s)):
+                adopter.start(port, self._twin.plants[port], self._history[port].recording(from_s))
+        finished = adopter.finished()
+        if finished is None:
+            return
+        port, answer = finished
+        if isinstance(answer, NxtTwinError):
+            self._sink.event(Event(self.now_s, "divergence", f"port {port.upper()}: no diagnosis: {answer}", port))
+            return
+        self._twin.adopt(port, answer.plant)
+        self.monitors[port].forget(self.now_s, proving=True)
+        for event in told(port, self.now_s, answer):
+            self._sink.event(event)
+
+    def _tell(self, kind: EventKind, words: str) -> None:
+        self._sink.event(Event(self.now_s, kind, words))

@@ -1,0 +1,70 @@
+"""What the twin takes for noise, and when it speaks up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True)
+class Noise:
+    """What is random about a motor whose model holds.
+
+    Attributes:
+        torque_nm: standard deviation of the torque that no model has (friction is never quite smooth).
+        torque_time_s: how long that torque lasts.
+        sought_torque_nm: standard deviation of the torque that the tracking filter looks for.
+        reading_deg: of a reading, beside its whole degrees.
+        quantum_deg: a count of the encoder.
+    """
+
+    torque_nm: float = 4e-3
+    torque_time_s: float = 0.15
+    sought_torque_nm: float = 2e-2
+    reading_deg: float = 0.1
+    quantum_deg: float = 1.0
+
+
+@final
+@dataclass(frozen=True)
+class Pace:
+    """When, between a request and its reply, the brick does what was asked.
+
+    Attributes:
+        share: of the round trip that has passed when a reading is taken or a command acts.
+        share_std: its standard deviation.
+    """
+
+    share: float = 0.5
+    share_std: float = 0.15
+
+
+PACES = {"usb": Pace(), "mock": Pace(), "bt": Pace(0.3, 0.1), "serial": Pace(0.3, 0.1), "tcp": Pace(0.4, 0.2)}
+"""By a URL's scheme. Over Bluetooth the radio switches directions after the reading was taken."""
+
+
+@final
+@dataclass(frozen=True)
+class Watch:
+    """When the monitor speaks up; thresholds are set by `tools`-free simulation, see docs/live.md.
+
+    Attributes:
+        alarm_nats: evidence for a missing torque at which a divergence is called.
+        most_nats: what one reading can add to it.
+        calm_s: how long a motor has to move without new evidence until all is said to be well again.
+        gate: the largest normalised squared innovation of a reading that is believed.
+        rejected_most: readings in a row that are disbelieved before the filter doubts itself instead.
+        stall_s: how long a driven motor has to stand still until it is said to be blocked.
+        stall_power_pct: from which power on.
+        low_battery_v: below which the battery is too low.
+    """
+
+    alarm_nats: float = 25.0
+    most_nats: float = 4.0
+    calm_s: float = 10.0
+    gate: float = 25.0
+    rejected_most: int = 4
+    stall_s: float = 0.5
+    stall_power_pct: float = 25.0
+    low_battery_v: float = 6.5

@@ -1,0 +1,57 @@
+"""A driven motor that does not turn: blocked, or not there."""
+
+from __future__ import annotations
+
+from typing import Literal, final
+
+from nxt_twin.twin.settings import Watch
+
+Trouble = Literal["stall", "disconnected"]
+
+_FREE_PLAY = 2
+"""Counts within which a motor that cannot turn may still move: the gear train's play."""
+
+
+@final
+class Standstill:
+    """Watches the counts of one motor.
+
+    A blocked motor gives way a little when it is driven the other way, and it had turned before; one whose cable
+    is out gives no count at all, whichever way it is driven, or has never given any.
+    """
+
+    def __init__(self, watch: Watch) -> None:
+        self._watch = watch
+        self._count: int | None = None
+        self._since_s = 0.0
+        self._ever = False
+        self._ways: dict[int, float] = {}
+        self.trouble: Trouble | None = None
+
+    def take(self, time_s: float, count: int, power_pct: int) -> bool:
+        """Take a count and the power in force; True if there is new trouble, which `trouble` names."""
+        if self._count is None:
+            self._begin(time_s, count)
+        if abs(count - (self._count or 0)) > _FREE_PLAY:
+            self._ever = self._ever or self._count is not None
+            self._begin(time_s, count)
+        way = (power_pct > 0) - (power_pct < 0)
+        if abs(power_pct) < self._watch.stall_power_pct:
+            way = 0
+        if way:
+            self._ways.setdefault(way, time_s)
+        driven_s = time_s - self._ways[way] if way else 0.0
+        if driven_s < self._watch.stall_s:
+            return False
+        still_at = count == self._count
+        gone = still_at and (len(self._ways) == 2 or not self._ever)
+        found: Trouble = "disconnected" if gone else "stall"
+        new = self.trouble is None or (self.trouble == "stall" and found == "disconnected")
+        self.trouble = found if new else self.trouble
+        return new
+
+    def _begin(self, time_s: float, count: int) -> None:
+        self._count = count
+        self._since_s = time_s
+        self._ways.clear()
+        self.trouble = None

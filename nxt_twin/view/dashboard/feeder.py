@@ -1,0 +1,149 @@
+"""Hands messages to another process without ever making the one who hands them over wait."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import IO, Final, final
+
+from nxt_twin.twin.records import Event
+from nxt_twin.view.dashboard.wire import Message, written
+
+CAPACITY: Final = 3000
+"""Messages that wait at most: half a minute of polls at 100 Hz."""
+
+_EVENTS: Final = 500
+_END_S: Final = 0.5
+
+
+@final
+class Feeder:
+    """A process of its own, a bounded queue, and a thread that carries from one to the other.
+
+    `put` appends to the queue and returns; where the queue is full, the oldest poll goes, and of events, for which
+    there is room of their own, the oldest event. The thread turns
+    messages into lines and writes them to the process' standard input, where it may block as long as it likes:
+    each line is short work, so it does not keep the interpreter from the loop either.
+
+    Args:
+        command: starts the process; it has to end when its standard input does.
+        patience_s: how long `close` waits for the process to take what is left, before it is ended.
+        log: takes the process' standard error; None to discard it.
+        capacity: of the queue, in messages.
+    """
+
+    def __init__(
+        self, command: Sequence[str], *, patience_s: float, log: IO[bytes] | None, capacity: int = CAPACITY
+    ) -> None:
+        self._patience_s = patience_s
+        self._queue: deque[Message] = deque(maxlen=capacity)
+        self._events: deque[Message] = deque(maxlen=_EVENTS)
+        self._wake = threading.Event()
+        self._closing = False
+        self._gone = False
+        self._dropped = 0
+        self._told = 0
+        # In a session of its own: an interrupt from the keyboard reaches the loop alone.
+        self._process = subprocess.Popen(  # noqa: S603 - the command is ours
+            list(command),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL if log is None else log,
+            bufsize=0,
+            start_new_session=True,
+        )
+        self._thread = threading.Thread(target=self._carry, name="dashboard feeder", daemon=True)
+        self._thread.start()
+
+    @property
+    def dropped(self) -> int:
+        """Messages that went because the process did not keep up."""
+        return self._dropped
+
+    @property
+    def waiting(self) -> int:
+        """Messages that the process has not taken yet."""
+        return len(self._queue) + len(self._events)
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process.poll() is None
+
+    def put(self, message: Message) -> None:
+        """Take a message; neither blocks nor raises. Once the process is gone, messages are forgotten."""
+        if self._gone:
+            return
+        queue = self._events if isinstance(message, Event) else self._queue
+        if len(queue) == queue.maxlen:
+            self._dropped += 1
+        queue.append(message)
+        if not self._wake.is_set():
+            self._wake.set()
+
+    def finish(self) -> None:
+        """Say that nothing more comes, without waiting."""
+        self._closing = True
+        self._wake.set()
+
+    def close(self) -> int:
+        """Wait until the process has ended, and end it where that takes too long.
+
+        Returns:
+            The process' exit status; negative where it had to be ended.
+        """
+        self.finish()
+        try:
+            status = self._process.wait(self._patience_s)
+        except subprocess.TimeoutExpired:
+            self._end()
+            status = self._process.wait()
+        self._thread.join(_END_S)
+        return status
+
+    def _end(self) -> None:
+        """End the process and what it started that is to end with it."""
+        if sys.platform == "win32":
+            self._process.kill()
+        else:
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+    def _carry(self) -> None:
+        pipe = self._process.stdin
+        assert pipe is not None  # noqa: S101 - asked for above
+        try:
+            while True:
+                self._wake.wait()
+                self._wake.clear()
+                while self._events or self._queue:
+                    if self._dropped > self._told:
+                        lost, self._told = self._dropped - self._told, self._dropped
+                        _write_all(pipe, written(lost))
+                    _write_all(pipe, written((self._events or self._queue).popleft()))
+                if self._closing and not self._wake.is_set():
+                    return
+        except OSError:
+            self._gone = True
+        finally:
+            # Where the process is gone, closing says so once more.
+            with suppress(OSError):
+                pipe.close()
+            self._queue.clear()
+            self._events.clear()
+
+
+def _write_all(pipe: IO[bytes], line: bytes) -> None:
+    rest = memoryview(line)
+    while rest:
+        rest = rest[pipe.write(rest) or 0 :]

@@ -1,0 +1,50 @@
+"""What a process of the dashboard is to do, as the one argument it is started with."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict, dataclass
+from json import dumps, loads
+from typing import Final, Literal, final
+
+from nxt_twin.recording.columns import Port
+
+_WORKER: Final = "nxt_twin.view.dashboard.worker"
+
+
+@final
+@dataclass(frozen=True)
+class Job:
+    """What the process is to do; travels as its one argument.
+
+    Attributes:
+        kind: a file, a native viewer, the web, or a viewer that somebody else started.
+        title: the recording's name.
+        ports: of the motors shown.
+        channels: the sensors' columns shown.
+        file: to write.
+        data_port: where the viewer takes data.
+        page_port: where browsers come to.
+        parts_port: where rerun serves the page's parts.
+        tab: which tab is in front.
+    """
+
+    kind: Literal["file", "spawn", "web", "join"]
+    title: str
+    ports: tuple[Port, ...]
+    channels: tuple[str, ...]
+    file: str = ""
+    data_port: int = 0
+    page_port: int = 0
+    parts_port: int = 0
+    tab: int = 0
+
+    def command(self) -> list[str]:
+        """What starts the process."""
+        return [sys.executable, "-m", _WORKER, dumps(asdict(self))]
+
+
+def job_of(argument: str) -> Job:
+    """The job that `Job.command` wrote down."""
+    known = loads(argument)
+    return Job(**{**known, "ports": tuple(known["ports"]), "channels": tuple(known["channels"])})

@@ -1,0 +1,96 @@
+"""Polls and events as lines of text, from the loop's process to the dashboard's own."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Final
+
+from nxt_twin.twin.records import Event, Innovation, MotorState, Tick
+
+_TICK: Final = "t"
+_EVENT: Final = "e"
+_DROPPED: Final = "d"
+
+Message = Tick | Event | int
+"""A poll, an event, or how many polls had to be dropped since the last message."""
+
+
+def written(message: Message) -> bytes:
+    """A message as one line, which ends in a newline."""
+    row: tuple[object, ...]
+    if isinstance(message, Tick):
+        row = (
+            _TICK,
+            message.number,
+            message.sent_s,
+            message.received_s,
+            message.battery_v,
+            message.link_up,
+            [_motor_row(motor) for motor in message.motors],
+            [_innovation_row(innovation) for innovation in message.innovations],
+        )
+    elif isinstance(message, Event):
+        row = (
+            _EVENT,
+            message.time_s,
+            message.kind,
+            message.words,
+            message.port,
+            message.channel,
+            message.onset_s,
+            message.strength,
+        )
+    else:
+        row = (_DROPPED, message)
+    return json.dumps(row, separators=(",", ":")).encode() + b"\n"
+
+
+def read(line: bytes) -> Message:
+    """What `written` made into a line.
+
+    Raises:
+        ValueError: the line is none of `written`'s.
+    """
+    kind, *row = json.loads(line)
+    if kind == _TICK:
+        number, sent_s, received_s, battery_v, link_up, motors, innovations = row
+        return Tick(
+            number=number,
+            sent_s=sent_s,
+            received_s=received_s,
+            motors=tuple(MotorState(*motor) for motor in motors),
+            innovations=tuple(Innovation(*innovation) for innovation in innovations),
+            battery_v=battery_v,
+            link_up=link_up,
+        )
+    if kind == _EVENT:
+        return Event(*row)
+    if kind == _DROPPED:
+        return int(row[0])
+    raise ValueError(f"a line of an unknown kind: {kind}")
+
+
+def _motor_row(motor: MotorState) -> tuple[Any, ...]:
+    return (
+        motor.port,
+        motor.power_pct,
+        motor.mode,
+        motor.angle_deg,
+        motor.speed_deg_per_s,
+        motor.current_a,
+        motor.unknown_torque_nm,
+        motor.unknown_torque_std_nm,
+        dict(motor.effects),
+    )
+
+
+def _innovation_row(innovation: Innovation) -> tuple[Any, ...]:
+    return (
+        innovation.time_s,
+        innovation.channel,
+        innovation.unit,
+        innovation.measured,
+        innovation.predicted,
+        innovation.variance,
+        innovation.accepted,
+    )

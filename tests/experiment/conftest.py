@@ -1,0 +1,1 @@
+"""Nothing shared but the helper module's place on the path."""

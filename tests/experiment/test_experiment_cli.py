@@ -1,0 +1,65 @@
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from experiment_bench import small
+from nxt_twin.cli.app import program
+from nxt_twin.experiment.errors import ExperimentError
+from nxt_twin.experiment.plan import dump_experiment
+
+RUNNER = CliRunner()
+
+
+def run(*arguments: str) -> str:
+    result = RUNNER.invoke(program(["identify"]), list(arguments))
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def write(kind: str, folder: Path, **changes: object) -> str:
+    path = folder / f"{kind}.yaml"
+    path.write_text(dump_experiment(small(kind, **changes)), encoding="utf-8")
+    return str(path)
+
+
+def test_a_dry_run_touches_nothing(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    text = run("angle_sweep", "usb:", "--dry-run", "--out", str(out), "--positioner", "distance_mm=rail:b,mm_per_deg=1")
+    assert "moved by rail:b,mm_per_deg=1" in text
+    assert "angle_deg: 0 to 90 deg, moved by hand" in text
+    assert not out.exists()
+
+
+def test_on_the_mock_from_beginning_to_end(tmp_path: Path) -> None:
+    file, out = write("touch_cycles", tmp_path), tmp_path / "run"
+    text = run(file, "mock:?seed=3", "--out", str(out))
+    assert "press_force_g" in text
+    names = {path.name for path in out.iterdir()}
+    assert names == {"experiment.yaml", "recordings", "identified.json", "sensor.yaml"}
+    again = json.loads(run(file, "mock:?seed=99", "--out", str(out), "--json", "-"))
+    assert again == json.loads((out / "identified.json").read_text())
+
+
+@pytest.mark.parametrize("mover", ["rail:b,mm_per_deg=0.3,play_deg=6,power_pct=60", "nx100:robot,along=z,value_now=0"])
+def test_a_rail_and_a_robot_move_the_mocks_target(mover: str, tmp_path: Path) -> None:
+    far = {"first": 260, "last": 1460, "step": 150}
+    file = write("distance_sweep", tmp_path, distance_mm=far, samples=4)
+    run(file, "mock:?seed=3", "--out", str(tmp_path / "run"), "--positioner", mover)
+    found = json.loads((tmp_path / "run" / "identified.json").read_text())
+    scale = next(value for value in found["values"] if value["name"] == "scale")
+    assert scale["value"] == pytest.approx(1.0055, abs=4 * scale["std"])
+
+
+def test_another_experiment_in_the_folder_is_refused(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    run(write("touch_cycles", tmp_path), "mock:", "--out", str(out))
+    with pytest.raises(ExperimentError, match="another experiment"):
+        run(write("gradient_sweep", tmp_path), "mock:", "--out", str(out))
+
+
+def test_without_a_folder_it_is_wrong_use() -> None:
+    assert RUNNER.invoke(program(["identify"]), ["touch_force", "mock:"]).exit_code == 2
