@@ -112,8 +112,13 @@ class PlantsWithSecret:
 
     @property
     def angle(self) -> FloatArray:
-        """Angles as the encoders show them, rad."""
+        """Angles, rad, of the true motor as its encoder shows it."""
         return self._with(self._plain.angle, self._own.shown_rad)
+
+    @property
+    def shown(self) -> FloatArray:
+        """Angles as the encoders show them, rad."""
+        return self._with(self._plain.shown, self._own.shown_rad)
 
     @property
     def current(self) -> FloatArray:

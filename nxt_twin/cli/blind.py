@@ -14,6 +14,7 @@ from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.make import make_set
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.score import score as score_answers
+from nxt_twin.blind.secret import secret_of
 from nxt_twin.blind.sets import plan_set
 from nxt_twin.blind.solve import Outcome, case_folders, reach_all, solve_all
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
@@ -94,6 +95,27 @@ def score(
         emit_json(json, json_format.dumps(table.as_dict()))
     if json != "-":
         print(table.as_text())
+
+
+@blind.command()
+def reveal(
+    conceal: Annotated[
+        str,
+        typer.Argument(help="The seed or file of mock --conceal, or of mock:?conceal=.", metavar="SEED|FILE"),
+    ],
+    json: JsonOption = None,
+) -> None:
+    """Tell what a mock brick conceals: first guess, then look."""
+    truth = secret_of(conceal).revealed()
+    if json:
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/reveal/1", **truth}))
+    if json != "-":
+        for effect in truth["effects"]:
+            params = ", ".join(f"{name} = {value:.4g}" for name, value in effect["params"].items())
+            print(f"port {truth['port'].upper()}: {effect['id']} ({params})")
+        if not truth["effects"]:
+            numbers = ", ".join(f"{name} = {value:.4g}" for name, value in truth["motor"].items())
+            print(f"port {truth['port'].upper()}: {numbers or 'nothing is concealed'}")
 
 
 @blind.command()

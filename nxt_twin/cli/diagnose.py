@@ -16,6 +16,7 @@ from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
 from nxt_twin.diagnose.to_json import to_json
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_as_case
+from nxt_twin.recording.program import write_program
 from nxt_twin.view.report import write_report
 
 
@@ -28,6 +29,10 @@ def diagnose(
         Path | None, typer.Option(help="Write the improved plant as YAML (of several cases: a folder).")
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write an HTML report into this folder.")] = None,
+    experiment_out: Annotated[
+        Path | None,
+        typer.Option(help="Write the next experiment as a motor program (of several cases: a folder)."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
 ) -> None:
     """Find the physics that a model leaves out, from recordings.
@@ -48,6 +53,10 @@ def diagnose(
             emit_json(_place(json, answer.diagnosis.name, "json", many=many), to_json(answer.diagnosis))
         if model_out:
             _write_model(Path(_place(str(model_out), answer.diagnosis.name, "yaml", many=many)), answer.model)
+        if experiment_out:
+            told = _write_experiment(experiment_out, answer.diagnosis, many=many)
+            if told and json != "-":
+                print(told)
         page = write_report(answer.diagnosis, report) if report else None
         if json != "-":
             show(answer.diagnosis, page)
@@ -67,6 +76,7 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
             print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g} {estimate.unit}")
         for other in effect.confusable_with:
             print(f"    could be {other.id}: {other.why}")
+    _show_doubt(diagnosis)
     if diagnosis.refit:
         print("  re-fitted")
     for name, moved in diagnosis.refit.items():
@@ -77,6 +87,24 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
         print(f"  next: {diagnosis.next_experiment.input}")
     if page:
         print(f"  report: {page}")
+
+
+def _show_doubt(diagnosis: Diagnosis) -> None:
+    """What sets in when, what comes nearest, what would have been seen, and how often noise alone would alarm."""
+    for onset in diagnosis.mismatch.onsets:
+        print(
+            f"  {onset.what} sets in at {onset.time_s:.2f} s of {onset.recording} ({onset.strength:.0f} nats)"
+        )
+    if diagnosis.nearest:
+        print(f"  nearest known effect: {diagnosis.nearest.name}; {diagnosis.nearest.why}")
+    if diagnosis.verdict == "adequate" and diagnosis.detectable:
+        seen = [one for one in diagnosis.detectable if one.size is not None]
+        print("  would have been seen:")
+        for one in seen:
+            print(f"    {one.id}: {one.parameter} {'≥' if one.seen_above else '≤'} {one.size:.2g} {one.unit}")
+    if diagnosis.false_alarm_rate:
+        alarms = diagnosis.false_alarm_rate
+        print(f"  false alarms in clean recordings like these: below {100.0 * alarms.upper_95:.1f} %")
 
 
 def _labels(paths: list[Path]) -> list[str | None]:
@@ -113,6 +141,19 @@ def _place(target: str, name: str, ending: str, *, many: bool) -> str:
     if target == "-" or (not many and not Path(target).is_dir()):
         return target
     return str(Path(target) / f"{name}.{ending}")
+
+
+def _write_experiment(target: Path, diagnosis: Diagnosis, *, many: bool) -> str:
+    """Write the program of the next experiment; where there is none, say why in one line."""
+    experiment = diagnosis.next_experiment
+    if experiment is None:
+        return f"{diagnosis.name}: nothing is left open, so no experiment is written"
+    if experiment.program is None:
+        return f"{diagnosis.name}: only a motor's experiment can be written as a program; it is told in words"
+    path = Path(_place(str(target), diagnosis.name, "yaml", many=many))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_program(experiment.program, path)
+    return ""
 
 
 def _write_model(path: Path, model: dict[str, Any]) -> None:

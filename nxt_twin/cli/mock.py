@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from nxt_twin.brick.clock import SystemClock
+from nxt_twin.cli.openers import concealing
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.mock.run import Served, serve
 
@@ -26,6 +27,14 @@ def mock(
     world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
     seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
     profile: Annotated[str, typer.Option(help="Delays of the link: none, usb or bluetooth.")] = "none",
+    conceal: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SEED|FILE",
+            help="Motor A is another than it seems: what is concealed in it is drawn from a seed, or said in a file."
+            " nxt-twin blind reveal tells it.",
+        ),
+    ] = None,
     json: JsonOption = None,
 ) -> None:
     """Serve a mock brick until interrupted; framing as on Bluetooth."""
@@ -49,6 +58,7 @@ def mock(
             world=world,
             seed=seed,
             profile=profile,
+            change=concealing(conceal),
         )
     except KeyboardInterrupt:
         return

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import parse_qsl
 
 from nxt_twin.brick.clock import Clock
@@ -13,18 +13,23 @@ from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError, LinkUrlError
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.open import Opener
 
+if TYPE_CHECKING:
+    from nxt_twin.mock.body.body import Body
+
 
 def open_mock(address: str, clock: Clock) -> Link:
     """Switch on a mock brick.
 
     Args:
-        address: empty, or ``?`` and any of ``world=FILE``, ``seed=N`` and ``profile=NAME``, joined by ``&``.
+        address: empty, or ``?`` and any of ``world=FILE``, ``seed=N``, ``profile=NAME`` and ``conceal=SEED`` or
+            ``conceal=FILE``, joined by ``&``.
         clock: what the brick's time follows.
 
     Raises:
         LinkUrlError: the address is not of that form.
         WorldError: the world file is none.
         ServeError: there is no such profile.
+        CaseError: what is to be concealed cannot be.
     """
     # Brings in the compiled plants, which the other URLs do not need.
     from nxt_twin.mock.start import open_mock_link
@@ -36,9 +41,24 @@ def open_mock(address: str, clock: Clock) -> Link:
         world=None if world is None else Path(world),
         seed=int(wanted.get("seed", "0")),
         profile=wanted.get("profile", "none"),
+        change=concealing(wanted.get("conceal")),
         late=LinkTimeoutError,
         lost=LinkLostError,
     )
+
+
+def concealing(secret: str | None) -> Callable[[Body], None]:
+    """What puts a secret, named by a seed or a file, into a mock brick's body; without one, nothing.
+
+    Raises:
+        CaseError: it cannot be concealed.
+    """
+    if secret is None:
+        return lambda _: None
+    from nxt_twin.blind.body import hiding
+    from nxt_twin.blind.secret import secret_of
+
+    return hiding(secret_of(secret))
 
 
 OPENERS: Final[Mapping[str, Opener]] = MappingProxyType({"mock": open_mock})
@@ -55,7 +75,10 @@ def mock_options(address: str) -> dict[str, str]:
         options = dict(parse_qsl(address.removeprefix("?"), strict_parsing=True)) if address else {}
     except ValueError:
         options = {address: ""}
-    if not options.keys() <= {"world", "seed", "profile"} or not options.get("seed", "0").isdecimal():
+    if (
+        not options.keys() <= {"world", "seed", "profile", "conceal"}
+        or not options.get("seed", "0").isdecimal()
+    ):
         raise LinkUrlError(
             "is no mock brick's URL", where=f"mock:{address}", mend="such as mock: or mock:?world=FILE&seed=1"
         )

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.explain import candidates
 from nxt_twin.diagnose.fit import BoolArray
-from nxt_twin.diagnose.linear import Linear, Trial, deviations, with_trial
-from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.variables import starts_of
+from nxt_twin.diagnose.linear import Linear, deviations, trials_of, with_trial
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import FloatArray
@@ -44,21 +43,20 @@ def trace_of(simulator: Simulator, linear: Linear, bare: Plant) -> FloatArray:
 
 
 def alike(
-    simulator: Simulator, problem: Problem, linear: Linear, effect: Effect, bare: Plant
+    simulator: Simulator, scale: Scale, linear: Linear, effect: Effect, bare: Plant, others: Sequence[Effect]
 ) -> tuple[Alike, ...]:
-    """Every effect that could take the place of `effect` in `linear`'s structure, the nearest first.
+    """How alike the traces of `others` are to that of `effect`, the nearest first.
 
     Args:
         simulator: runs the plants.
-        problem: whose recordings they are.
+        scale: of the plant, for the sizes at which the others are tried.
         linear: the structure that holds `effect`.
         effect: the found one.
         bare: the structure's plant without it.
+        others: what could take its place.
     """
-    others = [
-        e for e in candidates(bare, problem.signals[0]) if e.id != effect.id and "outlier" not in e.terms
-    ]
-    trials = [Trial(other, start) for other in others for start in starts_of(other, problem.scale)]
+    others = [other for other in others if "outlier" not in other.terms]
+    trials = [trial for other in others for trial in trials_of(other, scale)]
     if not trials or "outlier" in effect.terms:
         return ()
     moved = deviations(simulator, linear, [bare, *(with_trial(bare, trial) for trial in trials)])

@@ -21,6 +21,7 @@ from nxt_twin.diagnose.structure import (
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -32,6 +33,8 @@ CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
 FREE_RUN_RATIO = 1.01  # a structure that predicts one step better and runs freely worse has learnt noise
+UNKIND_RATIO = 2.5
+SWAP_NATS = 1.0
 
 _DRAFTED = 10
 _LEAST_PROMISE_NATS = 2.0
@@ -45,7 +48,8 @@ _SHORT_LIST = 5
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
 _RIVALS_SETTLED = 2
 _RIVAL_REACH_NATS = 40.0
-_EXCHANGES = 2
+_EXCHANGES = 4
+_CLEAR = 1.3
 
 
 @final
@@ -185,7 +189,8 @@ class _Search:
         ranked = []
         for effect, draft in within:
             trial = self._settle(draft.fitted.plant, best.noise)
-            ranked.append((effect, weigh(best, trial), trial))
+            if _shows(trial.plant, effect, self._workshop.problem.scale):
+                ranked.append((effect, weigh(best, trial), trial))
         ranked.sort(key=lambda item: (-_worth_it(item[1]), -item[1].total))
         return ranked
 
@@ -248,7 +253,7 @@ def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure 
         rival
         for near in rivals.values()
         for rival in near
-        if rival.behind < -RIVAL_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
+        if rival.behind < -SWAP_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
     ]
     return min(beating, key=lambda rival: rival.behind).structure if beating else None
 
@@ -258,13 +263,22 @@ def _cost(structure: Structure) -> float:
 
 
 def _worth_it(weight: Weight) -> bool:
-    return (
-        weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS and weight.free_run_ratio < FREE_RUN_RATIO
-    )
+    return weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
 
 
 def _keeps_its_place(weight: Weight) -> bool:
-    return weight.total > KEEP_NATS and weight.check_gain > 0.0 and weight.free_run_ratio < FREE_RUN_RATIO
+    return weight.total > KEEP_NATS and weight.check_gain > 0.0 and _runs_no_worse(weight)
+
+
+def _runs_no_worse(weight: Weight) -> bool:
+    return weight.free_run_ratio < FREE_RUN_RATIO and weight.unkind_ratio < UNKIND_RATIO
+
+
+def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether the effect's main parameter is clear of the least value that it may have, where that is not zero."""
+    main = effect.parameters[0]
+    lower = main.in_frame(plant.layout.frame).scaled(scale)
+    return lower.lower <= 0.0 or plant.values[Slot(effect.id, main.symbol)] > _CLEAR * lower.lower * lower.si
 
 
 def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:

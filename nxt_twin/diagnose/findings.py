@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from nxt_twin.diagnose import words
-from nxt_twin.diagnose.confusion import Alike, alike, without
+from nxt_twin.diagnose.confusion import alike, without
 from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nearest, Verdict
 from nxt_twin.diagnose.estimates import estimates
 from nxt_twin.diagnose.evidence import Evidence
@@ -62,9 +62,9 @@ def _confusions(
     if not near:
         return ()
     bare = without(evidence.final.plant, effect.id, evidence.problem.plant)
-    traces: dict[str, Alike] = {
-        one.effect.id: one for one in alike(simulator, evidence.problem, evidence.linear, effect, bare)
-    }
+    others = [rival.effect for rival in near]
+    found = alike(simulator, evidence.problem.scale, evidence.linear, effect, bare, others)
+    traces = {one.effect.id: one for one in found}
     return tuple(
         Confusion(
             rival.effect.id,

@@ -23,7 +23,7 @@ def mismatch_of(simulator: Simulator, evidence: Evidence, verdict: Verdict, seed
     if verdict == "adequate":
         return Mismatch(channel, (), (), None)
     strengths = sources(simulator, evidence.lacking, evidence.problem.scale.torque)
-    equation = _equation(evidence, strengths)
+    equation = _equation(evidence, strengths, verdict)
     return Mismatch(
         channel=channel,
         when=spells(evidence.before, names),
@@ -35,10 +35,10 @@ def mismatch_of(simulator: Simulator, evidence: Evidence, verdict: Verdict, seed
     )
 
 
-def _equation(evidence: Evidence, strengths: tuple[SourceFinding, ...]) -> Equation:
-    """That of the weightiest effect found; without one, the equation that asks for noise the loudest."""
+def _equation(evidence: Evidence, strengths: tuple[SourceFinding, ...], verdict: Verdict) -> Equation:
+    """That of the weightiest effect that explains; else the equation that asks for noise the loudest."""
     found = evidence.explanation.found
-    return found[0][0].equation_of if found else strengths[0].equation
+    return found[0][0].equation_of if found and verdict == "explained" else strengths[0].equation
 
 
 def _onsets(simulator: Simulator, evidence: Evidence) -> tuple[Onset, ...]:

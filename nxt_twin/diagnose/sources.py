@@ -40,7 +40,7 @@ _COMPLETE_TORQUE = (
 _ABOVE_FLOOR = 1.5
 _SPAN = 1e8
 _COARSE, _FINE = 10, 5
-_SHIFT_S = 4e-3
+_SHIFTS_S = (4e-3, 0.015, 0.05)
 
 
 @final
@@ -141,14 +141,20 @@ def _freed_total(heard: Sequence[_Heard], noise: Noise, freed: _Freed, size: flo
 
 def _shift_nats(simulator: Simulator, linear: Linear) -> float:
     """What the best common shift of all commands in time gains, beyond what the re-fit takes up of it."""
-    late = tuple(
-        replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + _SHIFT_S))
-        for job in linear.jobs
-    )
     values, active = linear.structure.plant.vectors()
-    moved = linear.whitened(simulator.run(values[None], active[None], late))[0]
-    left = linear.left_of(moved)[0]
-    return 0.5 * float(left @ linear.innovations) ** 2 / max(float(moved @ left), 1e-12)
+    jobs = [
+        replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
+        for shift_s in _SHIFTS_S
+        for job in linear.jobs
+    ]
+    results = simulator.run(values[None], active[None], jobs)
+    count = len(linear.jobs)
+    gains = []
+    for first in range(0, len(jobs), count):
+        moved = linear.whitened(results[first : first + count])[0]
+        left = linear.left_of(moved)[0]
+        gains.append(0.5 * float(left @ linear.innovations) ** 2 / max(float(moved @ left), 1e-12))
+    return max(gains)
 
 
 def _least(value: Callable[[float], float], scale: float) -> float:

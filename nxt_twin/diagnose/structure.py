@@ -80,12 +80,14 @@ class Weight:
     Attributes:
         gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
         check_gain: in likelihood of readings that were not.
-        free_run_ratio: its error in free runs over that of the simpler one.
+        free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
+        unkind_ratio: the same in the other way.
     """
 
     gain: float
     check_gain: float
     free_run_ratio: float
+    unkind_ratio: float
 
     @property
     def total(self) -> float:
@@ -99,7 +101,8 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     further += _shares(richer.plant) - _shares(simpler.plant)
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
-    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, free_run_ratio(simpler, richer))
+    kind, unkind = _free_run_ratios(simpler, richer)
+    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, kind, unkind)
 
 
 def free_run_ratio(simpler: Structure, richer: Structure) -> float:
@@ -107,8 +110,13 @@ def free_run_ratio(simpler: Structure, richer: Structure) -> float:
 
     A start anew cannot know the state of a load behind play or a shaft; a whole run of an integrator drifts.
     """
+    return _free_run_ratios(simpler, richer)[0]
+
+
+def _free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
     pairs = zip(simpler.free_run_rms, richer.free_run_rms, strict=True)
-    return min(after / max(before, 1e-15) for before, after in pairs)
+    kind, unkind = sorted(after / max(before, 1e-15) for before, after in pairs)
+    return kind, unkind
 
 
 @final

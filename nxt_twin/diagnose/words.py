@@ -18,6 +18,7 @@ FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 
 _BAD_RUN_RATIO = 2.5
 _MOST_NAMED = 4
+_HELPS = 0.95
 _ALIKE = 0.6
 _LITTLE_NATS = 5.0
 
@@ -48,6 +49,11 @@ def sentence(
         return f"No physics is missing: the recording itself is at fault, by {named}."
     if verdict == "explained":
         return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
+    if effects and not fit.improved < _HELPS * fit.baseline:
+        return (
+            f"Something is missing that no known effect accounts for; {named} foretells single readings better, but "
+            f"free runs over data that was not fitted stay {fit.improved:.3g} {fit.unit} off."
+        )
     if effects:
         return (
             f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "

@@ -48,6 +48,8 @@ _RATIOS: Final = (
 _RATIO_UNITS: Final = ("N·m/A", "Ω·kg·m²", "1/s", "rad/s²")
 _BATTERY_STEP_V: Final = 0.0139
 """Of the brick's converter, which cuts off: the voltage is uncertain by it, K as much, R·J twice as much."""
+_LEAST_DIFFERENCE: Final = 5.0
+"""Between R·J with and without the disc, in standard deviations; a disc that makes less of one anchors nothing."""
 _ODD_SQUARES: Final = 11.3
 """What two fits may differ by, in units of their doubt squared, before it is said: 1 % of chance for three."""
 
@@ -181,9 +183,10 @@ def _by_disc(bare: Ratios, loaded: Ratios, load: Load) -> tuple[FloatArray, Floa
     """All five from two sets, between which only the inertia is known to differ; friction may differ too."""
     added = load.added_inertia_kg_m2
     product = loaded.values[1] / bare.values[1]
-    if product <= 1.0:
+    doubt = product * float(np.hypot(*(np.sqrt(r.covariance[1, 1]) / r.values[1] for r in (bare, loaded))))
+    if product - 1.0 < _LEAST_DIFFERENCE * doubt:
         raise ExperimentError(
-            "the motor with the disc was no slower to speed up than without",
+            f"with the disc the motor was no slower to speed up than without (R·J by {100 * (product - 1):+.0f} %)",
             where=load.name,
             mend="check that the disc was on the hub; take one of at least half the motor's inertia",
         )

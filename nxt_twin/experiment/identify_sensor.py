@@ -30,6 +30,10 @@ _SUFFIXES: Final[Mapping[str, str]] = {
     "per_distance": "",
 }
 _NEAR_START_MM: Final = 250.0
+_FAR_MM: Final = 400.0
+"""Where the paper's near offset ends, and where a line is safe from it in any sensor."""
+_NEAR_STEP_MM: Final = 8.0
+_NEAR_OFFSETS_MM: Final = (-20.0, -10.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0)
 _BEAM: Final = ("max_angle_deg", "best_distance_mm", "contact_angle_deg", "far_angle_deg", "beam_edge_deg")
 _LINE: Final = ("noise_mm", "noise_per_distance", "zero_mm", "scale")
 _NEAR: Final = ("near_offset_mm", "near_share")
@@ -41,6 +45,7 @@ _WEIGHED: Final[Mapping[str, str]] = {
 """Parameters that are not normal round their likeliest value, and the width of those that are borders."""
 _REACH: Final = 5.0
 _TRIED: Final = 121
+_MOST_WIDER: Final = 2.0
 _SHARPNESS: Final = np.geomspace(0.05, 2.0, 5)
 _AIR_NOTE: Final = (
     "Scale and air temperature act alike: the scale is that of this run's air, 0.17 % a degree near 20 °C."
@@ -112,7 +117,12 @@ def _weighed(
         for column, value in enumerate(tried):
             changed = replace(base, **{name: float(value)})
             chance[row, column] = ultrasonic.log_likelihood(changed, readings, truth)
-    return weighed(name, tried, logsumexp(chance, axis=0), "mm" if edge else "")
+    # What the other parameters leave open widens it as much as it would a normal one.
+    index = fitted.names.index(name)
+    wider = np.sqrt(fitted.covariance[index, index] * np.linalg.inv(fitted.covariance)[index, index])
+    stretched = middle + np.clip(wider, 1.0, _MOST_WIDER) * (tried - middle)
+    inside = (stretched >= 0.0) & (stretched <= highest)
+    return weighed(name, stretched[inside], logsumexp(chance, axis=0)[inside], "mm" if edge else "")
 
 
 def ultrasonic_start(
@@ -123,23 +133,35 @@ def ultrasonic_start(
     if np.count_nonzero(heard) < len(_LINE) + 1:
         mend = "check the sensor's port, and that the target is in front of it"
         raise ExperimentError("almost no reading has an echo", where="distance sweep", mend=mend)
-    far = heard & (distance_mm > _NEAR_START_MM)
+    far = heard & (distance_mm > _FAR_MM)
     start = ultrasonic.UltrasonicParameters()
     free = list(_LINE)
     if np.count_nonzero(far) > len(_LINE):
         scale, zero = np.polyfit(distance_mm[far], 10.0 * readings[far], 1)
-        start = replace(start, scale=float(scale), zero_mm=float(zero))
-    near = heard & (distance_mm < _NEAR_START_MM)
-    if np.count_nonzero(near) > 10 and np.count_nonzero(far) > len(_LINE):
-        off = 10.0 * readings[near] - start.scale * distance_mm[near] - start.zero_mm
-        offset = float(np.percentile(off, 75))
-        start = replace(start, near_offset_mm=offset, near_below_mm=_NEAR_START_MM, near_share=0.8)
-        free += [*_NEAR, "near_below_mm"]
+        left = 10.0 * readings[far] - scale * distance_mm[far] - zero
+        start = replace(start, scale=float(scale), zero_mm=float(zero), noise_mm=float(np.std(left)))
+        if np.count_nonzero(heard & (distance_mm < _NEAR_START_MM)) > 10:
+            start = _near_start(start, distance_mm[heard], readings[heard])
+            free += [*_NEAR, "near_below_mm"]
     if distance_mm.min() < 100.0 and not heard[distance_mm == distance_mm.min()].any():
         silent = distance_mm[~heard & (distance_mm < distance_mm[heard].min() + 1e-9)]
         start = replace(start, blind_distance_mm=float(silent.max() + distance_mm[heard].min()) / 2.0)
         free.append("blind_distance_mm")
     return start, tuple(free)
+
+
+def _near_start(
+    start: ultrasonic.UltrasonicParameters, distance_mm: FloatArray, readings: FloatArray
+) -> ultrasonic.UltrasonicParameters:
+    """With the likeliest of many near offsets: a fit that begins at another border may never get across."""
+    near = distance_mm < _FAR_MM
+    truth = ultrasonic.UltrasonicTruth(distance_mm[near])
+    tried = (
+        replace(start, near_offset_mm=float(offset), near_below_mm=float(below), near_share=0.8)
+        for below in np.arange(distance_mm.min() + 20.0, _FAR_MM, _NEAR_STEP_MM)
+        for offset in _NEAR_OFFSETS_MM
+    )
+    return max(tried, key=lambda each: ultrasonic.log_likelihood(each, readings[near], truth))
 
 
 def _angle(experiment: AngleSweep, recordings: Sequence[Recording], column: str) -> Identified:

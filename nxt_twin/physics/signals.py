@@ -16,6 +16,7 @@ from nxt_twin.recording.recording import FloatArray, InputKind, Recording
 
 IntArray = NDArray[np.int64]
 
+_QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
 _TACHO_QUANTUM_RAD = math.radians(1.0)
 
@@ -101,7 +102,7 @@ def _brick(recording: Recording, port: str) -> Signals:
     rows = recording.rows
     duty = _held(recording.columns[power], start=0.0) / 100.0
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
-    supply = _supply(recording.time_s, recording.columns.get("battery_v"))
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"), duty)
     keep = _changes(duty, mode, supply)
     return Signals(
         name=recording.name,
@@ -127,7 +128,7 @@ def _mapped(recording: Recording) -> Signals:
     if kinds.input == "power_pct":
         command = command / 100.0
     mode = np.full(recording.rows, float(modes.get(kinds.input, MODE_DRIVE)))
-    supply = _supply(recording.time_s, recording.columns.get("supply_v"))
+    supply = _supply(recording.time_s, recording.columns.get("supply_v"), command)
     keep = _changes(command, mode, supply)
     return Signals(
         name=recording.name,
@@ -152,15 +153,17 @@ def _held(values: FloatArray, *, start: float) -> FloatArray:
     return filled
 
 
-def _supply(time_s: FloatArray, readings: FloatArray | None) -> FloatArray:
-    """The open-circuit supply: a robust straight line through the slow, noisy readings.
+def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray) -> FloatArray:
+    """The open-circuit supply: a robust straight line through the slow, noisy readings taken at the least command.
 
-    A reading shows whatever the motors drew at that moment; taken one by one, readings would smuggle a part of
-    the sag into the model. Theil-Sen: the median of the slopes between the halves.
+    A reading shows whatever the motors drew at that moment; taken one by one, or all alike, readings would smuggle a
+    part of the sag into the model. Theil-Sen: the median of the slopes between the halves.
     """
     if readings is None or not np.isfinite(readings).any():
         return np.full(time_s.size, np.nan)
     known = np.isfinite(readings)
+    effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
+    known &= effort <= max(np.quantile(effort[known], _QUIET_SHARE), 0.05 * float(effort.max()))
     t, v = time_s[known], readings[known]
     half = t.size // 2
     slope = 0.0

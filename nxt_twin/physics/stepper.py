@@ -46,7 +46,7 @@ class Stepper:
 
     @property
     def angle(self) -> FloatArray:
-        """Angles, rad, shape (plants,)."""
+        """True angles, rad, shape (plants,)."""
         return self._state[:, _ANGLE]
 
     @property

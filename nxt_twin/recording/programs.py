@@ -31,6 +31,8 @@ def load_program(name_or_path: str) -> MotorProgram:
         return read_program(path)
     known = own_programs()
     if name_or_path not in known:
-        mend = f"nearest known: {nearest(name_or_path, known)}; known: {', '.join(known)}; or name a .yaml file"
+        mend = (
+            f"nearest known: {nearest(name_or_path, known)}; known: {', '.join(known)}; or name a .yaml file"
+        )
         raise ProgramError(f"there is no program named {quoted(name_or_path)}", mend=mend)
     return read_program(known[name_or_path])

@@ -159,7 +159,8 @@ def log_likelihood_strokes(parameters: TouchParameters, strokes: Strokes, stroke
     """The logarithm of each stroke's probability, nats: that its threshold fell where the readings say.
 
     Given that it lay beyond where the stroke began. Where a switching happened although the value went the
-    other way (high ≤ low), only a misreading explains it.
+    other way (high ≤ low), the threshold lay between the two, if the rig's own value scatters; else only a
+    misreading explains it.
     """
     press, release, noise = parameters.thresholds(stroke)
     presses = strokes.closes > 0.5
@@ -168,8 +169,9 @@ def log_likelihood_strokes(parameters: TouchParameters, strokes: Strokes, stroke
     misread = max(parameters.misread_probability, _LEAST)
     astray = np.log(misread * _ANYWHERE)
     known = log_ndtr(np.where(presses, -begin, begin))
-    proper = np.minimum(log_interval_probability(np.minimum(low, high), high) - known, 0.0)
-    proper = np.where(strokes.high > strokes.low, proper, -np.inf)
+    first, last = np.minimum(low, high), np.maximum(low, high)
+    proper = np.minimum(log_interval_probability(first, last) - known, 0.0)
+    proper = np.where(strokes.high != strokes.low, proper, -np.inf)
     chance = np.logaddexp(np.log1p(-misread) + proper, astray)
     return np.asarray(chance, dtype=np.float64)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, final
 
@@ -19,7 +20,26 @@ from nxt_twin.twin.records import Event
 T = TypeVar("T")
 
 ENOUGH_S = 12.0
-_TRIES = 3
+_TRIES = 4
+_WORTHWHILE = 0.7
+
+
+@final
+@dataclass(frozen=True)
+class Finished:
+    """What came of a diagnosis.
+
+    Attributes:
+        port: of the motor.
+        began_s: when its recording began, from which effects count that change with time.
+        answer: what to take over; None where there is nothing.
+        why_not: why there is nothing.
+    """
+
+    port: Port
+    began_s: float
+    answer: Answer | None
+    why_not: str
 
 
 @final
@@ -51,36 +71,51 @@ class Adopter:
     def __init__(self, executor: Executor, enough_s: float = ENOUGH_S) -> None:
         self._executor = executor
         self._enough_s = enough_s
-        self._running: tuple[Port, Future[Answer]] | None = None
+        self._running: tuple[Port, float, Future[Answer]] | None = None
         self._tries: dict[Port, int] = {}
         self.diagnoses: list[tuple[Port, Diagnosis]] = []
 
     def wants(self, port: Port, seen_s: float) -> bool:
-        """Whether it is time to diagnose a motor that has been off its model for so long."""
-        return self._running is None and seen_s >= self._enough_s and self._tries.get(port, 0) < _TRIES
+        """Whether it is time to diagnose a motor that has been off its model for so long.
+
+        Each further try waits for twice as much.
+        """
+        tries = self._tries.get(port, 0)
+        return self._running is None and tries < _TRIES and seen_s >= self._enough_s * 2.0**tries
 
     def start(self, port: Port, plant: Plant, recording: Recording) -> None:
         """Diagnose a motor, from a recording of it, against the model that it has."""
         self._tries[port] = self._tries.get(port, 0) + 1
         case = Case("live", Path(), plant.to_config(), (recording,), (), port)
-        self._running = (port, self._executor.submit(diagnose, case))
+        began_s = float(recording.time_s[0])
+        self._running = (port, began_s, self._executor.submit(diagnose, case))
 
-    def finished(self) -> tuple[Port, Answer | NxtTwinError] | None:
+    def finished(self) -> Finished | None:
         """What came of the diagnosis, once, when it is over."""
-        if self._running is None or not self._running[1].done():
+        if self._running is None or not self._running[2].done():
             return None
-        port, future = self._running
+        port, began_s, future = self._running
         self._running = None
         error = future.exception()
         if isinstance(error, NxtTwinError):
-            return port, error
+            return Finished(port, began_s, None, str(error))
         answer = future.result()
         self.diagnoses.append((port, answer.diagnosis))
-        return port, answer
+        if not _better(answer.diagnosis):
+            return Finished(port, began_s, None, "no known effect accounts for it so far")
+        self._tries[port] = 0 if answer.diagnosis.effects else self._tries[port]
+        return Finished(port, began_s, answer, "")
 
     def close(self) -> None:
         """Wait for nothing more."""
         self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _better(diagnosis: Diagnosis) -> bool:
+    """Whether what was found is worth taking over."""
+    if diagnosis.verdict != "unexplained":
+        return True
+    return bool(diagnosis.effects) and diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
 
 
 def told(port: Port, time_s: float, answer: Answer) -> list[Event]:

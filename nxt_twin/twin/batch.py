@@ -42,6 +42,7 @@ class Batch:
         delays_s: by how much commands act later on each row's plant.
         torque_time_s: how long the extra torque takes to fade.
         now_s: the moment to begin with.
+        began_s: from when effects count that change with time.
 
     Attributes:
         values: SI values of each row's plant, shape (rows, parameters).
@@ -60,6 +61,7 @@ class Batch:
         delays_s: Sequence[float],
         torque_time_s: float,
         now_s: float = 0.0,
+        began_s: float = 0.0,
     ) -> None:
         plan = plants[0].layout
         if any(plant.layout != plan for plant in plants) or _LOAD not in plan.index:
@@ -77,7 +79,7 @@ class Batch:
         self.torque = np.zeros(len(plants))
         self.state = np.zeros((len(plants), 3 + sum(len(effect.states) for effect in plan.effects)))
         self.now_s = now_s
-        self._began_s = now_s
+        self._began_s = began_s
         self._torque_time_s = torque_time_s
         self._duty = np.zeros(len(plants))
         self._mode = np.full(len(plants), 2, dtype=np.int64)
@@ -95,9 +97,9 @@ class Batch:
                 due.pop()
             due.extend((from_s + hold.after_s, hold) for hold in holds)
 
-    def set_own_load(self, row: int) -> None:
-        """Take a row's load from `values`, where it is a parameter that was changed."""
-        self._own_load[row] = self.values[row, self._load]
+    def set_own_load(self, rows: slice) -> None:
+        """Take the rows' load from `values`, where it is a parameter that was changed."""
+        self._own_load[rows] = self.values[rows, self._load]
 
     def set_in_force(self, port: Port, duty: float, mode: int) -> None:
         """A port's bridge has been doing this for a while."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 from nxt_twin.physics.layout import BASE_OWNER, Slot
@@ -11,7 +11,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.recording import DriveMode
 from nxt_twin.twin.batch import Batch
-from nxt_twin.twin.bridge import Bridge, firmware_bridge
+from nxt_twin.twin.bridge import Bridge, Hold, firmware_bridge
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
 from nxt_twin.twin.motor import Evidence, MotorTwin
 from nxt_twin.twin.records import MotorState
@@ -37,8 +37,8 @@ class TwinOptions:
         cells_ohm: the battery's internal resistance; None for that of six alkaline cells.
     """
 
-    noise: Noise = Noise()
-    watch: Watch = Watch()
+    noise: Noise = field(default_factory=Noise)
+    watch: Watch = field(default_factory=Watch)
     candidates: tuple[str, ...] = DEFAULT_CANDIDATES
     bridge: Bridge = firmware_bridge
     cells_ohm: float | None = None
@@ -65,7 +65,7 @@ class BrickTwin:
         self._commands: dict[Port, tuple[int, DriveMode]] = dict.fromkeys(plants, (0, "coast"))
         self._supply = self._new_supply()
         self._motors = self._new_motors()
-        self._batch = self._new_batch(now_s)
+        self._batch = self._new_batch(now_s, now_s)
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -91,13 +91,15 @@ class BrickTwin:
         """One motor's filters."""
         return self._motors[port]
 
-    def command(self, port: Port, power_pct: int, mode: DriveMode, at_s: float) -> None:
-        """From `at_s` on, a motor is driven so."""
+    def command(self, port: Port, power_pct: int, mode: DriveMode, at_s: float) -> tuple[Hold, ...]:
+        """From `at_s` on, a motor is driven so; what its bridge makes of it, nothing where that is in force already."""
         if self._commands[port] == (power_pct, mode):
-            return
+            return ()
         before, _ = self._commands[port]
         self._commands[port] = (power_pct, mode)
-        self._batch.command(port, at_s, self.options.bridge(power_pct, mode, before / 100.0))
+        holds = self.options.bridge(power_pct, mode, before / 100.0)
+        self._batch.command(port, at_s, holds)
+        return holds
 
     def commanded(self, port: Port) -> tuple[int, DriveMode]:
         """Power and mode in force on a port."""
@@ -131,13 +133,13 @@ class BrickTwin:
         """What is believed of a motor now."""
         return self._motors[port].state(self._batch, *self._commands[port])
 
-    def adopt(self, port: Port, plant: Plant) -> None:
-        """Put another model in a motor's place, and go on where it is."""
+    def adopt(self, port: Port, plant: Plant, began_s: float) -> None:
+        """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is."""
         motors, batch = self._motors, self._batch
         self._plants[port] = plant
         self._supply = self._new_supply(self._supply.open_v)
         self._motors = self._new_motors()
-        self._batch = self._new_batch(batch.now_s)
+        self._batch = self._new_batch(batch.now_s, began_s)
         for each, motor in self._motors.items():
             duty, mode = batch.in_force(each)
             self._batch.set_in_force(each, duty, mode)
@@ -161,13 +163,13 @@ class BrickTwin:
             row += len(motor.rows)
         return motors
 
-    def _new_batch(self, now_s: float) -> Batch:
+    def _new_batch(self, now_s: float, began_s: float) -> Batch:
         plants: list[Plant] = []
         ports: list[Port] = []
         for port, motor in self._motors.items():
             plants += motor.rows
             ports += [port] * len(motor.rows)
-        return Batch(plants, ports, _delays_s(plants), self.options.noise.torque_time_s, now_s)
+        return Batch(plants, ports, _delays_s(plants), self.options.noise.torque_time_s, now_s, began_s)
 
 
 def _delays_s(plants: Sequence[Plant]) -> list[float]:

@@ -1,26 +1,30 @@
-"""The last while of a motor, as a recording to diagnose; and a whole session, as contract 1 wants it."""
+"""The last while of a motor, as a recording to diagnose; and what keeps a whole session."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol, final
 
 import numpy as np
 
 from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
-from nxt_twin.recording.files import write_recording
-from nxt_twin.recording.recording import DRIVE_MODES, DriveMode, Recording
+from nxt_twin.recording.recording import Recording
+from nxt_twin.twin.bridge import COAST, Hold
 
-_ROWS_MOST = 12_000
+_COUNTS_MOST = 12_000
+_HOLDS_MOST = 6_000
 
 
-class _Row(NamedTuple):
+class _Held(NamedTuple):
     time_s: float
-    power_pct: int
-    mode: DriveMode
-    count: float
+    power_pct: float
+    mode: int
+
+
+class _Counted(NamedTuple):
+    time_s: float
+    tacho_deg: float
     supply_v: float
 
 
@@ -30,54 +34,61 @@ class History:
 
     Args:
         port: of the motor.
-        rows_most: how many rows to keep; older ones are forgotten.
+        counts_most: how many counts to keep; older ones are forgotten.
     """
 
-    def __init__(self, port: Port, rows_most: int = _ROWS_MOST) -> None:
+    def __init__(self, port: Port, counts_most: int = _COUNTS_MOST) -> None:
         self._port = port
-        self._rows: deque[_Row] = deque(maxlen=rows_most)
+        self._held: deque[_Held] = deque(maxlen=_HOLDS_MOST)
+        self._counted: deque[_Counted] = deque(maxlen=counts_most)
 
-    def command(self, at_s: float, power_pct: int, mode: DriveMode, supply_v: float) -> None:
-        """A command acted."""
-        self._add(_Row(at_s, power_pct, mode, float("nan"), supply_v))
+    def command(self, at_s: float, holds: Sequence[Hold]) -> None:
+        """From `at_s` on the bridge does these."""
+        while self._held and self._held[-1].time_s >= at_s:
+            self._held.pop()
+        self._held.extend(_Held(at_s + hold.after_s, 100.0 * hold.duty, hold.mode) for hold in holds)
 
-    def count(self, taken_s: float, count: int, power_pct: int, mode: DriveMode, supply_v: float) -> None:
-        """A count was taken, with this command in force."""
-        self._add(_Row(taken_s, power_pct, mode, float(count), supply_v))
-
-    def _add(self, row: _Row) -> None:
-        if not self._rows or row.time_s > self._rows[-1].time_s:
-            self._rows.append(row)
+    def count(self, taken_s: float, count: int, supply_v: float) -> None:
+        """A count was taken."""
+        if not self._counted or taken_s > self._counted[-1].time_s:
+            self._counted.append(_Counted(taken_s, float(count), supply_v))
 
     def clear(self) -> None:
-        """Forget everything: what was before is not to be compared with what comes."""
-        self._rows.clear()
+        """Forget what was counted: it is not to be compared with what comes."""
+        self._counted.clear()
 
     def seconds_since(self, from_s: float) -> float:
         """How long a recording from then on would be, s."""
-        if not self._rows:
+        if not self._counted:
             return 0.0
-        return self._rows[-1].time_s - max(from_s, self._rows[0].time_s)
+        return self._counted[-1].time_s - max(from_s, self._counted[0].time_s)
 
     def recording(self, from_s: float) -> Recording:
-        """What was kept from `from_s` on."""
-        rows = [row for row in self._rows if row.time_s >= from_s]
-        return Recording(
-            "live",
-            {
-                TIME: np.array([row.time_s for row in rows]),
-                power_column(self._port): np.array([row.power_pct for row in rows], dtype=np.float64),
-                mode_column(self._port): np.array(
-                    [DRIVE_MODES.index(row.mode) for row in rows], dtype=np.float64
-                ),
-                tacho_column(self._port): np.array([row.count for row in rows]),
-                BATTERY: np.array([row.supply_v for row in rows]),
-            },
-        )
+        """What was kept from `from_s` on; duties are those of the bridge, so not always whole percents."""
+        counted = [row for row in self._counted if row.time_s >= from_s]
+        first_s, last_s = counted[0].time_s, counted[-1].time_s
+        before = [row for row in self._held if row.time_s <= first_s]
+        in_force = _Held(first_s, before[-1].power_pct, before[-1].mode) if before else _Held(first_s, 0.0, COAST)
+        held = [in_force, *(row for row in self._held if first_s < row.time_s <= last_s)]
+        # Where both fall together the count comes first: it was read before the command could act.
+        rows = sorted([*counted, *held], key=lambda row: (row.time_s, isinstance(row, _Held)))
+        nan = float("nan")
+        commands = [(row.power_pct, row.mode) if isinstance(row, _Held) else (nan, nan) for row in rows]
+        counts = [(row.tacho_deg, row.supply_v) if isinstance(row, _Counted) else (nan, nan) for row in rows]
+        power_pct, mode = np.array(commands).T
+        tacho_deg, supply_v = np.array(counts).T
+        columns = {
+            TIME: np.array([row.time_s for row in rows]),
+            power_column(self._port): power_pct,
+            mode_column(self._port): mode,
+            tacho_column(self._port): tacho_deg,
+            BATTERY: supply_v,
+        }
+        return Recording("live", columns)
 
 
 class Recorder(Protocol):
-    """Keeps a session as a recording."""
+    """Keeps a session as a recording; `nxt_twin.recording.stream.RecordingWriter` is one."""
 
     def row(self, values: Mapping[str, float]) -> None:
         """Keep one poll: contract 1's columns by name, modes as indices; what was not sampled is left out."""
@@ -86,32 +97,3 @@ class Recorder(Protocol):
     def close(self) -> None:
         """The session is over."""
         ...
-
-
-@final
-class TableRecorder:
-    """Keeps a session in memory and writes it at its end.
-
-    Args:
-        path: `.csv` or `.parquet`.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._rows: list[Mapping[str, float]] = []
-
-    def row(self, values: Mapping[str, float]) -> None:
-        """Keep one poll."""
-        self._rows.append(dict(values))
-
-    def close(self) -> None:
-        """Write the recording, if there is anything in it.
-
-        Raises:
-            RecordingError: it cannot be written.
-        """
-        if not self._rows:
-            return
-        names = dict.fromkeys(name for row in self._rows for name in row)
-        columns = {name: np.array([row.get(name, np.nan) for row in self._rows]) for name in names}
-        write_recording(Recording(self._path.name, columns), self._path)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from typing import final
 
 from nxt_twin.recording.columns import Port, tacho_column
@@ -11,7 +12,7 @@ from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.records import Event, EventKind
 from nxt_twin.twin.settings import Watch
 from nxt_twin.twin.standstill import Standstill
-from nxt_twin.twin.tally import Regimes, Tally
+from nxt_twin.twin.tally import Doubt, Regimes, Tally
 
 _MOVING_RAD_S = 0.5
 _BRIEF_S = 1.0
@@ -36,6 +37,7 @@ class MotorMonitor:
         self._port = port
         self._watch = watch
         self._tally = Tally()
+        self._doubt = Doubt(watch)
         self._regimes = Regimes()
         self._standstill = Standstill(watch)
         self._last_s: float | None = None
@@ -53,19 +55,22 @@ class MotorMonitor:
         return self._standstill.trouble
 
     def take(
-        self, time_s: float, evidence: Evidence, power_pct: int, effects: dict[str, float]
+        self, time_s: float, evidence: Evidence, power_pct: int, effects: Mapping[str, float]
     ) -> Iterator[Event]:
         """Take what one reading said, and the probabilities of the effects; yield what is to be said."""
         moving_s = self._moving_s(time_s, evidence.speed)
-        if self._standstill.take(time_s, evidence.count, power_pct):
+        if self._standstill.take(time_s, evidence.tacho_deg, power_pct):
             yield self._trouble(time_s, power_pct)
         if self._standstill.trouble:
             self._tally.clear(time_s)
             return
         regime = self._regimes.of(time_s, evidence.speed, power_pct)
         self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
+        doubted = self._doubt.take(time_s, effects.get(NOTHING, 1.0))
         if self._tally.nats >= self._watch.alarm_nats:
             yield from self._alarm(time_s)
+        elif doubted:
+            yield from self._alarm_by_name(time_s, effects)
         elif self.diverging or self._proving:
             yield from self._recover(time_s, moving_s)
         if self.diverging:
@@ -74,6 +79,7 @@ class MotorMonitor:
     def forget(self, time_s: float, *, proving: bool = False) -> None:
         """Begin anew: the brick was away, or the model is another, which has to prove itself."""
         self._tally.clear(time_s)
+        self._doubt.clear(time_s)
         self.diverging = False
         self._proving = proving
         self._well_s = 0.0
@@ -98,6 +104,18 @@ class MotorMonitor:
             yield self._event(time_s, "divergence", words, tally.since_s, tally.nats)
         tally.clear(time_s)
 
+    def _alarm_by_name(self, time_s: float, effects: Mapping[str, float]) -> Iterator[Event]:
+        """What is weighed leaves the model hardly a chance, though no single stretch is far off."""
+        self._well_s = 0.0
+        self._pushed_s = time_s
+        if self.diverging:
+            return
+        self.diverging, self._proving, self._named = True, False, None
+        self.since_s = self._doubt.since_s
+        words = f"port {self._port.upper()}: the motor does not turn as its model since {self.since_s:.1f} s"
+        strength = -math.log(max(effects[NOTHING], 1e-30))
+        yield self._event(time_s, "divergence", words, self.since_s, strength)
+
     def _recover(self, time_s: float, moving_s: float) -> Iterator[Event]:
         self._well_s += moving_s
         if self._well_s < self._watch.calm_s:
@@ -114,7 +132,7 @@ class MotorMonitor:
         words = f"port {self._port.upper()}: the motor turns as its model again"
         yield self._event(time_s, "calm", words, None, None)
 
-    def _name(self, time_s: float, effects: dict[str, float]) -> Iterator[Event]:
+    def _name(self, time_s: float, effects: Mapping[str, float]) -> Iterator[Event]:
         named = {name: p for name, p in effects.items() if name not in (NOTHING, UNKNOWN)}
         if not named:
             return

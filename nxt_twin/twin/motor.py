@@ -20,6 +20,7 @@ from nxt_twin.twin.strand import Strand
 _SHARED = 3
 _MEMORY_S = 60.0
 _SPEED_DOUBT = 3.0
+_AT_REST = 0.3
 _WEIGH_EVERY_S = 0.03
 """The weighed models take readings no more often: what tells them apart takes longer, and each costs time."""
 
@@ -32,14 +33,14 @@ class Evidence(NamedTuple):
         nats: by how much a torque of unknown origin explains it better than the model alone.
         speed: estimate, rad/s.
         torque: the unknown torque's estimate, N·m.
-        count: the encoder's count.
+        tacho_deg: the encoder's count.
     """
 
     innovation: Innovation
     nats: float
     speed: float
     torque: float
-    count: int
+    tacho_deg: int
 
 
 @final
@@ -76,6 +77,7 @@ class MotorTwin:
         self._reaped_s = 0.0
         self._weighed_s = 0.0
         self._rejected = 0
+        self._count: int | None = None
         self._placed = False
 
     def _new_weigher(self) -> Weigher | None:
@@ -145,13 +147,18 @@ class MotorTwin:
         if accepted:
             self._rejected = 0
             nats = compared.log_likelihood - believed.log_likelihood
+            if count == self._count and abs(float(self._believing.mean[1])) < _AT_REST:
+                nats = min(nats, 0.0)  # one count that is read again and again is evidence but once
             self._believing.update(reading, variance)
             self._tracking.update(reading, variance)
         if weighing:
             self._weigh(reading, variance, accepted=accepted)
+        self._count = count
         for strand in taking:
             strand.sow(batch)
-        innovation = self._innovation(count, compared.predicted, compared.variance, stamp_s, accepted=accepted)
+        innovation = self._innovation(
+            count, compared.predicted, compared.variance, stamp_s, accepted=accepted
+        )
         speed, torque = float(self._tracking.mean[1]), float(self._tracking.mean[2])
         most = self._watch.most_nats
         return Evidence(innovation, min(max(nats, -most), most), speed, torque, count)
@@ -235,4 +242,3 @@ class MotorTwin:
             variance=math.degrees(1.0) ** 2 * variance,
             accepted=accepted,
         )
-

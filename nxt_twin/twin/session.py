@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkRefusedError, LinkTimeoutError
+from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
 from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
 from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
 from nxt_twin.twin.adopt import Adopter, told
@@ -16,11 +16,11 @@ from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
 from nxt_twin.twin.monitor import MotorMonitor
+from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import Pace
-from nxt_twin.errors import NxtTwinError
 
 _MISSES_MOST = 3
 _ALONE_S = 0.1
@@ -50,8 +50,8 @@ class Parts:
     clock: Clock
     twin: BrickTwin
     sink: Sink
-    plan: Plan = Plan()
-    pace: Pace = Pace()
+    plan: Plan = field(default_factory=Plan)
+    pace: Pace = field(default_factory=Pace)
     driver: Driver | None = None
     recorder: Recorder | None = None
     adopter: Adopter | None = None
@@ -140,8 +140,7 @@ class Session:
         row: dict[str, float] = {}
         innovations: list[Innovation] = []
         self._drive(brick, sent_s)
-        for port in self._twin.ports:
-            innovations.append(self._motor(brick, port, row))
+        innovations += [self._motor(brick, port, row) for port in self._twin.ports]
         innovations += self._sensor(sensors, row)
         battery_v = self._battery(brick, row)
         received_s = self.now_s
@@ -163,8 +162,7 @@ class Session:
             self._commanded(port, acts_s, power_pct, mode)
 
     def _commanded(self, port: Port, at_s: float, power_pct: int, mode: DriveMode) -> None:
-        self._twin.command(port, power_pct, mode, at_s)
-        self._history[port].command(at_s, power_pct, mode, self._twin.supply_v)
+        self._history[port].command(at_s, self._twin.command(port, power_pct, mode, at_s))
 
     def _motor(self, brick: Brick, port: Port, row: dict[str, float]) -> Innovation:
         reply = brick.motors.read(OUTPUTS[port])
@@ -177,17 +175,17 @@ class Session:
         power_pct, mode = self._twin.commanded(port)
         evidence = self._twin.read_tacho(port, taken_s, count, std_s)
         self._counts[port] = count
-        self._history[port].count(taken_s, count, power_pct, mode, self._twin.supply_v)
-        self._watch(port, taken_s, evidence_power=power_pct, evidence=evidence)
+        self._history[port].count(taken_s, count, self._twin.supply_v)
+        self._watch(port, taken_s, evidence, power_pct)
         row[tacho_column(port)] = float(count)
         row[power_column(port)] = float(power_pct)
         row[mode_column(port)] = float(DRIVE_MODES.index(mode))
         return evidence.innovation
 
-    def _watch(self, port: Port, time_s: float, *, evidence_power: int, evidence: object) -> None:
+    def _watch(self, port: Port, time_s: float, evidence: Evidence, power_pct: int) -> None:
         monitor = self.monitors[port]
-        effects = dict(self._twin.state(port).effects)
-        for event in monitor.take(time_s, evidence, evidence_power, effects):  # type: ignore[arg-type]
+        effects = self._twin.motor(port).probabilities
+        for event in monitor.take(time_s, evidence, power_pct, effects):
             if event.kind == "divergence":
                 self._twin.forget_evidence(port)
             self._sink.event(event)
@@ -212,7 +210,10 @@ class Session:
         lowest_v = self._twin.options.watch.low_battery_v
         if voltage_v < lowest_v and not self._battery_low:
             self._battery_low = True
-            self._tell("low_battery", f"the battery is down to {voltage_v:.2f} V: change the cells before you trust more")
+            self._tell(
+                "low_battery",
+                f"the battery is down to {voltage_v:.2f} V: change the cells before you trust more",
+            )
         elif voltage_v > lowest_v + _LOW_AGAIN_V:
             self._battery_low = False
         return voltage_v
@@ -234,8 +235,6 @@ class Session:
             try:
                 brick = self._parts.open_brick()
                 self._come_back(brick)
-            except LinkRefusedError:
-                continue
             except LinkError:
                 continue
             return brick
@@ -248,7 +247,7 @@ class Session:
             taken_s, _ = self._taken(reply.sent_s, reply.received_s)
             self._twin.move(taken_s)
             power_pct, mode = reported(reply.value)
-            self._twin.command(port, power_pct, mode, taken_s)
+            self._commanded(port, taken_s, power_pct, mode)
             self._twin.place(port, reply.value.tacho_deg)
             self._counts[port] = reply.value.tacho_deg
             self.monitors[port].forget(taken_s)
@@ -275,13 +274,15 @@ class Session:
         finished = adopter.finished()
         if finished is None:
             return
-        port, answer = finished
-        if isinstance(answer, NxtTwinError):
-            self._sink.event(Event(self.now_s, "divergence", f"port {port.upper()}: no diagnosis: {answer}", port))
+        port, now_s = finished.port, self.now_s
+        if finished.answer is None:
+            words = f"port {port.upper()}: {finished.why_not}; it goes on with the model that it has"
+            self._sink.event(Event(now_s, "divergence", words, port, onset_s=self.monitors[port].since_s))
             return
-        self._twin.adopt(port, answer.plant)
-        self.monitors[port].forget(self.now_s, proving=True)
-        for event in told(port, self.now_s, answer):
+        self._twin.adopt(port, finished.answer.plant, finished.began_s)
+        self.monitors[port].forget(now_s, proving=True)
+        self._history[port].clear()
+        for event in told(port, now_s, finished.answer):
             self._sink.event(event)
 
     def _tell(self, kind: EventKind, words: str) -> None:

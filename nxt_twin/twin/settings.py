@@ -51,6 +51,8 @@ class Watch:
 
     Attributes:
         alarm_nats: evidence for a missing torque at which a divergence is called.
+        doubt: probability of the model, beside the effects that are weighed, below which it is hardly possible.
+        doubt_s: how long it has to be so.
         most_nats: what one reading can add to it.
         calm_s: how long a motor has to move without new evidence until all is said to be well again.
         gate: the largest normalised squared innovation of a reading that is believed.
@@ -60,7 +62,9 @@ class Watch:
         low_battery_v: below which the battery is too low.
     """
 
-    alarm_nats: float = 25.0
+    alarm_nats: float = 18.0
+    doubt: float = 0.01
+    doubt_s: float = 1.0
     most_nats: float = 4.0
     calm_s: float = 10.0
     gate: float = 25.0

@@ -19,8 +19,10 @@ _LEAST_SPREAD = (1e-4, 1e-3, 1e-5)
 _CLEARLY = 3.0
 _WORTHWHILE = 0.1
 """A number differs by so many of its standard deviations, and by so much of what would be typical."""
+_ANGLE_FLOOR = 0.01
 _SPEED_FLOOR = 0.02
-"""Standard deviation that a speed gains in a second at least, rad/s: no model is perfect."""
+"""Standard deviations that angle (rad) and speed (rad/s) gain in a second at least: how a motor comes to rest within a
+degree is not what a model is for."""
 _WHITE = np.array([[1 / 5, 1 / 4, 1 / 3], [1 / 4, 1 / 3, 1 / 2], [1 / 3, 1 / 2, 1.0]])
 """What torque that arrives evenly over an interval does to angle, speed and torque, as shares of what it does when
 it is there from the beginning."""
@@ -135,6 +137,7 @@ class Strand:
         reach[_TORQUE] = 1.0
         fresh = self._torque_std**2 * (1.0 - forgotten**2)
         process[:_SHARED, :_SHARED] = fresh * _WHITE * np.outer(reach, reach)
+        process[ANGLE, ANGLE] += _ANGLE_FLOOR**2 * since_s
         process[SPEED, SPEED] += _SPEED_FLOOR**2 * since_s
         return process
 

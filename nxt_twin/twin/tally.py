@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import final
 
+from nxt_twin.twin.settings import Watch
+
 LOW_SPEED, HIGH_SPEED, REVERSAL, AFTER_COMMAND, STEADY = (
     "at low speed",
     "at high speed",
@@ -14,6 +16,7 @@ LOW_SPEED, HIGH_SPEED, REVERSAL, AFTER_COMMAND, STEADY = (
 _SLOW_RAD_S = 2.0
 _FAST_RAD_S = 8.0
 _AFTER_S = 0.25
+_LIKELIER = 0.5
 
 
 @final
@@ -61,6 +64,38 @@ class Tally:
         self.nats, self.since_s = 0.0, time_s
         self._pushes, self._readings = 0.0, 0
         self._by_regime.clear()
+
+
+@final
+class Doubt:
+    """How long the model has been hardly possible, by the effects that are weighed.
+
+    Args:
+        watch: when that is.
+
+    Attributes:
+        since_s: when the model was last the likelier one.
+    """
+
+    def __init__(self, watch: Watch) -> None:
+        self._watch = watch
+        self._unlikely_s: float | None = None
+        self.since_s = 0.0
+
+    def take(self, time_s: float, nothing: float) -> bool:
+        """Take the probability that nothing is missing; True while it has been hardly any for long enough."""
+        if nothing > _LIKELIER:
+            self.since_s = time_s
+        if nothing > self._watch.doubt:
+            self._unlikely_s = None
+            return False
+        if self._unlikely_s is None:
+            self._unlikely_s = time_s
+        return time_s - self._unlikely_s >= self._watch.doubt_s
+
+    def clear(self, time_s: float) -> None:
+        """Begin anew."""
+        self._unlikely_s, self.since_s = None, time_s
 
 
 @final

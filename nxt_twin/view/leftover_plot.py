@@ -44,11 +44,12 @@ def leftover_figure(leftover: Leftover, *, improves: bool) -> Figure:
     height_in = 2.5 * len(rows) + 0.45
     figure = Figure(figsize=(_WIDTH_IN, height_in))
     place = {"left": 0.055, "right": 0.985, "top": 1 - 0.32 / height_in, "bottom": 0.5 / height_in}
-    grid = figure.add_gridspec(len(rows), 3, hspace=0.28, wspace=0.12, **place)
+    abscissas = _abscissas(leftover)
+    grid = figure.add_gridspec(len(rows), len(abscissas), hspace=0.28, wspace=0.12, **place)
     factor, unit = palette.in_reach(rows[0].torque, leftover.unit)
     limit = factor * _limit([row.torque for row in rows])
     kept = scattered(leftover.time_s.size, _MOST_DOTS)
-    for column, abscissa in enumerate(_abscissas(leftover)):
+    for column, abscissa in enumerate(abscissas):
         for number, row in enumerate(rows):
             axes = figure.add_subplot(grid[number, column])
             _draw_cloud(axes, abscissa, factor * row.torque, row.colour, kept)
@@ -80,9 +81,11 @@ def _limit(torques: list[FloatArray]) -> float:
 
 
 def _abscissas(leftover: Leftover) -> list[_Abscissa]:
+    drive = [] if leftover.drive is None else [_Abscissa(leftover.drive_label, finite(leftover.drive))]
     return [
         _Abscissa(f"speed ({leftover.speed_unit})", finite(leftover.speed)),
         _telling_position(leftover),
+        *drive,
         _Abscissa("time in the recording (s)", leftover.time_s),
     ]
 

@@ -39,6 +39,11 @@ def plain(value: float, digits: int = 3) -> str:
     return _signed(f"{value / 10.0**exponent:.{digits - 1}f} × {power_of_ten(exponent)}")
 
 
+def rough(value: float) -> str:
+    """`value` with two significant digits, for sizes that are right within a factor of two."""
+    return plain(value, 2)
+
+
 def with_doubt(value: float, std: float) -> str:
     """`0.0312 ± 0.0021`: the standard deviation to one or two digits, the value to the same place."""
     if not math.isfinite(value):

@@ -74,6 +74,9 @@ def render_report(diagnosis: Diagnosis) -> str:
         largest_rmse=_largest(
             *(error for run in diagnosis.held_out for error in (run.baseline_rmse, run.improved_rmse))
         ),
+        largest_source=_largest(*(finding.strength for finding in mismatch.sources)),
+        intervals=any(moved.interval_95 for moved in diagnosis.refit.values()),
+        rests_on=_rests_on(diagnosis),
         largest_regime=_largest(*(finding.strength for finding in mismatch.regimes)),
         version=nxt_twin.__version__,
     )
@@ -92,6 +95,7 @@ def _environment() -> Environment:
         "chance": numbers.chance,
         "p_value": numbers.p_value,
         "plain": numbers.plain,
+        "rough": numbers.rough,
         "seconds": numbers.seconds,
         "tenths": numbers.tenths,
         "spelled_out": wording.spelled_out,
@@ -101,6 +105,7 @@ def _environment() -> Environment:
         "change": numbers.change,
         "counted": wording.counted,
         "equations": wording.EQUATIONS,
+        "sources": wording.SOURCES,
         "times_smaller": numbers.times_smaller,
         "verdicts": wording.VERDICTS,
         "with_doubt": numbers.with_doubt,
@@ -110,6 +115,14 @@ def _environment() -> Environment:
 
 def _largest(*values: float) -> float:
     return max((value for value in values if math.isfinite(value)), default=0.0)
+
+
+def _rests_on(diagnosis: Diagnosis) -> str:
+    """The anchors that any number of the diagnosis rests on, in words; empty where none does."""
+    anchors = [moved.rests_on for moved in diagnosis.refit.values()]
+    anchors += [estimate.rests_on for effect in diagnosis.effects for estimate in effect.params.values()]
+    names = dict.fromkeys(name for some in anchors for name in some)
+    return " and ".join(wording.spelled_out(name) for name in names)
 
 
 def _bar(value: float, largest: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nxt_twin.diagnose.diagnosis import Diagnosis, Equation, Verdict
+from nxt_twin.diagnose.diagnosis import Diagnosis, Equation, Source, Verdict
 
 VERDICTS: dict[Verdict, str] = {
     "adequate": "nothing is missing",
@@ -16,6 +16,14 @@ EQUATIONS: dict[Equation, str] = {
     "kinematic": "the kinematics: how the motor's motion becomes the motion that is measured",
     "measurement": "the measurement: how the sensor turns the truth into a reading",
     "timing": "the timing: when commands act and when readings are taken",
+}
+
+SOURCES: dict[Source, str] = {
+    "actuator": "a torque in the actuator or on its axis",
+    "battery": "the battery, the bridge or the winding",
+    "transmission": "the transmission between motor and sensor",
+    "encoder": "the encoder's readings",
+    "clock_or_link": "the clock or the link: stamps and delays",
 }
 
 _UNIT_ENDINGS = (

@@ -15,7 +15,7 @@ from nxt_twin.experiment.standin.workbench import Workbench, helper, place_senso
 FAST = {"settle_s": 0.05, "every_s": 0.05}
 
 SMALL: dict[str, dict[str, Any]] = {
-    "distance_sweep": {"distance_mm": {"first": 20, "last": 1500, "step": 20}, "samples": 2, "pace": FAST},
+    "distance_sweep": {"distance_mm": {"first": 25, "last": 1465, "step": 30}, "samples": 2, "pace": FAST},
     "angle_sweep": {
         "distance_mm": {"first": 338, "last": 1338, "step": 500},
         "angle_deg": {"first": 0, "last": 90, "step": 5},
@@ -59,7 +59,9 @@ def bench_for(experiment: Experiment, seed: int = 1) -> Workbench:
     return bench
 
 
-def surroundings(bench: Workbench, experiment: Experiment, told: list[Progress] | None = None) -> Surroundings:
+def surroundings(
+    bench: Workbench, experiment: Experiment, told: list[Progress] | None = None
+) -> Surroundings:
     movers = {axis: RigMover(bench.rig, axis) for axis in axes_of(experiment)}
     tell = (lambda _: None) if told is None else told.append
     return Surroundings(bench.brick, bench.clock, movers, helper(bench, experiment), tell)

@@ -2,9 +2,9 @@ import json
 from pathlib import Path
 
 import pytest
+from experiment_bench import small
 from typer.testing import CliRunner
 
-from experiment_bench import small
 from nxt_twin.cli.app import program
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.plan import dump_experiment
@@ -13,7 +13,7 @@ RUNNER = CliRunner()
 
 
 def run(*arguments: str) -> str:
-    result = RUNNER.invoke(program(["identify"]), list(arguments))
+    result = RUNNER.invoke(program(["identify"]), ["identify", *arguments])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     assert result.exit_code == 0, result.output
@@ -28,7 +28,15 @@ def write(kind: str, folder: Path, **changes: object) -> str:
 
 def test_a_dry_run_touches_nothing(tmp_path: Path) -> None:
     out = tmp_path / "run"
-    text = run("angle_sweep", "usb:", "--dry-run", "--out", str(out), "--positioner", "distance_mm=rail:b,mm_per_deg=1")
+    text = run(
+        "angle_sweep",
+        "usb:",
+        "--dry-run",
+        "--out",
+        str(out),
+        "--positioner",
+        "distance_mm=rail:b,mm_per_deg=1",
+    )
     assert "moved by rail:b,mm_per_deg=1" in text
     assert "angle_deg: 0 to 90 deg, moved by hand" in text
     assert not out.exists()
@@ -44,7 +52,9 @@ def test_on_the_mock_from_beginning_to_end(tmp_path: Path) -> None:
     assert again == json.loads((out / "identified.json").read_text())
 
 
-@pytest.mark.parametrize("mover", ["rail:b,mm_per_deg=0.3,play_deg=6,power_pct=60", "nx100:robot,along=z,value_now=0"])
+@pytest.mark.parametrize(
+    "mover", ["rail:b,mm_per_deg=0.3,play_deg=6,power_pct=60", "nx100:robot,along=z,value_now=0"]
+)
 def test_a_rail_and_a_robot_move_the_mocks_target(mover: str, tmp_path: Path) -> None:
     far = {"first": 260, "last": 1460, "step": 150}
     file = write("distance_sweep", tmp_path, distance_mm=far, samples=4)
@@ -62,4 +72,4 @@ def test_another_experiment_in_the_folder_is_refused(tmp_path: Path) -> None:
 
 
 def test_without_a_folder_it_is_wrong_use() -> None:
-    assert RUNNER.invoke(program(["identify"]), ["touch_force", "mock:"]).exit_code == 2
+    assert RUNNER.invoke(program(["identify"]), ["identify", "touch_force", "mock:"]).exit_code == 2

@@ -20,7 +20,7 @@ class Told:
 
     def receive(self, timeout_s: float) -> bytes:
         if not self._answers:
-            raise TimeoutError
+            raise TimeoutError(f"{timeout_s} s")
         return self._answers.pop(0)
 
     def close(self) -> None:
@@ -52,7 +52,12 @@ def test_answers_may_come_together_or_in_pieces() -> None:
     assert together.status() == status_of("194,64")
     pieces = Nx100Session(Told(HELLO, b"OK: RST", b"ATS\r", b"\n19", b"4,64\r"))
     status = pieces.status()
-    assert (status.command_remote, status.servo_on, status.alarm, status.running) == (True, True, False, False)
+    assert (status.command_remote, status.servo_on, status.alarm, status.running) == (
+        True,
+        True,
+        False,
+        False,
+    )
 
 
 def test_status_bits() -> None:
@@ -141,7 +146,7 @@ def test_limits_are_kept_without_a_move() -> None:
 
 def test_out_of_reach_is_refused_by_the_controller() -> None:
     state = RobotState(VirtualClock(), reach_mm=50.0)
-    with pytest.raises(PositionerError, match="5200.*out of range"):
+    with pytest.raises(PositionerError, match=r"5200.*out of range"):
         robot_on(state).move_to(300.0)
     assert state.held
 
@@ -203,9 +208,7 @@ def test_a_lost_link_is_named_and_closing_does_not_fail() -> None:
 def test_over_real_tcp() -> None:
     state = RobotState(VirtualClock())
     with Nx100Server(state) as server:
-        robot = Nx100Robot(
-            Nx100Session(TcpWire(*server.address)), RobotSetUp(), "distance_mm", state.clock
-        )
+        robot = Nx100Robot(Nx100Session(TcpWire(*server.address)), RobotSetUp(), "distance_mm", state.clock)
         assert robot.move_to(25.0) == pytest.approx(25.0, abs=0.01)
         robot.close()
     assert state.moves == 1

@@ -1,8 +1,8 @@
 from pathlib import Path
 
 import pytest
-
 from experiment_bench import small
+
 from nxt_twin.errors import ProgramError
 from nxt_twin.experiment.errors import ExperimentError, PositionerError
 from nxt_twin.experiment.outline import axes_of, outline
@@ -77,7 +77,16 @@ def test_positioners_are_read_with_their_keys() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "foot", "rail:b", "rail:d,mm_per_deg=1", "rail:b,mm_per_deg=x", "nx100:", "nx100:h,along=w", "nx100:h,up=1"],
+    [
+        "",
+        "foot",
+        "rail:b",
+        "rail:d,mm_per_deg=1",
+        "rail:b,mm_per_deg=x",
+        "nx100:",
+        "nx100:h,along=w",
+        "nx100:h,up=1",
+    ],
 )
 def test_what_is_no_positioner_is_refused(text: str) -> None:
     with pytest.raises(ProgramError):

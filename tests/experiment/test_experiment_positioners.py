@@ -58,7 +58,7 @@ def test_a_rail_finds_its_end_by_touch() -> None:
 
     class Bumper:
         def at(self, time_s: float) -> float:
-            return float(carriage.place_mm() <= 2.0)
+            return float(time_s >= 0.0 and carriage.place_mm() <= 2.0)
 
     bench.body.sensors[0].pressed = Bumper()
     rail = rail_on(bench, homing="touch", home_value=2.0, play_deg=15.0)

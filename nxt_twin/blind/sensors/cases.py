@@ -135,7 +135,7 @@ SENSOR_SURPRISES: Mapping[SensorKind, Mapping[str, Mapping[str, Any]]] = Mapping
             "unknown_bent_scale": {"bent_per_m": 0.06},
             "unknown_drift": {"drift_mm_per_min": 30.0},
         },
-        "light_sensor": {"unknown_bowed_gradient": {"bow_raw": 30.0}},
+        "light_sensor": {"unknown_wavy_gradient": {"wave_raw": 12.0}},
         "touch_sensor": {"unknown_creep": {"creep_g_per_min": 6.0}},
     }
 )

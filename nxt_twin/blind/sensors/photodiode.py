@@ -29,7 +29,7 @@ class Photodiode:
         ceiling_raw: the amplifier leaves its straight part at this many counts below dark; None: never.
         headroom_raw: by which it still goes on.
         noise_raw: standard deviation.
-        bow_raw: by which the paper's middle is off the straight line.
+        wave_raw: by which the printer's grey goes above and then below the straight line.
     """
 
     dark_raw: float = 900.0
@@ -42,7 +42,7 @@ class Photodiode:
     ceiling_raw: float | None = None
     headroom_raw: float = 12.0
     noise_raw: float = 2.5
-    bow_raw: float = 0.0
+    wave_raw: float = 0.0
 
 
 def readings_raw(
@@ -51,7 +51,7 @@ def readings_raw(
     """Counts 0 to 1023 at each poll, shape (polls,)."""
     place = position_mm / sensor.length_mm
     reflected = sensor.white_raw * (1.0 - place) + sensor.black_raw * place
-    reflected = reflected + 4.0 * sensor.bow_raw * place * (1.0 - place)
+    reflected = reflected + sensor.wave_raw * np.sin(2.0 * np.pi * place)
     mains = np.cos(2.0 * np.pi * sensor.mains_hz * time_s + phase_rad)
     light = reflected + sensor.room_raw + sensor.swing_raw * (2.0 * mains**2 - 1.0)
     if sensor.ceiling_raw is not None:

@@ -43,6 +43,9 @@ class SensorEffect:
         parameters: what is fitted; the first is the main one.
         confusable_with: ids of effects that look alike, with what tells them apart.
         replaces: fields of the ideal sensor that mean nothing once the effect is in.
+        laws: fields that choose between laws which the readings hardly tell apart; estimates are averaged over them.
+        stepped: its likelihood goes in steps from target to target, so that its estimates are taken from a random walk
+            over all that is likely instead of from the curvature at the top.
         prior_nats: what it has to earn beyond its parameters' share, for the places in which it was looked for.
     """
 
@@ -53,4 +56,6 @@ class SensorEffect:
     parameters: tuple[SensorParameter, ...]
     confusable_with: Mapping[str, str] = field(default_factory=dict)
     replaces: tuple[str, ...] = ()
+    laws: tuple[Mapping[str, float], ...] = ()
+    stepped: bool = False
     prior_nats: float = 0.0

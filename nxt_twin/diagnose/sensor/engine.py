@@ -12,6 +12,7 @@ from nxt_twin.diagnose.diagnosis import (
     Alternative,
     Confusion,
     Diagnosis,
+    Estimate,
     Fit,
     FoundEffect,
     HeldOutRun,
@@ -21,6 +22,7 @@ from nxt_twin.diagnose.diagnosis import (
     Verdict,
 )
 from nxt_twin.diagnose.sensor import words
+from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.explain import RIVAL_NATS, Explanation, explain, probability
 from nxt_twin.diagnose.sensor.judge import held_out_runs, noise_floor, overall
 from nxt_twin.diagnose.sensor.leftover import Left, regimes_of, spells_of, what_is_left
@@ -39,10 +41,10 @@ from nxt_twin.sensors.ultrasonic import UltrasonicParameters
 
 Progress = Callable[[str], None]
 
-STRUCTURED_NATS = 15.0
+STRUCTURED_NATS = 10.0
 STRUCTURED_SIZE = 0.15
 MOST_LEFT = 0.3
-BY_CHANCE = 1e-6
+BY_CHANCE = 1e-5
 """When what is left is more than noise: bins along something foretell it by so many nats, it is so large beside the
 noise, and chance would do it so rarely. Where effects were found it must also be that part of all there was."""
 
@@ -225,8 +227,7 @@ def _is_structured(left: Left) -> bool:
 
 
 def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
-    final, problem = evidence.final, evidence.workshop.problem
-    covariance = evidence.workshop.covariance(final)
+    final = evidence.final
     found = []
     for effect in final.active:
         rivals = evidence.explanation.rivals[effect.id]
@@ -236,7 +237,7 @@ def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
                 id=effect.id,
                 name=effect.name,
                 equation=effect.equation,
-                params=problem.estimates(effect, final.values, final.names, covariance),
+                params=_estimates(evidence.workshop, effect, final),
                 probability=probability(0.0, behind),
                 confusable_with=tuple(
                     Confusion(rival.effect.id, words.why_confusable(effect, rival.effect, rival.behind))
@@ -246,6 +247,28 @@ def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
             )
         )
     return found
+
+
+def _estimates(workshop: Workshop, effect: SensorEffect, final: Structure) -> dict[str, Estimate]:
+    """The effect's parameters; where several laws would do, their mean, with the laws' disagreement in the doubt."""
+    if effect.stepped:
+        values, covariance = workshop.wandered(final)
+        return workshop.problem.estimates(effect, values, final.names, covariance)
+    structures = [workshop.under_law(final, law) for law in effect.laws] or [(final, 0.0)]
+    most = max(nats for _, nats in structures)
+    weights = np.exp(np.array([nats - most for _, nats in structures]))
+    weights /= weights.sum()
+    each = [
+        workshop.problem.estimates(effect, structure.values, structure.names, workshop.covariance(structure))
+        for structure, _ in structures
+    ]
+    averaged = {}
+    for name, first in each[0].items():
+        values, stds = (np.array([getattr(one[name], key) for one in each]) for key in ("value", "std"))
+        mean = float(weights @ values)
+        std = float(np.sqrt(weights @ (stds**2 + (values - mean) ** 2)))
+        averaged[name] = Estimate(mean, std, first.unit)
+    return averaged
 
 
 def _refit(evidence: _Evidence) -> dict[str, Moved]:

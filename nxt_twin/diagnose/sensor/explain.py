@@ -25,6 +25,9 @@ _OBVIOUS_NATS = 20.0
 gains the third."""
 
 _MOST_EFFECTS = 4
+_PROMISING_NATS = 2.0
+_FAR_BEHIND_NATS = 60.0
+"""What gradient steps alone must reach for a candidate, or a rival, to be fitted to the end."""
 
 
 @final
@@ -80,7 +83,7 @@ def _tried(
         if effect.id in best.ids:
             continue
         progress(f"trying {effect.name}")
-        other = workshop.with_effect(best, effect)
+        other = workshop.with_effect(best, effect, best.fit_nats + _PROMISING_NATS)
         if other is not None:
             found.append((_gain(workshop, best, other), other))
     return found
@@ -120,7 +123,7 @@ def _rivals(workshop: Workshop, best: Structure, effect: SensorEffect) -> tuple[
     for other in workshop.problem.effects:
         if other.id in best.ids:
             continue
-        changed = workshop.with_effect(fewer, other)
+        changed = workshop.with_effect(fewer, other, best.fit_nats - _FAR_BEHIND_NATS)
         if changed is not None:
             found.append(Rival(other, changed, own - _gain(workshop, fewer, changed)))
     return tuple(sorted(found, key=lambda rival: rival.behind))

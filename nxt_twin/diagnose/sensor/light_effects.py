@@ -38,7 +38,7 @@ FLICKER = SensorEffect(
     equation="y = slope·x + zero + A·sin(2π·f·t + φ), lamps on the mains flicker at twice its frequency",
     shows=("elapsed_time",),
     parameters=(
-        SensorParameter("frequency_hz", "flicker_frequency_hz", "Hz", 0.01, 140.0, 0.005, 100.0),
+        SensorParameter("frequency_hz", "flicker_frequency_hz", "Hz", 3.0, 140.0, 0.005, 100.0),
         SensorParameter("amplitude_raw", "flicker_amplitude_raw", "", 0.0, 500.0, 1.0, 0.0),
     ),
     confusable_with={

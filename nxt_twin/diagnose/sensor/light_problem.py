@@ -14,7 +14,7 @@ from scipy.special import ndtri
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.light_effects import AMBIENT_OFFSET, EFFECTS, FLICKER, SATURATION
-from nxt_twin.diagnose.sensor.periods import likeliest_frequencies
+from nxt_twin.diagnose.sensor.periods import MAINS_HZ, likeliest_frequencies
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates, standard_errors
 from nxt_twin.diagnose.sensor.runs import Run
 from nxt_twin.recording.recording import FloatArray
@@ -32,6 +32,7 @@ from nxt_twin.sensors.light import (
 
 _POSITION = "rig_position_mm"
 _NOISE_FLOOR_RAW = 0.3
+_MAINS_WIDTH_HZ, _ODD_FREQUENCY_NATS = 1.0, 4.0
 _FIELDS = tuple(field.name for field in fields(LightParameters))
 _AMBIENT, _PHASE = "ambient@", "phase@"
 
@@ -189,9 +190,11 @@ class LightProblem:
         return log_likelihood_each(self._sensor(values), self._readings, self._truths(values))
 
     def log_prior(self, values: Values) -> float:
-        """None."""
-        del values
-        return 0.0
+        """Lights flicker at the mains' frequency or its double: any other is less likely beforehand."""
+        if not values["flicker_amplitude_raw"]:
+            return 0.0
+        off_mains_hz = min(abs(values["flicker_frequency_hz"] - mains) for mains in MAINS_HZ)
+        return 0.0 if off_mains_hz < _MAINS_WIDTH_HZ else -_ODD_FREQUENCY_NATS
 
     def scores(self, values: Values, rng: Generator) -> FloatArray:
         """The reading's place in its own distribution, ties broken at random, as a normal score."""

@@ -14,7 +14,7 @@ MAINS_HZ: Final = (100.0, 120.0, 50.0, 60.0)
 
 _HIGHEST_HZ = 130.0
 _STEPS_PER_RESOLUTION = 4.0
-_LOWEST_TURNS = 2.0
+_LOWEST_HZ = 3.0
 _MOST_READINGS = 1500
 _CHUNK = 2000
 _PEAKS = 3
@@ -38,7 +38,9 @@ class Peak:
 
 
 def likeliest_frequencies(parts: Sequence[tuple[FloatArray, FloatArray]]) -> list[Peak]:
-    """The strongest peaks below 130 Hz, and the strongest near each mains frequency.
+    """The strongest peaks from 3 to 130 Hz, and the strongest near each mains frequency.
+
+    What is slower than 3 Hz goes with the motion along the gradient and is no flicker.
 
     Readings at an even pace cannot tell a frequency from its aliases; the ones near the mains' are always among
     the peaks, so that the likelihood and the reader can choose.
@@ -51,7 +53,7 @@ def likeliest_frequencies(parts: Sequence[tuple[FloatArray, FloatArray]]) -> lis
     if longest_s <= 0.0:
         return []
     step_hz = 1.0 / (_STEPS_PER_RESOLUTION * longest_s)
-    grid = np.arange(_LOWEST_TURNS / longest_s, _HIGHEST_HZ, step_hz)
+    grid = np.arange(_LOWEST_HZ, _HIGHEST_HZ, step_hz)
     power = np.concatenate([_power(part, thinned) for part in _chunks(grid)])
     chosen = list(_highest(grid, power, _PEAKS))
     for mains in MAINS_HZ:

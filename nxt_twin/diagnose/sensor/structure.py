@@ -11,6 +11,7 @@ import numpy as np
 
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Problem, Split, Values, split_of
+from nxt_twin.diagnose.sensor.wander import wander
 from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
 
@@ -67,14 +68,20 @@ class Workshop:
         """The ideal sensor, re-fitted."""
         return self._finished((), self._fitted((), [self.problem.base_start()], self.split.fit))
 
-    def with_effect(self, structure: Structure, effect: SensorEffect) -> Structure | None:
-        """The structure with one more effect; None if the data give no place to begin."""
+    def with_effect(
+        self, structure: Structure, effect: SensorEffect, worth_nats: float = -np.inf
+    ) -> Structure | None:
+        """The structure with one more effect; None if the data give no place to begin.
+
+        Where gradient steps from the best starts do not bring the fitted items above `worth_nats`, they are left
+        at that.
+        """
         begin = self.problem.starts(effect, structure.values)
         if not begin:
             return None
         active = (*structure.active, effect)
         starts = [{**structure.values, **start} for start in begin]
-        return self._finished(active, self._fitted(active, starts, self.split.fit))
+        return self._finished(active, self._fitted(active, starts, self.split.fit, worth_nats))
 
     def without(self, structure: Structure, effect: SensorEffect) -> Structure:
         """The structure without one of its effects, fitted anew."""
@@ -87,6 +94,25 @@ class Workshop:
         """The same structure fitted on all that is not held out."""
         values = self._fitted(structure.active, [structure.values], self.split.known)
         return self._finished(structure.active, values)
+
+    def under_law(self, structure: Structure, law: Values) -> tuple[Structure, float]:
+        """The structure under another of an effect's laws, and its nats on all that is not held out."""
+        free = self._free(structure.active)
+        values = self._best(free, [{**structure.values, **law}], self.split.known)
+        nats = self._nats(values, free, np.array([values[part.name] for part in free]), self.split.known)
+        return self._finished(structure.active, values), nats
+
+    def wandered(self, structure: Structure) -> tuple[Values, FloatArray]:
+        """The mean of all likely values, and the covariance of the fitted ones, from a random walk among them."""
+        free = self._free(structure.active)
+        best = np.array([structure.values[part.name] for part in free])
+
+        def objective(x: FloatArray) -> float:
+            return self._nats(structure.values, free, x, self.split.known) * structure.independent
+
+        rng = np.random.default_rng(self._seed)
+        mean, covariance = wander(objective, best, self.covariance(structure), free, rng)
+        return _moved(structure.values, free, mean), covariance
 
     def covariance(self, structure: Structure) -> FloatArray:
         """Of the fitted values on all that is not held out; shape (names, names)."""
@@ -123,10 +149,18 @@ class Workshop:
         ]
         return self._best(free, starts, items)
 
-    def _fitted(self, active: Sequence[SensorEffect], starts: Iterable[Values], mask: Mask) -> Values:
-        return self._best(self._free(active), starts, mask)
+    def _fitted(
+        self,
+        active: Sequence[SensorEffect],
+        starts: Iterable[Values],
+        mask: Mask,
+        worth_nats: float = -np.inf,
+    ) -> Values:
+        return self._best(self._free(active), starts, mask, worth_nats)
 
-    def _best(self, free: Sequence[Free], starts: Iterable[Values], mask: Mask) -> Values:
+    def _best(
+        self, free: Sequence[Free], starts: Iterable[Values], mask: Mask, worth_nats: float = -np.inf
+    ) -> Values:
         """The likeliest values, from the starts that are likeliest before fitting."""
 
         def standing(start: Values) -> float:
@@ -142,7 +176,9 @@ class Workshop:
             x0 = np.array([start[part.name] for part in free])
             x = climb(objective(start), x0, free, _STEPS_TO_COMPARE)
             ends.append((objective(start)(x), start, x))
-        _, start, x = max(ends, key=lambda end: end[0])
+        nats, start, x = max(ends, key=lambda end: end[0])
+        if nats < worth_nats:
+            return _moved(start, free, x)
         return _moved(start, free, maximise(objective(start), x, free))
 
     def _nats(self, values: Values, free: Sequence[Free], x: FloatArray, mask: Mask) -> float:

@@ -50,6 +50,7 @@ RANGE_NOISE = SensorEffect(
     equation=f"σ = σ0 + k·d, or σ² = σ0² + (k·d)² ({PAPER}: noise grows with distance; the law is ours)",
     shows=("far",),
     parameters=(SensorParameter("noise_per_distance", "noise_per_distance", "", 0.0, 0.5, 0.004, 0.0),),
+    laws=({"noise_power": 1.0}, {"noise_power": 2.0}),
     confusable_with={
         "ultrasonic_dropout": "many readings at a few distances: growing noise spreads them, a lost echo is 255"
     },
@@ -67,11 +68,12 @@ DROPOUT = SensorEffect(
         SensorParameter("far_angle_deg", "far_angle_deg", "deg", -90.0, 120.0, 8.0, 15.0),
         SensorParameter("near_shape", "beam_near_shape", "", 0.4, 4.0, 0.1, 1.0),
         SensorParameter("far_shape", "beam_far_shape", "", 0.4, 4.0, 0.1, 1.0),
-        SensorParameter("edge_deg", "beam_edge_deg", "deg", 0.05, 15.0, 0.7, 2.0),
+        SensorParameter("edge_deg", "beam_edge_deg", "deg", 0.1, 15.0, 0.7, 2.0),
     ),
     confusable_with={
         "ultrasonic_blind_zone": "short distances square on, angle 0: the beam's edge plays no part there"
     },
+    stepped=True,
 )
 
 SOUND_SPEED = SensorEffect(

@@ -24,6 +24,7 @@ from nxt_twin.sensors.ultrasonic import (
     NO_ECHO,
     UltrasonicParameters,
     UltrasonicTruth,
+    between_targets_mm,
     log_likelihood_each,
     moments,
     probability,
@@ -34,6 +35,7 @@ _DISTANCE, _ANGLE = "rig_distance_mm", "rig_angle_deg"
 _ZERO_STD_MM = 4.0
 _USUAL_BEND, _BEND_STD = 1.3, 0.7
 _RARE = 1e-3
+_MOST_THRESHOLDS = 100
 _SCALE_OF_READING_MM = 10.0
 _OBLIQUE_DEG = 10.0
 _LEAST_ANGLES_DEG = 3.0
@@ -134,7 +136,7 @@ class UltrasonicProblem:
         """Places to begin; thresholds are tried all along the range."""
         match effect.id:
             case "ultrasonic_blind_zone":
-                return [self._blind(below) for below in (15.0, 25.0, 40.0, 60.0, 90.0, 140.0, 200.0)]
+                return [self._blind(float(below)) for below in self._between(400.0)]
             case "ultrasonic_near_offset":
                 return self._near(values)
             case "ultrasonic_range_noise":
@@ -161,6 +163,9 @@ class UltrasonicProblem:
             case _:
                 return [{"air_temperature_c": warmth} for warmth in (-10.0, 0.0, 10.0, 30.0, 40.0, 55.0)]
 
+    def _between(self, highest_mm: float) -> FloatArray:
+        return between_targets_mm(self._distinct[1], highest_mm, _MOST_THRESHOLDS)
+
     def _blind(self, below: float) -> Values:
         inside = self._truths.distance_mm < below
         silent = self._readings[inside] >= NO_ECHO
@@ -176,11 +181,11 @@ class UltrasonicProblem:
         mean, _, none = moments(self._sensor(values), self._truths)
         told = (self._readings < NO_ECHO) & (none < 0.5)
         starts = []
-        for below in (50.0, 80.0, 120.0, 180.0, 250.0, 330.0, 450.0, 700.0):
+        for below in self._between(1000.0):
             near = told & (self._truths.distance_mm < below)
             if near.any():
                 offset = 10.0 * float(np.median((self._readings - mean)[near]))
-                quiet = {"near_offset_mm": offset, "near_below_mm": below, "near_share": 0.95}
+                quiet = {"near_offset_mm": offset, "near_below_mm": float(below), "near_share": 0.95}
                 starts += [quiet, {**quiet, "noise_mm": max(0.5 * values["noise_mm"], 1.0)}]
         return starts
 

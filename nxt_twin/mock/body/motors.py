@@ -25,6 +25,11 @@ class Plants(Protocol):
         ...
 
     @property
+    def shown(self) -> FloatArray:
+        """Angles as the encoders show them, rad."""
+        ...
+
+    @property
     def current(self) -> FloatArray:
         """Winding currents, A."""
         ...
@@ -73,7 +78,7 @@ class Motors:
 
     def counts(self) -> list[int]:
         """The encoders' counts since power-on."""
-        return [math.floor(angle * _COUNTS_PER_RAD) for angle in self._plants.angle.tolist()]
+        return [math.floor(angle * _COUNTS_PER_RAD) for angle in self._plants.shown.tolist()]
 
     def angles_rad(self) -> list[float]:
         """The hubs' true angles, rad."""

@@ -19,7 +19,7 @@ from nxt_twin.view.dashboard.job import Job
 from nxt_twin.view.dashboard.page import page_url
 from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_display
 
-_VIEWER_PATIENCE_S: Final = 1.5
+_VIEWER_PATIENCE_S: Final = 2.0
 _FILE_PATIENCE_S: Final = 10.0
 _LONGEST_TROUBLE: Final = 300
 

@@ -139,7 +139,6 @@ def _motor_tables(port: Port, ticks: Sequence[Tick]) -> list[Table]:
             time_s,
             1e3 * np.column_stack([torque, torque - reach, torque + reach]),
         ),
-        Table(motor_path(port, "power"), time_s, np.array([[motor.power_pct] for _, motor in states])),
     ]
     named = {name for _, motor in states for name in motor.effects}
     for name in sorted(named):

@@ -20,6 +20,8 @@ CAPACITY: Final = 3000
 
 _EVENTS: Final = 500
 _END_S: Final = 0.5
+_LOOK_S: Final = 0.04
+"""The thread looks by itself for what has come: waking it would cost the loop more than handing over."""
 
 
 @final
@@ -44,8 +46,7 @@ class Feeder:
         self._patience_s = patience_s
         self._queue: deque[Message] = deque(maxlen=capacity)
         self._events: deque[Message] = deque(maxlen=_EVENTS)
-        self._wake = threading.Event()
-        self._closing = False
+        self._closing = threading.Event()
         self._gone = False
         self._dropped = 0
         self._told = 0
@@ -89,13 +90,10 @@ class Feeder:
         if len(queue) == queue.maxlen:
             self._dropped += 1
         queue.append(message)
-        if not self._wake.is_set():
-            self._wake.set()
 
     def finish(self) -> None:
         """Say that nothing more comes, without waiting."""
-        self._closing = True
-        self._wake.set()
+        self._closing.set()
 
     def close(self) -> int:
         """Wait until the process has ended, and end it where that takes too long.
@@ -109,6 +107,9 @@ class Feeder:
         except subprocess.TimeoutExpired:
             self._end()
             status = self._process.wait()
+        if status < 0:
+            # It had no chance to end what it started.
+            self._end()
         self._thread.join(_END_S)
         return status
 
@@ -116,7 +117,8 @@ class Feeder:
         """End the process and what it started that is to end with it."""
         if sys.platform == "win32":
             self._process.kill()
-        else:
+            return
+        with suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
 
     def _carry(self) -> None:
@@ -124,14 +126,13 @@ class Feeder:
         assert pipe is not None  # noqa: S101 - asked for above
         try:
             while True:
-                self._wake.wait()
-                self._wake.clear()
+                closing = self._closing.wait(_LOOK_S)
                 while self._events or self._queue:
                     if self._dropped > self._told:
                         lost, self._told = self._dropped - self._told, self._dropped
                         _write_all(pipe, written(lost))
                     _write_all(pipe, written((self._events or self._queue).popleft()))
-                if self._closing and not self._wake.is_set():
+                if closing:
                     return
         except OSError:
             self._gone = True

@@ -18,7 +18,7 @@ class Job:
     """What the process is to do; travels as its one argument.
 
     Attributes:
-        kind: a file, a native viewer, the web, or a viewer that somebody else started.
+        kind: a file, a native viewer, or the web.
         title: the recording's name.
         ports: of the motors shown.
         channels: the sensors' columns shown.
@@ -29,7 +29,7 @@ class Job:
         tab: which tab is in front.
     """
 
-    kind: Literal["file", "spawn", "web", "join"]
+    kind: Literal["file", "spawn", "web"]
     title: str
     ports: tuple[Port, ...]
     channels: tuple[str, ...]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from queue import Queue
 from typing import Any, Final, Literal
 
 from nxt_twin.twin.records import Event, Tick
@@ -18,6 +19,7 @@ from nxt_twin.view.dashboard.wire import read
 _SHOWN_EVERY_S: Final = 0.25
 _WRITTEN_EVERY_S: Final = 2.0
 
+_MOST_GATHERED: Final = 500
 _START_S: Final = 20.0
 _START_STEP_S: Final = 0.05
 _LAST_LOOK_S: Final = 0.3
@@ -49,25 +51,49 @@ def main() -> int:
 
 
 def draw(lines: Iterable[bytes], painter: Any, batch_s: float) -> None:  # noqa: ANN401 - imported late
-    """Let a `Painter` paint lines in batches of `batch_s` of the session's own time; events are not kept waiting."""
+    """Let a `Painter` paint lines in batches of `batch_s` of the session's own time.
+
+    Events are not kept waiting, and lines that have queued up meanwhile are painted at one go.
+    """
     ticks: list[Tick] = []
     events: list[Event] = []
     notes: list[tuple[float, str]] = []
     now_s = 0.0
-    for line in lines:
-        message = read(line)
-        if isinstance(message, Tick):
-            ticks.append(message)
-            now_s = message.received_s
-        elif isinstance(message, Event):
-            events.append(message)
-        else:
-            notes.append((now_s, f"dashboard: {message} messages were dropped, the viewer did not keep up"))
+    for gathered in _gathered(lines):
+        for message in map(read, gathered):
+            if isinstance(message, Tick):
+                ticks.append(message)
+                now_s = message.received_s
+            elif isinstance(message, Event):
+                events.append(message)
+            else:
+                notes.append((now_s, f"dashboard: {message} polls were dropped, the viewer did not keep up"))
         if events or (ticks and now_s - ticks[0].received_s >= batch_s):
             painter.paint(ticks, events, notes)
             ticks, events, notes = [], [], []
     if ticks or events or notes:
         painter.paint(ticks, events, notes)
+
+
+def _gathered(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
+    """The lines, as many at a time as have arrived."""
+    arrived: Queue[bytes | None] = Queue(_MOST_GATHERED)
+
+    def fetch() -> None:
+        for line in lines:
+            arrived.put(line)
+        arrived.put(None)
+
+    threading.Thread(target=fetch, name="dashboard reader", daemon=True).start()
+    while (line := arrived.get()) is not None:
+        some = [line]
+        while not arrived.empty() and len(some) < _MOST_GATHERED:
+            following = arrived.get()
+            if following is None:
+                yield some
+                return
+            some.append(following)
+        yield some
 
 
 def _open_viewer(job: Job) -> tuple[subprocess.Popen[bytes] | None, Page | None]:

@@ -23,7 +23,6 @@ _PLACES: Final[dict[Port, float]] = {"a": -9.0, "b": 0.0, "c": 9.0}
 _FRONT: Final = -7.0
 _RADIUS: Final = 2.8
 _GHOST_RADIUS: Final = 3.9
-_TOWARDS_VIEWER: Final = (0.0, -1.0, 0.0)
 _UPRIGHT: Final = rr.RotationAxisAngle(axis=(1.0, 0.0, 0.0), degrees=90.0)
 
 
@@ -37,17 +36,16 @@ def static_parts(ports: Sequence[Port]) -> list[tuple[str, Any]]:
 
 def turned(port: Port, turn: Turn) -> list[tuple[str, Any]]:
     """Both discs of a motor in a batch, as paths and columns."""
+    # Quaternions (x, y, z, w) about the axis that points to the viewer, which is -y.
     hub = (_PLACES[port], _FRONT - 1.6, 0.0)
     found = []
     for disc, degrees in (("disc", turn.measured_deg), ("ghost", turn.predicted_deg)):
         back = 0.0 if disc == "disc" else 0.9
         place = np.tile((hub[0], hub[1] + back, hub[2]), (degrees.size, 1))
-        turns = [
-            rr.RotationAxisAngle(axis=_TOWARDS_VIEWER, degrees=float(angle)) for angle in degrees % 360.0
-        ]
-        found.append(
-            (f"/robot/{port}/{disc}", rr.Transform3D.columns(translation=place, rotation_axis_angle=turns))
-        )
+        half = 0.5 * np.radians(degrees % 360.0)
+        still = np.zeros_like(half)
+        turns = np.column_stack([still, -np.sin(half), still, np.cos(half)])
+        found.append((f"/robot/{port}/{disc}", rr.Transform3D.columns(translation=place, quaternion=turns)))
     return found
 
 

@@ -1,0 +1,102 @@
+"""`nxt-twin drive`: run a motor program on a brick, safely."""
+
+from __future__ import annotations
+
+import json as json_format
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import Clock, SystemClock
+from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.record import Teller, Written, opened, write_down
+from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end, wanted_ports
+from nxt_twin.recording.program import MotorProgram, Run
+from nxt_twin.recording.programs import load_program, own_programs
+from nxt_twin.twin.driver import ProgramDriver
+from nxt_twin.twin.logbook import Logbook
+from nxt_twin.twin.polling import Plan
+
+
+def drive(
+    program: Annotated[
+        str | None, typer.Argument(help="A motor program: a name or a YAML file; without: list the names.")
+    ] = None,
+    url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
+    ports: Annotated[str | None, typer.Option(help="Motors to drive, instead of the program's own.")] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="Record it: .parquet or .csv; of several runs, each gets its name added."),
+    ] = None,
+    period: Annotated[float, typer.Option(min=0.0, help="Time from poll to poll, s.")] = 0.01,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
+    json: JsonOption = None,
+) -> None:
+    """Run a motor program once. The motors coast at its end, after each run, on Ctrl-C and on any error.
+
+    A motor that has turned further than the program allows coasts until the next run. On a brick that is not made of
+    software you are asked first. Ctrl-C gives exit status 1: the program was not run to its end.
+    """
+    if program is None:
+        _list(json)
+        return
+    wanted = load_program(program)
+    if ports is not None:
+        wanted = wanted.model_copy(update={"ports": wanted_ports(ports)})
+    clock = SystemClock()
+    found = chosen_url(url, clock)
+    get_leave(found, wanted.ports, yes=yes)
+    plan = Plan(period_s=period)
+    done = [
+        _run(
+            alone,
+            lambda: opened(found, clock),
+            clock,
+            plan,
+            None if record is None else named(record, run, wanted),
+        )
+        for run, alone in ((run, wanted.model_copy(update={"runs": (run,)})) for run in wanted.runs)
+    ]
+    if json:
+        answer = {"program": wanted.name, "ports": wanted.ports, "runs": done}
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/drive/1", **answer}))
+    if json != "-":
+        for run, result in zip(wanted.runs, done, strict=True):
+            print(f"{run.name}: {result['seconds']:.1f} s  {result['file'] or ''}".rstrip())
+
+
+def named(record: Path, run: Run, program: MotorProgram) -> Path:
+    """Where a run's recording goes."""
+    return record if len(program.runs) == 1 else record.with_stem(f"{record.stem}-{run.name}")
+
+
+def _run(
+    alone: MotorProgram, open_it: Callable[[], Brick], clock: Clock, plan: Plan, record: Path | None
+) -> Written:
+    driver = ProgramDriver(alone)
+    if record is not None:
+        return write_down(
+            open_it, clock, record, alone.ports, plan, driver=driver, seconds=driver.duration_s, may_end=False
+        )
+    with progress(f"{alone.name}: {alone.runs[0].name}") as tell, tidy_end(), open_it() as brick:
+        teller = Teller(tell)
+        Logbook(brick, clock, alone.ports, plan, driver=driver).keep(driver.duration_s, teller)
+    return Written(file=None, rows=teller.last.rows, seconds=round(teller.last.elapsed_s, 3))
+
+
+def _list(json: str | None) -> None:
+    programs = {name: load_program(name) for name in own_programs()}
+    if json:
+        told = [
+            {"name": name, "why": each.why, "seconds": ProgramDriver(each).duration_s, "ports": each.ports}
+            for name, each in programs.items()
+        ]
+        emit_json(
+            json, json_format.dumps({"schema": "nxt-twin/programs/1", "programs": told}, ensure_ascii=False)
+        )
+    if json != "-":
+        for name, each in programs.items():
+            print(f"{name:20} {ProgramDriver(each).duration_s:4.0f} s  {each.why}")

@@ -1,0 +1,142 @@
+"""`nxt-twin record`: write down what a brick's motors and sensors do."""
+
+from __future__ import annotations
+
+import json as json_format
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated, TypedDict, final
+
+import typer
+
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import Clock, SystemClock
+from nxt_twin.brick.errors import LinkUrlError
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.openers import OPENERS
+from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, tidy_end, wanted_ports, wanted_sensors
+from nxt_twin.recording.columns import Port
+from nxt_twin.recording.programs import load_program
+from nxt_twin.recording.stream import RecordingWriter
+from nxt_twin.twin.driver import Driver, ProgramDriver
+from nxt_twin.twin.logbook import Beat, Logbook, columns_of
+from nxt_twin.twin.polling import Plan
+
+_TOLD_EVERY_S = 0.5
+
+
+@final
+class Written(TypedDict):
+    """What was recorded: the file, if there is one, how many rows, how long."""
+
+    file: str | None
+    rows: int
+    seconds: float
+
+
+def record(
+    url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The recording: .parquet or .csv.", metavar="FILE")] = None,
+    ports: Annotated[str, typer.Option(help="Motors to read.")] = "abc",
+    sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = NOTHING,
+    program: Annotated[
+        str | None,
+        typer.Option(
+            help="Run a motor program meanwhile, once: a name, as drive lists them, or a YAML file."
+        ),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(min=0.0, help="How long; 0: as long as the program, or until Ctrl-C.")
+    ] = 0.0,
+    period: Annotated[
+        float, typer.Option(min=0.0, help="Time from poll to poll, s; 0 is the link's own pace.")
+    ] = 0.01,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
+    json: JsonOption = None,
+) -> None:
+    """Record a brick: motors, sensors, battery, a row a poll (contract 1).
+
+    The rows are on the way to the disk while it runs: after a crash, `nxt-twin recover FILE` gives back all but the
+    last half second. Without a program the motors are left alone, and what the brick says of them is written down.
+    Ctrl-C ends it, and is an ordinary end.
+    """
+    if out is None:
+        raise typer.BadParameter("is missing: where should the recording go?", param_hint="--out")
+    wanted, plan = wanted_ports(ports), Plan(sensors=wanted_sensors(sensors), period_s=period)
+    driver = None if program is None else ProgramDriver(load_program(program))
+    if driver is not None:
+        wanted = tuple(dict.fromkeys((*wanted, *driver.ports)))
+        seconds = min(seconds or driver.duration_s, driver.duration_s)
+    clock = SystemClock()
+    found = chosen_url(url, clock)
+    if driver is not None:
+        get_leave(found, driver.ports, yes=yes)
+    written = write_down(
+        lambda: opened(found, clock), clock, out, wanted, plan, driver=driver, seconds=seconds or None
+    )
+    if json:
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/record/1", **written}))
+    if json != "-":
+        print(f"{written['rows']} rows, {written['seconds']:.1f} s: {written['file'] or 'nothing recorded'}")
+
+
+def opened(url: str, clock: Clock) -> Brick:
+    """The brick of that URL.
+
+    Raises:
+        typer.BadParameter: it is no URL.
+        LinkRefusedError: the link cannot be opened.
+    """
+    try:
+        return open_brick(url, clock, OPENERS)
+    except LinkUrlError as error:
+        raise typer.BadParameter(str(error), param_hint="URL") from error
+
+
+def write_down(
+    open_it: Callable[[], Brick],
+    clock: Clock,
+    out: Path,
+    ports: tuple[Port, ...],
+    plan: Plan,
+    *,
+    driver: Driver | None = None,
+    seconds: float | None = None,
+    may_end: bool = True,
+) -> Written:
+    """Record, with progress; with `may_end` an interrupt ends it as if time were over.
+
+    Whatever else ends it, what was recorded until then is kept.
+    """
+    with RecordingWriter(out, columns_of(ports, plan.sensors)) as writer, progress("recording") as tell:
+        teller = Teller(tell)
+        with suppress(*([KeyboardInterrupt] if may_end else [])), tidy_end(), open_it() as brick:
+            Logbook(brick, clock, ports, plan, writer, driver).keep(seconds, teller)
+    last = teller.last
+    return Written(file=str(out) if last.rows else None, rows=last.rows, seconds=round(last.elapsed_s, 3))
+
+
+@final
+class Teller:
+    """Shows now and then how far a logbook is.
+
+    Args:
+        tell: shows words.
+
+    Attributes:
+        last: how far it came.
+    """
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+        self._due_s = 0.0
+        self.last = Beat(0.0, 0)
+
+    def __call__(self, beat: Beat) -> None:
+        """Take what a logbook says after each poll."""
+        self.last = beat
+        if beat.elapsed_s >= self._due_s:
+            self._due_s = beat.elapsed_s + _TOLD_EVERY_S
+            self._tell(f"{beat.elapsed_s:.0f} s, {beat.rows} rows")

@@ -1,0 +1,98 @@
+"""What commands that talk to a brick ask for alike: which brick, which motors and sensors, and leave to move."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Final, cast
+
+import typer
+
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.discovery import default_ways, search
+from nxt_twin.brick.errors import LinkRefusedError, Refusal
+from nxt_twin.cli.output import fail
+from nxt_twin.recording.columns import PORTS, Port, Slot
+from nxt_twin.twin.sensor_twin import SensorKind
+
+NOTHING: Final = "none"
+_KINDS: Final = ("touch", "sound", "light", "ultrasonic")
+_SLOTS: Final = ("1", "2", "3", "4")
+
+
+def wanted_ports(text: str) -> tuple[Port, ...]:
+    """The motors that a text such as ``ab`` names, each once.
+
+    Raises:
+        typer.BadParameter: it names none, or something else.
+    """
+    ports = dict.fromkeys(text.lower().replace(",", ""))
+    if not ports or not ports.keys() <= set(PORTS):
+        raise typer.BadParameter(f"'{text}' is not out of {''.join(PORTS)}", param_hint="--ports")
+    return cast("tuple[Port, ...]", tuple(ports))
+
+
+def wanted_sensors(text: str) -> Mapping[Slot, SensorKind]:
+    """The sensors that a text such as ``1:touch,4:ultrasonic`` names; none for ``none``.
+
+    Raises:
+        typer.BadParameter: it is not of that form.
+    """
+    slots: dict[Slot, SensorKind] = {}
+    for part in [] if text in ("", NOTHING) else text.split(","):
+        slot, _, kind = part.strip().partition(":")
+        if slot not in _SLOTS or kind not in _KINDS:
+            what = f"'{part}' is not SLOT:KIND, such as 1:touch; kinds are {', '.join(_KINDS)}"
+            raise typer.BadParameter(what, param_hint="--sensors")
+        slots[cast("Slot", int(slot))] = cast("SensorKind", kind)
+    return slots
+
+
+def chosen_url(url: str | None, clock: Clock) -> str:
+    """The URL that was given, or that of the first brick that a search finds.
+
+    Raises:
+        LinkRefusedError: no brick was found.
+    """
+    if url is not None:
+        return url
+    for report in search(clock, default_ways()):
+        for brick in report.bricks:
+            return brick.url
+    mend = "switch it on, or name mock: for one made of software"
+    raise LinkRefusedError("no brick was found", cause=Refusal.NOT_FOUND, mend=mend)
+
+
+def get_leave(url: str, ports: tuple[Port, ...], *, yes: bool) -> None:
+    """Ask before motors of a real brick turn.
+
+    Raises:
+        typer.BadParameter: nobody is there to be asked.
+        typer.Exit: the answer is no.
+    """
+    if yes or url.partition(":")[0] == "mock":
+        return
+    motors = ", ".join(port.upper() for port in ports)
+    if not sys.stdin.isatty():
+        raise typer.BadParameter(f"motors {motors} will turn: say so with --yes", param_hint="--yes")
+    if not typer.confirm(f"Motors {motors} of {url} will turn both ways. Is nothing in their way?"):
+        fail("nothing was done")
+        raise typer.Exit(1)
+
+
+@contextmanager
+def tidy_end() -> Iterator[None]:
+    """Whoever ends the program, and however politely: an interrupt comes of it, so that the motors are let go.
+
+    A shell starts background jobs with the interrupt ignored, and being told to terminate, or a terminal that is
+    closed, would end Python on the spot.
+    """
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.signal(number, signal.default_int_handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,55 @@
+"""When something set in, on motors of a simulator that the fit does not know."""
+
+import numpy as np
+import pytest
+from diagnose_motors import recorded, settled
+
+from nxt_twin.diagnose.calibrate import clean_cases
+from nxt_twin.diagnose.confusion import trace_of, without
+from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.linear import linearise, signatures, trials_of
+from nxt_twin.diagnose.onset import Direction, onsets
+from nxt_twin.physics.simulate import Simulator
+
+
+def moments(case, *, named=None):
+    """Onsets with `named` (an effect and its starting values) in the structure, or of an unnamed change."""
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        problem, _, final = settled(simulator, case, added=named)
+        linear = linearise(simulator, problem, final)
+        clean = linear.left_of(clean_cases(linear, np.random.default_rng(0)))
+        if named:
+            (effect_id,) = named
+            trace = trace_of(simulator, linear, without(final.plant, effect_id, problem.plant))
+            return onsets(linear, [Direction(effect_id, trace, found=True)], clean)
+        slots = [variable.slots[0].symbol for variable in linear.variables]
+        load = trials_of(final.plant.layout.effect("constant_load"), problem.scale)[0]
+        directions = [
+            Direction("inertia", linear.slopes[slots.index("inertia")], found=False),
+            Direction("load", signatures(simulator, linear, final.plant, [load])[0], found=False),
+        ]
+        return onsets(linear, directions, clean)
+
+
+@pytest.mark.parametrize(("seed", "from_s"), [(51, 4.2), (52, 7.6)])
+def test_a_payload_that_is_added_while_it_runs_is_placed_within_three_tenths_of_a_second(seed, from_s):
+    case = recorded(
+        seed,
+        families=("steps", "ramps", "reversals"),
+        later={"added_inertia_kg_m2": 8e-4, "added_from_s": from_s},
+    )
+    found = moments(case)
+    assert found[0].recording == "r3.csv"
+    assert found[0].what == "inertia"
+    assert abs(found[0].time_s - from_s) < 0.3
+    assert found[0].low_s <= found[0].time_s <= found[0].high_s
+    assert found[0].p_value < 0.02
+
+
+def test_a_load_that_was_there_from_the_beginning_has_no_onset():
+    case = recorded(53, motor={"constant_torque_nm": 0.006})
+    assert moments(case, named={"constant_load": {"load": 0.005}}) == ()
+
+
+def test_a_clean_motor_has_no_onset():
+    assert moments(recorded(54)) == ()

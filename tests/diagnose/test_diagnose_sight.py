@@ -1,0 +1,136 @@
+"""What recordings could have shown: smallest sizes, poor inputs, false alarms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose_motors import recorded, settled
+
+from nxt_twin.diagnose.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
+from nxt_twin.diagnose.detectable import detectable
+from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.linear import linearise, signatures, trials_of
+from nxt_twin.diagnose.sight import lacks
+from nxt_twin.diagnose.structure import weigh
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.recording import Recording
+
+SEED = 61
+TRUTH = {
+    "constant_load": lambda size: {"motor": {"constant_torque_nm": size}},
+    "voltage_drop": lambda size: {"motor": {"drop_v": size}},
+    "quadratic_drag": lambda size: {"motor": {"quadratic_drag_nm_s2_per_rad2": size}},
+}
+
+
+@pytest.fixture(scope="module")
+def simulator():
+    with Simulator(problem_for(recorded(SEED)).plant.layout) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def clean_linear(simulator):
+    problem, _, final = settled(simulator, recorded(SEED))
+    return problem, linearise(simulator, problem, final)
+
+
+def gained(simulator, effect_id, size):
+    """What the search would hold for an effect of that size in a motor of the other simulator."""
+    case = recorded(SEED, **TRUTH[effect_id](size))
+    _, workshop, final = settled(simulator, case)
+    bare = workshop.settled(final.plant, final.noise)
+    symbol = final.plant.layout.effect(effect_id).parameters[0].symbol
+    richer = workshop.settled(bare.plant.with_effect(effect_id, {symbol: size}), bare.noise)
+    weight = weigh(bare, richer)
+    return weight.gain > 6.0 and weight.check_gain > 2.0
+
+
+@pytest.mark.parametrize("effect_id", TRUTH)
+def test_the_smallest_size_that_would_be_seen_is_right_within_a_factor_of_two(
+    simulator, clean_linear, effect_id
+):
+    found = {one.effect.id: one for one in detectable(simulator, *clean_linear)}
+    size = found[effect_id].size
+    assert found[effect_id].seen_above
+    assert gained(simulator, effect_id, 2.0 * size)
+    assert not gained(simulator, effect_id, 0.5 * size)
+
+
+def test_a_limit_is_seen_below_a_size_and_a_friction_above(simulator, clean_linear):
+    found = {one.effect.id: one for one in detectable(simulator, *clean_linear)}
+    assert not found["current_limit"].seen_above
+    assert not found["shaft_compliance"].seen_above
+    assert found["quadratic_drag"].seen_above
+    assert found["asymmetric_friction"].difference
+
+
+def test_clean_recordings_raise_no_alarm_and_an_effect_does(simulator, clean_linear):
+    problem, linear = clean_linear
+    plant = linear.structure.plant
+    trials = trials_of(plant.layout.effect("gravity_load"), problem.scale)
+    clean = clean_cases(linear, np.random.default_rng(3))
+    assert not alarms(simulator, linear, trials, clean).any()
+    shaken = clean + 0.05 * signatures(simulator, linear, plant, trials[:1])
+    assert alarms(simulator, linear, trials, shaken).all()
+
+
+def test_made_up_clean_cases_look_like_a_clean_recording(clean_linear):
+    _, linear = clean_linear
+    clean = clean_cases(linear, np.random.default_rng(4))
+    assert np.mean(clean**2) == pytest.approx(np.mean(linear.innovations**2), rel=0.15)
+    again = clean_cases(linear, np.random.default_rng(4))
+    assert np.array_equal(clean, again)
+
+
+def test_no_alarm_in_so_many_cases_leaves_a_bound():
+    assert FalseAlarms(0, 200).rate == 0.0
+    assert 0.005 < FalseAlarms(0, 200).upper_95 < 0.02
+    assert FalseAlarms(10, 200).upper_95 > 0.05
+
+
+def test_the_limit_of_a_leftover_is_above_every_clean_one():
+    made = np.random.default_rng(5).normal(10.0, 4.0, 60)
+    assert leftover_threshold(made, 15.0) >= made.max()
+    assert leftover_threshold(made - 40.0, 15.0) == 15.0
+
+
+def one_way(seed):
+    """Two recordings that only ever run forward at one speed."""
+    case = recorded(seed, families=("steps", "steps", "steps"))
+    made = []
+    for recording in (*case.recordings, *case.holdout):
+        time_s = recording.time_s
+        on_s = np.maximum(time_s - 0.3, 0.0)
+        angle = np.floor(500.0 * (on_s - 0.05 * (1.0 - np.exp(-on_s / 0.05))))
+        columns = {
+            **recording.columns,
+            "a_power_pct": np.where(time_s < 0.3, 0.0, 60.0),
+            "a_tacho_deg": angle,
+        }
+        columns.pop("a_mode", None)
+        made.append(Recording(recording.name, columns))
+    return replace(case, recordings=tuple(made[:2]), holdout=tuple(made[2:]))
+
+
+def test_a_single_speed_in_one_direction_is_said_to_be_too_little():
+    case = one_way(62)
+    said = " ".join(lacks(problem_for(case)))
+    for part in ("never turns the other way", "one steady speed", "command changes only"):
+        assert part in said
+    diagnosis = diagnose(case).diagnosis
+    assert diagnosis.excitation is not None
+    assert not diagnosis.excitation.enough
+    assert {"asymmetric_friction", "stiction"} & set(diagnosis.excitation.unseen)
+    if diagnosis.verdict == "adequate":
+        assert "could not have shown" in diagnosis.sentence
+        assert diagnosis.next_experiment is not None
+        assert diagnosis.next_experiment.program is not None
+
+
+def test_lively_inputs_lack_nothing(clean_linear):
+    problem, _ = clean_linear
+    said = lacks(problem)
+    assert all("other way" not in part and "steady speed" not in part for part in said)
+    assert math.isfinite(sum(map(len, said)))

@@ -1,0 +1,123 @@
+"""A brick that is written down without a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from firmware_protocol import RunState
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.errors import LinkLostError
+from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.mock.start import open_mock_link
+from nxt_twin.recording.program import MotorProgram, Run, Segment
+from nxt_twin.recording.recording import DRIVE_MODES
+from nxt_twin.twin.driver import ProgramDriver
+from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.polling import Plan
+
+SENSORS = {1: "touch", 2: "sound", 3: "light", 4: "ultrasonic"}
+
+
+class Rows:
+    def __init__(self) -> None:
+        self.rows: list[Mapping[str, float]] = []
+
+    def row(self, values: Mapping[str, float]) -> None:
+        self.rows.append(values)
+
+    def close(self) -> None:
+        pass
+
+    def column(self, name: str) -> np.ndarray:
+        return np.array([row.get(name, np.nan) for row in self.rows])
+
+
+def program(*segments: Segment, ports=("a",), most_turn_deg=None) -> MotorProgram:
+    run = Run(name="r", segments=segments)
+    return MotorProgram(name="p", ports=ports, runs=(run,), rest_s=0.2, most_turn_deg=most_turn_deg)
+
+
+@pytest.fixture
+def clock() -> VirtualClock:
+    return VirtualClock()
+
+
+@pytest.fixture
+def brick(clock):
+    with Brick(open_mock_link(clock), clock) as brick:
+        yield brick
+
+
+def test_a_driven_motor_is_written_down_with_its_commands(brick, clock):
+    rows = Rows()
+    driver = ProgramDriver(program(Segment(duration_s=0.3), Segment(duration_s=0.5, power_pct=60)))
+    beat = Logbook(brick, clock, ("a", "b"), Plan(period_s=0.01), rows, driver).keep(driver.duration_s)
+    time_s, power, count = (rows.column(name) for name in ("time_s", "a_power_pct", "a_tacho_deg"))
+    assert beat.rows == len(rows.rows) == pytest.approx(100, abs=3)
+    assert np.all(np.diff(time_s) > 0)
+    first = int(np.argmax(power == 60))
+    assert 0.3 <= time_s[first] < 0.33
+    assert count[first] == 0  # read before the command of its row acts
+    assert count[-1] > 90
+    assert DRIVE_MODES[int(rows.column("a_mode")[-1])] == "coast"
+    assert not rows.column("b_tacho_deg").any()
+    assert np.isfinite(rows.column("battery_v")).sum() == 1
+
+
+def test_all_sensors_are_read_in_turn(brick, clock):
+    rows = Rows()
+    Logbook(brick, clock, ("a",), Plan(SENSORS, period_s=0.01), rows).keep(2.0)
+    names = columns_of(("a",), SENSORS)
+    assert set(names) >= {name for row in rows.rows for name in row}
+    for name in ("s1_touch", "s2_sound_raw", "s3_light_raw", "s4_ultrasonic_cm"):
+        assert np.isfinite(rows.column(name)).sum() > 5, name
+
+
+def test_without_a_driver_the_bricks_word_is_taken_for_the_commands(brick, clock):
+    rows = Rows()
+    brick.motors.drive(0, -35)
+    Logbook(brick, clock, ("a",), Plan(period_s=0.01), rows).keep(0.2)
+    assert rows.column("a_power_pct")[-1] == -35
+    assert brick.motors.read(0).value.run_state == RunState.RUNNING
+
+
+def test_a_motor_that_turned_too_far_coasts(brick, clock):
+    driver = ProgramDriver(program(Segment(duration_s=3.0, power_pct=100), most_turn_deg=180))
+    rows = Rows()
+    Logbook(brick, clock, ("a",), Plan(period_s=0.01), rows, driver).keep(driver.duration_s)
+    count = rows.column("a_tacho_deg")
+    assert 180 < count[-1] < 700
+    assert rows.column("a_power_pct")[-1] == 0
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError])
+def test_whatever_ends_it_the_motors_coast(brick, clock, failure):
+    driver = ProgramDriver(program(Segment(duration_s=5.0, power_pct=50), ports=("a", "b", "c")))
+
+    def fail(beat) -> None:
+        if beat.elapsed_s > 0.5:
+            raise failure
+
+    with pytest.raises(failure):
+        Logbook(brick, clock, ("a",), Plan(), None, driver).keep(driver.duration_s, fail)
+    for port in (0, 1, 2):
+        state = brick.motors.read(port).value
+        assert (state.mode, state.run_state) == (0, RunState.IDLE)
+
+
+def test_a_lost_link_ends_it_with_the_rows_until_then(clock):
+    link = open_mock_link(clock, lost=LinkLostError)
+    brick, rows = Brick(link, clock), Rows()
+
+    def lose(beat) -> None:
+        if beat.rows == 20:
+            link.close()
+
+    driver = ProgramDriver(program(Segment(duration_s=5.0, power_pct=50)))
+    with pytest.raises(LinkLostError):
+        Logbook(brick, clock, ("a",), Plan(period_s=0.01), rows, driver).keep(5.0, lose)
+    assert len(rows.rows) == 20
+    brick.close()

@@ -1,0 +1,52 @@
+"""Polls and events survive the way to the dashboard's process."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import pytest
+from view_ticks import some_events, some_ticks
+
+from nxt_twin.twin.records import MotorState, Tick
+from nxt_twin.view.dashboard.job import Job, job_of
+from nxt_twin.view.dashboard.wire import read, written
+
+
+def test_polls_come_back_as_they_were():
+    for tick in some_ticks(60):
+        line = written(tick)
+        assert line.endswith(b"\n")
+        assert line.count(b"\n") == 1
+        assert read(line) == tick
+
+
+def test_events_and_losses_come_back():
+    for event in some_events():
+        assert read(written(event)) == event
+    assert read(written(17)) == 17
+
+
+def test_what_is_not_finite_and_read_only_mappings_are_carried_too():
+    effects = MappingProxyType({"nothing": 1.0})
+    motor = MotorState("b", 0.0, "coast", float("inf"), float("-inf"), 0.0, 0.0, 0.0, effects)
+    back = read(written(Tick(3, 1.0, 1.1, (motor,), (), link_up=False)))
+    assert isinstance(back, Tick)
+    assert back.motors == (motor,)
+    assert back.link_up is False
+
+
+def test_words_with_line_breaks_stay_on_one_line():
+    event = some_events()[0]
+    told = type(event)(1.0, "stopped", "first\nsecond, with ü")
+    assert read(written(told)) == told
+    assert written(told).count(b"\n") == 1
+
+
+def test_a_line_of_another_kind_is_refused():
+    with pytest.raises(ValueError, match="unknown kind"):
+        read(b'["?", 1]\n')
+
+
+def test_a_job_comes_back_from_its_command():
+    job = Job("web", "a title", ("a", "c"), ("s1_light_raw",), data_port=1, page_port=2, parts_port=3, tab=1)
+    assert job_of(job.command()[-1]) == job

@@ -1,0 +1,211 @@
+"""Draw the dashboard's pictures from a real run: a mock brick, its twin, and the web viewer without a screen.
+
+    python tools/dashboard_picture.py [--chromium PROGRAM] [--seconds S]
+
+A mock brick whose motor on A carries a weight that the model does not know is watched for a while. What the twin
+says goes to the dashboard as in any session; a browser without a window loads it and is photographed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import yaml
+from playwright.sync_api import Error, Page, sync_playwright
+
+from nxt_twin.brick.clock import SystemClock
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.openers import OPENERS
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.columns import Port
+from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin.brick_twin import BrickTwin
+from nxt_twin.twin.driver import ProgramDriver, excitation
+from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.records import Event, Tick
+from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
+from nxt_twin.twin.session import Parts, Session
+from nxt_twin.twin.settings import PACES
+from nxt_twin.twin.sinks import Memory
+from nxt_twin.view.dashboard import Dashboard, open_dashboard
+from nxt_twin.view.live_report import Keeper, write_live_report
+
+PORTS: tuple[Port, ...] = ("a", "b", "c")
+SENSORS: dict[int, SensorKind] = {1: "touch", 3: "light", 4: "ultrasonic"}
+FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
+SIZE = {"width": 1500, "height": 900}
+FLAGS = [
+    "--no-sandbox",
+    "--ignore-gpu-blocklist",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
+]
+COLOURS = 64
+LOAD_NM = -0.045
+
+
+def main() -> None:
+    """Write docs/pictures/dashboard-*.png and print what the session said."""
+    words = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
+    words.add_argument("--seconds", type=float, default=20.0)
+    chosen = words.parse_args()
+    if chosen.chromium is None:
+        sys.exit("there is no Chromium on this machine; name one with --chromium")
+    memory, kept = _session(chosen.seconds)
+    for event in memory.events:
+        print(f"{event.time_s:6.1f} s  {event.words}")
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for tab, name in ((0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
+        _photograph(chosen.chromium, memory, tab, FOLDER / f"{name}.png")
+    _photograph_report(chosen.chromium, kept, FOLDER / "live-report.png")
+
+
+def _session(seconds: float) -> tuple[Memory, Keeper]:
+    clock = SystemClock()
+    plant = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
+    twin = BrickTwin(dict.fromkeys(PORTS, plant))
+    twin.move(1e-3)
+    memory, kept = Memory(100_000), Keeper()
+    with tempfile.TemporaryDirectory() as folder:
+        world = Path(folder) / "world.yaml"
+        world.write_text(yaml.safe_dump(_world()), encoding="utf-8")
+        parts = Parts(
+            open_brick=lambda: open_brick(f"mock:?world={world}", clock, OPENERS),
+            clock=clock,
+            twin=twin,
+            sink=_Both(memory, kept),
+            plan=Plan(sensors=SENSORS),  # type: ignore[arg-type]
+            pace=PACES["mock"],
+            driver=ProgramDriver(excitation(PORTS)),
+            recorder=None,
+            adopter=None,
+        )
+        Session(parts).run(seconds)
+    return memory, kept
+
+
+def _world() -> dict[str, object]:
+    loaded = {
+        **load_plant_config("nxt_motor"),
+        "effects": {"constant_load": {"load_torque_nm": LOAD_NM}},
+    }
+    return {
+        "name": "Loaded",
+        "motors": {"a": loaded, "b": "nxt_motor", "c": "nxt_motor"},
+        "sensors": {
+            1: {"kind": "touch", "pressed": {"points": [[0, 0], [2, 1], [2.5, 0], [5, 0]], "repeat": True}},
+            3: {"kind": "light", "raw": 650, "lit_raw": 480, "noise_raw": 2.5},
+            4: {
+                "kind": "ultrasonic",
+                "distance_cm": {"points": [[0, 120], [5, 30], [10, 120]], "between": "line", "repeat": True},
+            },
+        },
+    }
+
+
+class _Both:
+    """Tells two sinks."""
+
+    def __init__(self, *sinks: Memory | Keeper) -> None:
+        self._sinks = sinks
+
+    def tick(self, tick: Tick) -> None:
+        for sink in self._sinks:
+            sink.tick(tick)
+
+    def event(self, event: Event) -> None:
+        for sink in self._sinks:
+            sink.event(event)
+
+    def close(self) -> None:
+        for sink in self._sinks:
+            sink.close()
+
+
+def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
+    channels = [SensorTwin(slot, kind).column for slot, kind in SENSORS.items()]  # type: ignore[arg-type]
+    dashboard = open_dashboard(
+        view="web", save=None, ports=PORTS, channels=channels, title="mock brick, loaded motor A", tab=tab
+    )
+    try:
+        _feed(dashboard, memory)
+        with sync_playwright() as driver:
+            browser = driver.chromium.launch(executable_path=program, args=FLAGS)
+            page = browser.new_page(viewport=SIZE, color_scheme="dark")  # type: ignore[arg-type]
+            _visit(page, dashboard.url)
+            _save_small(_settled(page, place), place)
+            browser.close()
+    finally:
+        dashboard.close()
+
+
+def _feed(dashboard: Dashboard, memory: Memory) -> None:
+    """Hand the session over, as fast as the dashboard takes it."""
+    for event in memory.events:
+        dashboard.event(event)
+    for tick in memory.ticks:
+        while dashboard.waiting > 500:
+            time.sleep(0.05)
+        dashboard.tick(tick)
+    while dashboard.waiting:
+        time.sleep(0.1)
+    time.sleep(3.0)
+
+
+def _visit(page: Page, url: str) -> None:
+    for _ in range(60):
+        try:
+            page.goto(url, timeout=60_000)
+        except Error:
+            time.sleep(0.5)
+        else:
+            return
+    sys.exit("the dashboard's page was never served")
+
+
+def _settled(page: Page, place: Path) -> Path:
+    """Photograph until two pictures in a row are alike: all is drawn."""
+    before, alike = np.zeros(0), 0
+    for _ in range(60):
+        page.wait_for_timeout(2500)
+        page.screenshot(path=place, timeout=180_000)
+        now = matplotlib.image.imread(place)
+        same = before.shape == now.shape and float(np.abs(now - before).mean()) < 1e-4
+        alike = alike + 1 if same else 0
+        if alike >= 3:
+            break
+        before = now
+    return place
+
+
+def _photograph_report(program: str, kept: Keeper, place: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
+        report = write_live_report(Path(folder), kept, title="mock brick, loaded motor A")
+        browser = driver.chromium.launch(executable_path=program, args=FLAGS)
+        page = browser.new_page(viewport={"width": 1100, "height": 1250})
+        page.goto(report.as_uri())
+        page.screenshot(path=place)
+        browser.close()
+    _save_small(place, place)
+
+
+def _save_small(source: Path, place: Path) -> None:
+    """Write a picture with few colours, which is a fraction of the size."""
+    from PIL import Image
+
+    with Image.open(source) as picture:
+        picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(place, optimize=True)
+    print(f"{place.name}: {place.stat().st_size / 1e3:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()

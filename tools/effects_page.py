@@ -1,0 +1,382 @@
+"""Write docs/effects.md and its pictures from the declarations of the effects."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple, final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects import BUILT_IN
+from nxt_twin.physics.library import library
+from nxt_twin.physics.parameter import FRAMES, Parameter
+from nxt_twin.physics.plant import Plant, plant_from_config
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.start import at_rest
+from nxt_twin.view import palette
+from nxt_twin.view.svg import drawn_svg
+
+DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
+PAGE: Final = DOCS / "effects.md"
+PICTURES: Final = DOCS / "effects"
+
+NXT: Final = {
+    "kind": "dc_motor",
+    "resistance_ohm": 7.6,
+    "torque_constant_nm_per_a": 0.4908,
+    "back_emf_v_s_per_rad": 0.4908,
+    "coulomb_friction_nm": 8.45e-3,
+    "viscous_friction_nm_s_per_rad": 1.92e-3,
+    "inertia_kg_m2": 1.2e-3,
+    "supply_v": 8.0,
+}
+COAST: Final = 2
+
+OF: Final = {
+    "torque_balance": "Friction, loads and the gear train",
+    "electrical": "Battery, bridge and winding",
+    "measurement": "The encoder",
+    "timing": "Stamps and commands",
+}
+SHOWS: Final = {
+    "low_speed": "at low speed",
+    "reversal": "where the motion turns back",
+    "high_speed": "at high speed",
+    "high_current": "at high current",
+    "direction": "as a difference between the directions",
+    "angle": "at places of the turn",
+    "elapsed_time": "as a change with time",
+    "after_command": "after a change of the command",
+    "after_gap": "after a reading that came late",
+}
+OTHER_FRAMES: Final = {"rotary": "another rotary plant", "linear": "a linear plant"}
+
+Steps = tuple[tuple[float, float], ...]
+
+
+@final
+@dataclass(frozen=True)
+class Scene:
+    """An input that shows an effect, and what is drawn of it.
+
+    Attributes:
+        params: the effect's values, by name.
+        steps: duty (-1 to 1) from each time, s, on.
+        seconds: how long.
+        shown: `speed` in deg/s, `angle` in deg, `current` in A, or `error`: reading less angle, deg.
+        coast_after_s: from when on the bridge is open.
+        from_s: from when on it is drawn.
+    """
+
+    params: dict[str, float]
+    steps: Steps
+    seconds: float
+    shown: str = "speed"
+    coast_after_s: float = math.inf
+    from_s: float = 0.0
+
+
+def _stairs(*levels: float, each_s: float) -> Steps:
+    return tuple((each_s * i, level) for i, level in enumerate(levels))
+
+
+_BOTH_WAYS: Final = _stairs(0.4, 0.0, -0.4, 0.0, each_s=0.5)
+_SQUARE: Final = _stairs(*(0.6, -0.6) * 4, each_s=0.5)
+_SLOW: Final = ((0.0, 0.15),)
+_RAMP: Final = tuple((0.02 * i, 0.12 * i / 100.0) for i in range(100))
+
+SCENES: Final[dict[str, Scene]] = {
+    "coulomb_friction": Scene({"coulomb_friction_nm": 0.03}, _RAMP, 2.0),
+    "viscous_friction": Scene(
+        {"viscous_friction_nm_s_per_rad": 6e-3}, ((0.0, 1.0), (0.6, 0.0)), 2.0, coast_after_s=0.6
+    ),
+    "inductance": Scene({"inductance_h": 0.15}, ((0.0, 0.0), (0.02, 1.0), (0.12, 0.0)), 0.2, "current"),
+    "current_limit": Scene({"current_limit_a": 0.4}, _SQUARE, 4.0),
+    "asymmetric_friction": Scene({"coulomb_forward_nm": 0.06, "coulomb_reverse_nm": 0.01}, _BOTH_WAYS, 2.0),
+    "asymmetric_viscous_friction": Scene(
+        {"viscous_forward_nm_s_per_rad": 0.012, "viscous_reverse_nm_s_per_rad": 2e-3}, _BOTH_WAYS, 2.0
+    ),
+    "stiction": Scene({"breakaway_torque_nm": 0.04, "stribeck_speed_rad_s": 1.0}, _RAMP, 2.0),
+    "load_dependent_friction": Scene(
+        {"friction_per_torque": 0.3}, _stairs(0.0, 0.3, 0.6, 1.0, each_s=0.4), 1.6
+    ),
+    "friction_warmup": Scene({"cold_extra_torque_nm": 0.04, "time_constant_s": 3.0}, ((0.0, 0.4),), 12.0),
+    "angle_dependent_friction": Scene(
+        {"binding_torque_nm": 0.06, "cycles_per_turn": 1.0, "phase_deg": 180.0, "sharpness": 4.0},
+        ((0.0, 0.25),),
+        6.0,
+    ),
+    "presliding": Scene({"presliding_deg": 6.0}, ((0.0, 0.013), (0.7, 0.0)), 1.4, "angle"),
+    "quadratic_drag": Scene(
+        {"quadratic_drag_nm_s2_per_rad2": 1e-3}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0
+    ),
+    "constant_load": Scene({"load_torque_nm": 0.03}, _BOTH_WAYS, 2.0),
+    "gravity_load": Scene({"gravity_torque_nm": 0.05, "phase_deg": 0.0}, _SLOW, 8.0),
+    "spring_load": Scene(
+        {"stiffness_nm_per_rad": 0.02, "rest_angle_deg": 0.0}, ((0.0, 0.4), (1.5, 0.0)), 3.0, "angle"
+    ),
+    "cogging": Scene(
+        {"cogging_torque_nm": 0.03, "cycles_per_turn": 6.0, "phase_deg": 0.0}, ((0.0, 0.2),), 3.0
+    ),
+    "payload_inertia": Scene({"added_inertia_kg_m2": 3e-3, "onset_s": 2.0}, _SQUARE, 4.0),
+    "end_stop": Scene({"limit_deg": 200.0, "restitution": 0.4}, ((0.0, 0.5), (1.2, -0.5)), 2.0, "angle"),
+    "backlash": Scene({"gap_deg": 12.0, "load_inertia_kg_m2": 1.5e-3}, ((0.0, 0.5), (0.4, -0.5)), 0.8),
+    "shaft_compliance": Scene(
+        {"stiffness_nm_per_rad": 1.0, "load_inertia_kg_m2": 1.5e-3}, ((0.0, 0.5), (0.6, 0.0)), 1.2
+    ),
+    "winding_heating": Scene(
+        {"resistance_rise_per_joule": 0.1, "thermal_time_constant_s": 20.0},
+        _stairs(*(0.7, -0.7) * 20, each_s=0.4),
+        16.0,
+        from_s=14.4,
+    ),
+    "battery_sag": Scene({"internal_resistance_ohm": 3.0}, _stairs(0.0, 1.0, -1.0, 0.3, each_s=0.4), 1.6),
+    "battery_drain": Scene({"drain_v_per_s": 0.1}, ((0.0, 0.6),), 15.0),
+    "voltage_drop": Scene({"drop_v": 0.9}, _stairs(0.0, 0.15, 0.3, 0.6, each_s=0.4), 1.6),
+    "power_curve": Scene({"exponent": 1.5}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0),
+    "command_delay": Scene({"delay_s": 0.06}, ((0.0, 0.0), (0.1, 0.6), (0.5, -0.6)), 0.9),
+    "clock_skew": Scene(
+        {"lag_span_s": 0.04, "rate_error": 2e-3, "lag_period_s": 3.0, "lag_phase": 0.0},
+        ((0.0, 0.5),),
+        8.0,
+        "error",
+    ),
+    "missed_counts": Scene(
+        {"loss_fraction": 0.15, "speed_threshold_rad_s": 6.0},
+        _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5),
+        2.0,
+        "error",
+    ),
+    "encoder_eccentricity": Scene(
+        {"amplitude_deg": 3.0, "cycles_per_turn": 1.0, "phase_deg": 0.0},
+        ((0.0, 0.3), (3.0, 0.9)),
+        5.0,
+        "error",
+    ),
+}
+"""Of every effect but stale samples, which change no motion: their picture is the likelihood of a reading."""
+
+
+class Drawn(NamedTuple):
+    """Two curves over time and the input under them."""
+
+    time_s: np.ndarray
+    without: np.ndarray
+    having: np.ndarray
+    unit: str
+
+
+def main() -> None:
+    """Write the page and the pictures."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for effect in BUILT_IN:
+        draw(effect.id)
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"{PAGE.name}, {len(BUILT_IN)} pictures")
+
+
+def page() -> str:
+    """The text of the page."""
+    lines = [_HEAD]
+    known = library()
+    for equation, title in OF.items():
+        lines.append(f"## {title}\n")
+        for effect in BUILT_IN:
+            if effect.equation_of == equation:
+                lines.extend(_section(known[effect.id]))
+    return "\n".join(lines)
+
+
+_HEAD: Final = """\
+# The effects
+
+Every effect that a diagnosis can find missing, that a plant file can hold, and that the mock brick and the live twin
+can have. This page is written by `tools/effects_page.py` from the declarations in `nxt_twin/physics/effects/`;
+change those, not this page. Another package can add its own: see [`examples/user_effect`](../examples/user_effect).
+
+In the pictures the same NXT motor does the same thing twice: in orange without the effect, in blue with it.
+The thin line below is the power that is commanded. The sizes are chosen to be seen, not to be typical.
+
+Values are those at the output hub of an NXT motor. On another plant, starts and bounds are scaled with its own torque
+and speed. *Starts* are where a fit begins; *prior* is the standard deviation of the weak prior round the first of them,
+as a share of it; without one, only the bounds hold. What a baseline file gives has a prior of its own (*given*).
+"""
+
+
+def _section(effect: Effect) -> Iterator[str]:
+    yield f"### `{effect.id}`: {effect.name}\n"
+    yield f"![with and without {effect.name}](effects/{effect.id}.svg)\n"
+    yield f"    {effect.equation}\n"
+    yield f"Source: {effect.source}.\n"
+    yield f"Shows {_listed([SHOWS[regime] for regime in effect.shows])}.\n"
+    yield "| parameter | unit | starts | bounds | prior |"
+    yield "| --- | --- | --- | --- | --- |"
+    for parameter in effect.parameters:
+        yield _row(parameter)
+    yield ""
+    yield from _remarks(effect)
+    yield "Easily taken for:\n"
+    built_in = {other.id for other in BUILT_IN}
+    for other, why in effect.confusable_with.items():
+        if other in built_in:
+            yield f"- [`{other}`](#{_anchor(library()[other])}): {why}"
+    yield ""
+
+
+def _row(parameter: Parameter) -> str:
+    starts = ", ".join(f"{start:.4g}" for start in parameter.starts)
+    if parameter.hints:
+        starts += "; from the recordings"
+    prior = [] if math.isinf(parameter.spread) else [f"{parameter.spread:.0%}"]
+    prior += [] if math.isinf(parameter.doubt) else [f"given {parameter.doubt:.0%}"]
+    prior += ["not fitted where given"] if parameter.frozen else []
+    bounds = f"{parameter.lower:.4g} … {parameter.upper:.4g}"
+    return f"| `{parameter.name}` | {parameter.unit} | {starts} | {bounds} | {', '.join(prior) or 'none'} |"
+
+
+def _remarks(effect: Effect) -> Iterator[str]:
+    if effect.states:
+        kept = " (kept over a restart)" if effect.lasting else ""
+        yield f"Extra states: {_listed([f'`{state}`' for state in effect.states])}{kept}.\n"
+    if effect.plain:
+        yield "Its parameters are keys of the plant itself, not of an entry under `effects:`.\n"
+    if effect.fault:
+        yield "A fault of the recording rather than physics of the plant.\n"
+    if effect.supersedes:
+        yield f"Replaces {_listed([f'`{other}`' for other in effect.supersedes])} while it is in the plant.\n"
+    lacking = [OTHER_FRAMES[frame] for frame in FRAMES if frame not in effect.frames]
+    if lacking:
+        yield f"Not for {_listed(lacking)}.\n"
+    for frame in ("rotary", "linear"):
+        if frame not in effect.frames:
+            continue
+        renamed = [p.in_frame(frame) for p in effect.parameters if frame in p.elsewhere]
+        if any(
+            p.name != q.name
+            for p, q in zip([p.in_frame(frame) for p in effect.parameters], effect.parameters, strict=True)
+        ):
+            names = _listed([f"`{p.name}` ({p.unit})" for p in renamed])
+            yield f"On {OTHER_FRAMES[frame]}: {names}.\n"
+
+
+def _listed(items: list[str]) -> str:
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def _anchor(effect: Effect) -> str:
+    """The anchor that a forge makes of a section's heading."""
+    kept = "".join(c for c in f"{effect.id}: {effect.name}".lower() if c.isalnum() or c in " -_")
+    return kept.replace(" ", "-")
+
+
+def draw(effect_id: str) -> None:
+    """Write an effect's picture."""
+    svg = drawn_svg(figure_of(effect_id))
+    svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
+    svg = re.sub(r"-?\d+\.\d{2,}", lambda found: f"{float(found.group()):.1f}", svg)
+    (PICTURES / f"{effect_id}.svg").write_text(re.sub(r" ?\n(?=L )", " ", svg), encoding="utf-8")
+
+
+def figure_of(effect_id: str) -> Figure:
+    """An effect's picture, to be drawn."""
+    figure = Figure(figsize=(5.2, 2.3), layout="constrained")
+    if effect_id in SCENES:
+        _draw_scene(figure, effect_id, SCENES[effect_id])
+    else:
+        _draw_likelihood(figure.subplots(), library()[effect_id])
+    return figure
+
+
+def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
+    drawn = _played(effect_id, scene)
+    above.plot(drawn.time_s, drawn.without, color=palette.BASELINE, linewidth=1.3)
+    above.plot(drawn.time_s, drawn.having, color=palette.IMPROVED, linewidth=1.3)
+    palette.dress(above, drawn.unit)
+    time_s, power = (list(column) for column in zip(*scene.steps, strict=True))
+    below.step(
+        [*time_s, scene.seconds],
+        [100 * level for level in [*power, power[-1]]],
+        where="post",
+        color=palette.MUTED,
+        linewidth=1,
+    )
+    palette.dress(below, "", ticks=2)
+    below.set_ylabel("power, %", fontsize=palette.SMALL_PT, color=palette.MUTED)
+    palette.name_abscissa(below, "s")
+    low, high = min(0.0, *power), max(0.0, *power)
+    below.set_ylim(100 * low - 8, 100 * high + 8)
+    below.set_xlim(scene.from_s, scene.seconds)
+
+
+def _played(effect_id: str, scene: Scene) -> Drawn:
+    keys = {parameter.name for parameter in library()[effect_id].parameters}
+    bare = {key: value for key, value in NXT.items() if key not in keys}
+    plain = plant_from_config(bare, "power_pct")
+    nested = {"effects": {effect_id: scene.params}}
+    whole = plant_from_config(
+        {**bare, **(scene.params if library()[effect_id].plain else nested)}, "power_pct"
+    )
+    run = _signals(scene)
+    without, having = _traces(plain, whole, run)
+    match scene.shown:
+        case "error":
+            true = np.degrees(without["predicted"])
+            return Drawn(
+                run.time_s, 0.0 * true, np.degrees(having["predicted"]) - true, "reading less true angle, deg"
+            )
+        case "current":
+            return Drawn(run.time_s, without["current"], having["current"], "current, A")
+        case "angle":
+            return Drawn(run.time_s, np.degrees(without["angle"]), np.degrees(having["angle"]), "angle, deg")
+        case _:
+            return Drawn(
+                run.time_s, np.degrees(without["speed"]), np.degrees(having["speed"]), "speed, deg/s"
+            )
+
+
+def _traces(plain: Plant, whole: Plant, run: Signals) -> list[dict[str, np.ndarray]]:
+    with Simulator(plain.layout, workers=1) as simulator:
+        return [simulator.trace(plant, free_job(run, at_rest(run))) for plant in (plain, whole)]
+
+
+def _signals(scene: Scene) -> Signals:
+    time_s = np.concatenate([[0.0], np.linspace(max(scene.from_s, 1e-3), scene.seconds, 400)])
+    at, level = (np.array(column) for column in zip(*scene.steps, strict=True))
+    return Signals(
+        name="scene",
+        channel="a_tacho_deg",
+        input_kind="power_pct",
+        command_time_s=at,
+        command=level,
+        command_mode=np.where(at >= scene.coast_after_s, COAST, 0),
+        command_supply_v=np.full(at.size, NXT["supply_v"]),
+        time_s=time_s,
+        measured=np.where(time_s == 0.0, 0.0, np.nan),
+        is_speed=False,
+        quantum=0.0,
+    )
+
+
+def _draw_likelihood(axes: Axes, effect: Effect) -> None:
+    """The density of a reading between the last one, at 0, and the prediction, at 10 deg, with a share of 10 %."""
+    reading = np.linspace(-3.0, 13.0, 400)
+    fresh = np.exp(-0.5 * (reading - 10.0) ** 2) / math.sqrt(math.tau)
+    density = effect.terms["outlier"]
+    stale = np.array([float(density(x, 10.0, 0.0, 1.0, 0.1)) for x in reading])  # type: ignore[arg-type]
+    axes.plot(reading, fresh, color=palette.BASELINE, linewidth=1.3)
+    axes.plot(reading, 0.9 * fresh + stale, color=palette.IMPROVED, linewidth=1.3)
+    palette.dress(axes, "density of a reading, 1/deg; the last one was 0, 10 is predicted")
+    palette.name_abscissa(axes, "reading, deg")
+
+
+if __name__ == "__main__":
+    main()
