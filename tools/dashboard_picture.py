@@ -20,21 +20,22 @@ import numpy as np
 import yaml
 from playwright.sync_api import Error, Page, sync_playwright
 
-from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.openers import OPENERS
+from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.polling import Plan
-from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
-from nxt_twin.twin.sinks import Memory
+from nxt_twin.twin.sinks import Memory, Several
+from nxt_twin.twin.verdict import verdict
 from nxt_twin.view.dashboard import Dashboard, open_dashboard
+from nxt_twin.view.dashboard.drawing.colours import LINK
 from nxt_twin.view.live_report import Keeper, write_live_report
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
@@ -48,7 +49,7 @@ FLAGS = [
     "--enable-unsafe-swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
 ]
-COLOURS = 64
+COLOURS = 256
 LOAD_NM = -0.045
 
 
@@ -56,21 +57,22 @@ def main() -> None:
     """Write docs/pictures/dashboard-*.png and print what the session said."""
     words = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
-    words.add_argument("--seconds", type=float, default=20.0)
+    words.add_argument("--seconds", type=float, default=17.0)
     chosen = words.parse_args()
     if chosen.chromium is None:
         sys.exit("there is no Chromium on this machine; name one with --chromium")
-    memory, kept = _session(chosen.seconds)
+    memory, kept, sentence = _session(chosen.seconds)
     for event in memory.events:
         print(f"{event.time_s:6.1f} s  {event.words}")
     FOLDER.mkdir(parents=True, exist_ok=True)
     for tab, name in ((0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
         _photograph(chosen.chromium, memory, tab, FOLDER / f"{name}.png")
-    _photograph_report(chosen.chromium, kept, FOLDER / "live-report.png")
+    _photograph_report(chosen.chromium, kept, sentence, FOLDER / "live-report.png")
 
 
-def _session(seconds: float) -> tuple[Memory, Keeper]:
-    clock = SystemClock()
+def _session(seconds: float) -> tuple[Memory, Keeper, str]:
+    """What a session in virtual time says, which is the same on every machine, and its verdict."""
+    clock = VirtualClock()
     plant = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
     twin = BrickTwin(dict.fromkeys(PORTS, plant))
     twin.move(1e-3)
@@ -79,18 +81,20 @@ def _session(seconds: float) -> tuple[Memory, Keeper]:
         world = Path(folder) / "world.yaml"
         world.write_text(yaml.safe_dump(_world()), encoding="utf-8")
         parts = Parts(
-            open_brick=lambda: open_brick(f"mock:?world={world}", clock, OPENERS),
+            open_brick=lambda: open_brick(f"mock:?world={world}&profile=usb&seed=3", clock, OPENERS),
             clock=clock,
             twin=twin,
-            sink=_Both(memory, kept),
+            sink=Several([memory, kept]),
             plan=Plan(sensors=SENSORS),  # type: ignore[arg-type]
-            pace=PACES["mock"],
+            pace=PACES["usb"],
             driver=ProgramDriver(excitation(PORTS)),
             recorder=None,
             adopter=None,
         )
-        Session(parts).run(seconds)
-    return memory, kept
+        session = Session(parts)
+        session.run(seconds)
+    diverging = [port for port, monitor in session.monitors.items() if monitor.diverging]
+    return memory, kept, verdict(memory.events, diverging).sentence
 
 
 def _world() -> dict[str, object]:
@@ -110,25 +114,6 @@ def _world() -> dict[str, object]:
             },
         },
     }
-
-
-class _Both:
-    """Tells two sinks."""
-
-    def __init__(self, *sinks: Memory | Keeper) -> None:
-        self._sinks = sinks
-
-    def tick(self, tick: Tick) -> None:
-        for sink in self._sinks:
-            sink.tick(tick)
-
-    def event(self, event: Event) -> None:
-        for sink in self._sinks:
-            sink.event(event)
-
-    def close(self) -> None:
-        for sink in self._sinks:
-            sink.close()
 
 
 def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
@@ -173,23 +158,24 @@ def _visit(page: Page, url: str) -> None:
 
 
 def _settled(page: Page, place: Path) -> Path:
-    """Photograph until two pictures in a row are alike: all is drawn."""
+    """Photograph until the link's curve is there and two pictures in a row are alike: all is drawn."""
     before, alike = np.zeros(0), 0
-    for _ in range(60):
+    for _ in range(40):
         page.wait_for_timeout(2500)
         page.screenshot(path=place, timeout=180_000)
-        now = matplotlib.image.imread(place)
+        now = matplotlib.image.imread(place)[..., :3]
+        drawn = (np.abs(now - np.array(LINK[:3]) / 255).max(axis=2) < 0.05).sum() > 100
         same = before.shape == now.shape and float(np.abs(now - before).mean()) < 1e-4
-        alike = alike + 1 if same else 0
-        if alike >= 3:
-            break
+        alike = alike + 1 if same and drawn else 0
+        if alike >= 2:
+            return place
         before = now
-    return place
+    sys.exit("the dashboard was never drawn to its end; is the machine busy?")
 
 
-def _photograph_report(program: str, kept: Keeper, place: Path) -> None:
+def _photograph_report(program: str, kept: Keeper, sentence: str, place: Path) -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
-        report = write_live_report(Path(folder), kept, title="mock brick, loaded motor A")
+        report = write_live_report(Path(folder), kept, title="mock brick, loaded motor A", sentence=sentence)
         browser = driver.chromium.launch(executable_path=program, args=FLAGS)
         page = browser.new_page(viewport={"width": 1100, "height": 1250})
         page.goto(report.as_uri())

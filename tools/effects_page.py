@@ -208,6 +208,7 @@ The thin line below is the power that is commanded. The sizes are chosen to be s
 Values are those at the output hub of an NXT motor. On another plant, starts and bounds are scaled with its own torque
 and speed. *Starts* are where a fit begins; *prior* is the standard deviation of the weak prior round the first of them,
 as a share of it; without one, only the bounds hold. What a baseline file gives has a prior of its own (*given*).
+*If left out*: the value where a plant file does not give the parameter; without one it has to.
 """
 
 
@@ -217,8 +218,8 @@ def _section(effect: Effect) -> Iterator[str]:
     yield f"    {effect.equation}\n"
     yield f"Source: {effect.source}.\n"
     yield f"Shows {_listed([SHOWS[regime] for regime in effect.shows])}.\n"
-    yield "| parameter | unit | starts | bounds | prior |"
-    yield "| --- | --- | --- | --- | --- |"
+    yield "| parameter | unit | starts | bounds | prior | if left out |"
+    yield "| --- | --- | --- | --- | --- | --- |"
     for parameter in effect.parameters:
         yield _row(parameter)
     yield ""
@@ -239,7 +240,9 @@ def _row(parameter: Parameter) -> str:
     prior += [] if math.isinf(parameter.doubt) else [f"given {parameter.doubt:.0%}"]
     prior += ["not fitted where given"] if parameter.frozen else []
     bounds = f"{parameter.lower:.4g} … {parameter.upper:.4g}"
-    return f"| `{parameter.name}` | {parameter.unit} | {starts} | {bounds} | {', '.join(prior) or 'none'} |"
+    left_out = "" if parameter.otherwise is None else f"{parameter.otherwise:.4g}"
+    cells = (f"`{parameter.name}`", parameter.unit, starts, bounds, ", ".join(prior) or "none", left_out)
+    return f"| {' | '.join(cells)} |"
 
 
 def _remarks(effect: Effect) -> Iterator[str]:

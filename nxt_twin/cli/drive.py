@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json as json_format
-from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +16,7 @@ from nxt_twin.cli.record import Teller, Written, opened, write_down
 from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end, wanted_ports
 from nxt_twin.recording.program import MotorProgram, Run
 from nxt_twin.recording.programs import load_program, own_programs
+from nxt_twin.recording.stream import check_free
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import Logbook
 from nxt_twin.twin.polling import Plan
@@ -46,20 +47,18 @@ def drive(
     wanted = load_program(program)
     if ports is not None:
         wanted = wanted.model_copy(update={"ports": wanted_ports(ports)})
+    files = {run.name: None if record is None else named(record, run, wanted) for run in wanted.runs}
+    for file in files.values():
+        if file is not None:
+            check_free(file)
     clock = SystemClock()
     found = chosen_url(url, clock)
     get_leave(found, wanted.ports, yes=yes)
-    plan = Plan(period_s=period)
-    done = [
-        _run(
-            alone,
-            lambda: opened(found, clock),
-            clock,
-            plan,
-            None if record is None else named(record, run, wanted),
-        )
-        for run, alone in ((run, wanted.model_copy(update={"runs": (run,)})) for run in wanted.runs)
-    ]
+    done: list[Written] = []
+    with tidy_end(), opened(found, clock) as brick:
+        for run in wanted.runs:
+            alone = wanted.model_copy(update={"runs": (run,)})
+            done.append(_run(alone, brick, clock, Plan(period_s=period), files[run.name]))
     if json:
         answer = {"program": wanted.name, "ports": wanted.ports, "runs": done}
         emit_json(json, json_format.dumps({"schema": "nxt-twin/drive/1", **answer}))
@@ -73,15 +72,20 @@ def named(record: Path, run: Run, program: MotorProgram) -> Path:
     return record if len(program.runs) == 1 else record.with_stem(f"{record.stem}-{run.name}")
 
 
-def _run(
-    alone: MotorProgram, open_it: Callable[[], Brick], clock: Clock, plan: Plan, record: Path | None
-) -> Written:
+def _run(alone: MotorProgram, brick: Brick, clock: Clock, plan: Plan, file: Path | None) -> Written:
     driver = ProgramDriver(alone)
-    if record is not None:
+    if file is not None:
         return write_down(
-            open_it, clock, record, alone.ports, plan, driver=driver, seconds=driver.duration_s, may_end=False
+            lambda: nullcontext(brick),
+            clock,
+            file,
+            alone.ports,
+            plan,
+            driver=driver,
+            seconds=driver.duration_s,
+            may_end=False,
         )
-    with progress(f"{alone.name}: {alone.runs[0].name}") as tell, tidy_end(), open_it() as brick:
+    with progress(f"{alone.name}: {alone.runs[0].name}") as tell:
         teller = Teller(tell)
         Logbook(brick, clock, alone.ports, plan, driver=driver).keep(driver.duration_s, teller)
     return Written(file=None, rows=teller.last.rows, seconds=round(teller.last.elapsed_s, 3))

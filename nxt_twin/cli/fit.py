@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json as json_format
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -12,7 +13,9 @@ import yaml
 
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.diagnose.engine import fit_as_it_stands
-from nxt_twin.recording.case import read_as_case
+from nxt_twin.diagnose.sensor.engine import is_sensor_case
+from nxt_twin.diagnose.sensor.fit import fit_sensor
+from nxt_twin.recording.case import Case, read_as_case
 
 
 def fit(
@@ -21,8 +24,12 @@ def fit(
     model_out: Annotated[Path | None, typer.Option(help="Write the fitted plant as YAML.")] = None,
 ) -> None:
     """Fit the parameters of a case's plant on everything that it does not hold out."""
+    case = read_as_case(path)
+    if is_sensor_case(case):
+        _show_sensor(case, json, model_out)
+        return
     with progress(str(path)):
-        structure = fit_as_it_stands(read_as_case(path))
+        structure = fit_as_it_stands(case)
     plant, fitted = structure.plant, structure.fitted
     stds = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
     rows = []
@@ -36,6 +43,19 @@ def fit(
             )
     if model_out:
         model_out.write_text(yaml.safe_dump(plant.to_config(), sort_keys=False), encoding="utf-8")
+    _show(rows, json)
+
+
+def _show_sensor(case: Case, json: str | None, model_out: Path | None) -> None:
+    """Fit a sensor, and show and write what came out."""
+    with progress(case.name):
+        fitted = fit_sensor(case)
+    if model_out and fitted.config:
+        model_out.write_text(yaml.safe_dump(dict(fitted.config), sort_keys=False), encoding="utf-8")
+    _show([asdict(value) for value in fitted.values], json)
+
+
+def _show(rows: list[dict[str, Any]], json: str | None) -> None:
     if json:
         emit_json(json, json_format.dumps({"schema": "nxt-twin/fit/1", "parameters": rows}))
     if json != "-":

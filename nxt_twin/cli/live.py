@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 import yaml
@@ -47,6 +47,9 @@ from nxt_twin.twin.settings import PACES, Pace
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.verdict import Verdict, verdict
 
+if TYPE_CHECKING:
+    from nxt_twin.view.live_report import Keeper
+
 View = Literal["spawn", "web", "none"]
 
 _SAFE = ("mock", "tcp")
@@ -75,7 +78,8 @@ def live(
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
     report: Annotated[
-        Path | None, typer.Option(help="Folder for the HTML reports of what --adopt diagnoses.")
+        Path | None,
+        typer.Option(help="Folder for HTML reports: of the session, and of what --adopt diagnoses."),
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
@@ -99,6 +103,7 @@ def live(
     columns = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
     sinks: list[Sink] = [memory] if json == "-" else [memory, _Printer()]
     sinks += _dashboard(view, save, wanted, columns, title=found)
+    keeper = _keeper(report, sinks)
     recorder = None if out is None else RecordingWriter(out, _columns(wanted, columns))
     adopter = Adopter(ThreadPoolExecutor(1, "diagnosis")) if adopt else None
     clock = SystemClock()
@@ -115,7 +120,9 @@ def live(
         adopter=adopter,
     )
     session = _run(parts, seconds)
-    _conclude(session, memory, parts, json=json, report=report, model_out=model_out)
+    _conclude(
+        session, memory, parts, json=json, report=report, model_out=model_out, keeper=keeper, title=found
+    )
 
 
 def _run(parts: Parts, seconds: float) -> Session:
@@ -143,14 +150,18 @@ def _conclude(
     json: str | None,
     report: Path | None,
     model_out: Path | None,
+    keeper: Keeper | None,
+    title: str,
 ) -> None:
     diverging = [port for port, monitor in session.monitors.items() if monitor.diverging]
     said = verdict(memory.events, diverging)
     diagnoses = parts.adopter.diagnoses if parts.adopter is not None else []
     pages = []
-    if report is not None:
+    if report is not None and keeper is not None:
+        from nxt_twin.view.live_report import write_live_report
         from nxt_twin.view.report import write_report
 
+        pages.append(str(write_live_report(report, keeper, title=title, sentence=said.sentence)))
         for number, (port, diagnosis) in enumerate(diagnoses, start=1):
             named = replace(diagnosis, name=f"live-{port}-{number}")
             pages.append(str(write_report(named, report)))
@@ -212,6 +223,17 @@ def _dashboard(
     if dashboard.url:
         print(f"dashboard: {dashboard.url}", file=sys.stderr, flush=True)
     return [dashboard]
+
+
+def _keeper(report: Path | None, sinks: list[Sink]) -> Keeper | None:
+    """Put what the session's report is made of among the sinks; None where no report is wanted."""
+    if report is None:
+        return None
+    from nxt_twin.view.live_report import Keeper
+
+    keeper = Keeper()
+    sinks.append(keeper)
+    return keeper
 
 
 def _columns(ports: tuple[Port, ...], sensors: list[str]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Annotated, TypedDict, final
 
@@ -96,7 +96,7 @@ def opened(url: str, clock: Clock) -> Brick:
 
 
 def write_down(
-    open_it: Callable[[], Brick],
+    open_it: Callable[[], AbstractContextManager[Brick]],
     clock: Clock,
     out: Path,
     ports: tuple[Port, ...],

@@ -86,36 +86,40 @@ def replay(
     watched = brick.ports if ports is None else tuple(p for p in wanted_ports(ports) if p in brick.ports)
     if not watched:
         raise RecordingError("holds none of these motors", where=str(recording), mend="see --ports")
+    slots = sensors_of(played)
     memory = Memory()
     sinks: list[Sink] = [memory] if json == "-" else [memory, _Teller()]
-    slots = sensors_of(played)
     channels = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
     sinks += _dashboard(view, save, watched, channels, title=recording.name)
     executor: Executor = ThreadPoolExecutor(1, "diagnosis") if speed > 0.0 else AtOnce()
-    adopter = Adopter(executor) if adopt else None
     plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
-    twin = BrickTwin(dict.fromkeys(watched, plant), TwinOptions(bridge=plain_bridge))
     parts = Parts(
         open_brick=lambda: Brick(brick, clock),
         clock=clock,
-        twin=twin,
+        twin=BrickTwin(dict.fromkeys(watched, plant), TwinOptions(bridge=plain_bridge)),
         sink=Several(sinks),
         plan=Plan(sensors=slots, sensor_every_s=_SENSOR_EVERY_S, ultrasonic_every_s=_SENSOR_EVERY_S),
         pace=_AT_ARRIVAL,
         driver=RecordedCommands(brick, watched),
-        adopter=adopter,
+        adopter=Adopter(executor) if adopt else None,
     )
+    session = _play(parts, brick.duration_s)
+    if model_out is not None:
+        _write_models(parts.twin, model_out)
+    _conclude(session, memory, parts.adopter, json)
+
+
+def _play(parts: Parts, seconds: float) -> Session:
+    """Play it to its end, or until interrupted, which is an ordinary end."""
     session = Session(parts)
     try:
         with progress("replay"), suppress(KeyboardInterrupt):
-            session.run(brick.duration_s)
+            session.run(seconds)
     finally:
         parts.sink.close()
-        if adopter is not None:
-            adopter.close()
-    if model_out is not None:
-        _write_models(twin, model_out)
-    _conclude(session, memory, adopter, json)
+        if parts.adopter is not None:
+            parts.adopter.close()
+    return session
 
 
 def sensors_of(recording: Recording) -> dict[Slot, SensorKind]:
@@ -166,7 +170,9 @@ def _dashboard(
         return []
     from nxt_twin.view.dashboard import open_dashboard
 
-    dashboard = open_dashboard(view=view, save=save, ports=ports, channels=channels, title=title)
+    dashboard = open_dashboard(
+        view=view, save=save, ports=ports, channels=channels, title=title, lossless=True
+    )
     if dashboard.url:
         print(f"dashboard: {dashboard.url}", file=sys.stderr, flush=True)
     return [dashboard]

@@ -6,7 +6,7 @@ import signal
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 import typer
 
@@ -15,7 +15,10 @@ from nxt_twin.brick.discovery import default_ways, search
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.cli.output import fail
 from nxt_twin.recording.columns import PORTS, Port, Slot
-from nxt_twin.twin.sensor_twin import SensorKind
+
+if TYPE_CHECKING:
+    # Brings in the filters, which nobody needs who only polls.
+    from nxt_twin.twin.sensor_twin import SensorKind
 
 NOTHING: Final = "none"
 _KINDS: Final = ("touch", "sound", "light", "ultrasonic")

@@ -36,6 +36,8 @@ was to explain. Where none was found, free runs over readings that only check mu
 as noise alone."""
 
 _CLEAN_LEFTOVERS = 40
+_FEWEST_LEFTOVERS = 8
+_MOST_CELLS = 4_000_000  # made-up readings held at a time, which bounds the memory of an hour's recording
 
 
 @final
@@ -117,6 +119,7 @@ def gather(
 
 def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:
     """Innovations of clean cases at the readings of `Residuals`: the first thinning of each recording."""
+    count = int(np.clip(_MOST_CELLS // max(linear.innovations.size, 1), _FEWEST_LEFTOVERS, _CLEAN_LEFTOVERS))
     seen: set[str] = set()
     parts = []
     for job, predicted in zip(linear.jobs, linear.predicted, strict=True):
@@ -124,7 +127,7 @@ def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:
             continue
         seen.add(job.signals.name)
         read = np.isfinite(job.signals.measured) & ~job.start.at
-        made = clean_innovations(job, predicted, linear.structure.noise, _CLEAN_LEFTOVERS, rng)
+        made = clean_innovations(job, predicted, linear.structure.noise, count, rng)
         parts.append(made[:, read])
     return np.concatenate(parts, axis=1)
 

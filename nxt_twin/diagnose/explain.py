@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from nxt_twin.diagnose.screen import Prospect, screen
@@ -15,6 +15,7 @@ from nxt_twin.diagnose.structure import (
     Weight,
     Workshop,
     free_run_ratio,
+    is_mechanical,
     step_for,
     weigh,
 )
@@ -49,6 +50,8 @@ _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it ar
 _RIVALS_SETTLED = 2
 _RIVAL_REACH_NATS = 40.0
 _EXCHANGES = 4
+_SOBER = 0.3
+_FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
 _CLEAR = 1.3
 
 
@@ -131,7 +134,7 @@ class _Search:
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
             full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
-            if not ranked or full or not _worth_it(ranked[0][1]):
+            if not ranked or full or not self._worth_it(ranked[0][1], best):
                 return best, refused
             added = self.pruned(ranked[0][2])
             if added.plant.active == best.plant.active:
@@ -179,20 +182,44 @@ class _Search:
         drafts = self._drafts(best, self._candidates(best.plant), _DRAFTED)
         if not drafts:
             return []
-        top = -drafts[0][1].cost
         cost = self._draft_cost(best)
+        reach = _IN_REACH * (cost - drafts[0][1].cost)
         within = [
             (effect, draft)
             for rank, (effect, draft) in enumerate(drafts)
-            if rank < _SHORT_LIST or (effect.states and cost - draft.cost > _IN_REACH * (cost + top))
+            if rank < _SHORT_LIST or (effect.states and cost - draft.cost > reach)
         ]
+        settled = [(effect, self._settle(draft.fitted.plant, best.noise)) for effect, draft in within]
+        lowest = min(_cost(trial) for _, trial in settled)
         ranked = []
-        for effect, draft in within:
-            trial = self._settle(draft.fitted.plant, best.noise)
+        for effect, trial in settled:
+            if _cost(best) - _cost(trial) > _IN_REACH * (_cost(best) - lowest):
+                trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
-        ranked.sort(key=lambda item: (-_worth_it(item[1]), -item[1].total))
+        ranked.sort(key=lambda item: (-self._worth_it(item[1], best), -item[1].total))
         return ranked
+
+    def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
+        """The best of `trial` and of what other starts lead to, for effects with mechanical states of their own.
+
+        Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
+        so they are led from each start through a smaller unknown torque.
+        """
+        if not is_mechanical(effect):
+            return trial
+        sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
+        prospects = screen(self._workshop, best, [effect])[:_STARTS_FOLLOWED]
+        for prospect in prospects:
+            draft = self._workshop.draft(prospect.plant, sober, iterations=_SLOW_ITERATIONS)
+            trial = self._settle(draft.fitted.plant, sober)
+        return trial
+
+    def _worth_it(self, weight: Weight, best: Structure) -> bool:
+        """Whether an effect is to be added to `best`: it must also gain more than the form of those in it may lack."""
+        explained = _cost(self._baseline) - _cost(best)
+        needed = max(GAIN_NATS, _FORM_SHARE * explained)
+        return weight.gain > needed and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
 
     def _drafts(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
         """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
@@ -260,10 +287,6 @@ def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure 
 
 def _cost(structure: Structure) -> float:
     return structure.fitted.cost + structure.fitted.prior_cost
-
-
-def _worth_it(weight: Weight) -> bool:
-    return weight.gain > GAIN_NATS and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
 
 
 def _keeps_its_place(weight: Weight) -> bool:

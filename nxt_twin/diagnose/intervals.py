@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nxt_twin.diagnose.linear import Linear
+from nxt_twin.diagnose.linear import Linear, deviations
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import FloatArray
 
@@ -15,6 +15,8 @@ _BLOCK_S = 1.0
 _FEWEST_BLOCKS = 12
 _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
 _SUPPLY_MOVE = 1e-3
+_FROZEN_DOUBT = 0.15  # of a given inductance
+_FROZEN_MOVE = 0.05
 _MODEL_DOUBT = 1.15  # what a wrong law of friction and the choice of effects add, from the development seeds
 
 
@@ -24,7 +26,8 @@ def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
     The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
     of the scores over blocks of time (Newey and West's idea, with blocks): where innovations hang together or gather
     in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own, and what
-    the battery's readings leave open of the supply comes on top.
+    the battery's readings leave open of the supply, and the doubt about what no fit moves (a winding's inductance),
+    come on top.
     """
     variables = linear.variables
     scale = np.array([v.scale for v in variables])
@@ -32,9 +35,24 @@ def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
     inverse: FloatArray = np.asarray(np.linalg.pinv(bread, hermitian=True), dtype=np.float64)
     filling = _block_scatter(linear) + np.diag(linear.tightness)
     sandwich: FloatArray = inverse @ filling @ inverse
-    shift = _SUPPLY_DOUBT / _SUPPLY_MOVE * linear.absorbed(_supply_signature(simulator, linear))[0]
-    spread = _MODEL_DOUBT**2 * _larger(inverse, sandwich) + np.outer(shift, shift)
+    spread = _MODEL_DOUBT**2 * _larger(inverse, sandwich)
+    shifts = [_SUPPLY_DOUBT / _SUPPLY_MOVE * linear.absorbed(_supply_signature(simulator, linear))[0]]
+    shifts += [_FROZEN_DOUBT / _FROZEN_MOVE * shift for shift in linear.absorbed(_frozen(simulator, linear))]
+    for shift in shifts:
+        spread = spread + np.outer(shift, shift)
     return np.asarray(spread * np.outer(scale, scale))
+
+
+def _frozen(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What each parameter that the fit leaves alone would do to the readings if it were a little larger."""
+    plant = linear.structure.plant
+    shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
+    moved = [
+        plant.with_values({slot: (1.0 + _FROZEN_MOVE) * plant.values[slot]})
+        for slot, parameter in plant.layout.parameters.items()
+        if parameter.frozen and slot in plant.values and slot.owner not in shares
+    ]
+    return deviations(simulator, linear, moved)
 
 
 def _supply_signature(simulator: Simulator, linear: Linear) -> FloatArray:

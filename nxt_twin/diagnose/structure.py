@@ -13,7 +13,8 @@ from nxt_twin.diagnose.free_run import FreeRunCheck
 from nxt_twin.diagnose.noise import estimate, with_noise
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.variables import variables_of
-from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
@@ -24,12 +25,14 @@ SETTLED_STEP_S = 2e-3
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
 
 _SHARE_ROUNDS = 3
-_SETTLE_ROUNDS = 4
+_SETTLE_ROUNDS = 5
 _RESTING_NATS = 1.0
 _DRAFT_PATIENCE_NATS = 1.0
 _SETTLED_PATIENCE_NATS = 0.2
 _EXACT_PATIENCE_NATS = 0.05
 _TUNED_KEPT = 8
+_POLL_FACTORS = (0.5, 0.7, 0.85, 1.15, 1.4, 2.0)
+_POLLED_NATS = 1.0
 _MECHANICAL = {"torque", "damping", "friction", "hold"}
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
 
@@ -158,9 +161,10 @@ class Workshop:
         target = self._target(step_s)
         for _ in range(_SETTLE_ROUNDS):
             noise, before = estimate(self.simulator, plant, target, noise)
-            fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
-            plant = fitted.plant
-            if before - fitted.cost < _RESTING_NATS:
+            tuned = self.tuned(noise, step_s)
+            fitted = self._fitted(tuned, plant, 12, _SETTLED_PATIENCE_NATS)
+            plant, polled = self._polled(tuned, fitted)
+            if polled < _POLLED_NATS and before - fitted.cost < _RESTING_NATS:
                 break
         return self._judged(fitted, noise, step_s)
 
@@ -230,6 +234,28 @@ class Workshop:
         free = self._free_runs.rms(self.simulator, plant, noise, results[:size], step_s)
         return Structure(fitted, noise, min(costs), free)
 
+    def _polled(self, tuned: Target, fitted: Fitted) -> tuple[Plant, float]:
+        """The best of a few plants with one parameter of an effect well away, and its gain, nats.
+
+        Play, stops and thresholds have likelihoods with steps in them, at which a slope leads nowhere.
+        """
+        plants = [
+            _with_total_inertia(fitted.plant, slot, factor)
+            for variable in fitted.variables
+            for slot in variable.slots[:1]
+            if slot not in self.problem.plant.values
+            for factor in _POLL_FACTORS
+            if variable.lower <= factor * fitted.plant.values[slot] <= variable.upper
+        ]
+        if not plants:
+            return fitted.plant, 0.0
+        values = np.array([plant.vectors()[0] for plant in plants])
+        active = np.array([plant.vectors()[1] for plant in plants])
+        costs = tuned.cost(self.simulator.run(values, active, tuned.jobs))
+        best = int(np.argmin(costs))
+        gain = fitted.cost - float(costs[best])
+        return (plants[best], gain) if gain > _POLLED_NATS else (fitted.plant, 0.0)
+
     def _check_cost(self, plant: Plant, tuned: Target) -> float:
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], tuned.jobs)
@@ -257,8 +283,23 @@ class Workshop:
 
 def step_for(plant: Plant, coarse_s: float) -> float:
     """`coarse_s`, or half of it where an effect has a mechanical state of its own, which may be stiff."""
-    stiff = any(effect.states and _MECHANICAL & effect.terms.keys() for effect in plant.effects)
+    stiff = any(is_mechanical(effect) for effect in plant.effects)
     return max(STEP_S, 0.5 * coarse_s) if stiff else coarse_s
+
+
+def is_mechanical(effect: Effect) -> bool:
+    """Whether the effect has a state of its own in the balance of torques, such as a load behind play."""
+    return bool(effect.states and _MECHANICAL & effect.terms.keys())
+
+
+def _with_total_inertia(plant: Plant, slot: Slot, factor: float) -> Plant:
+    """One parameter multiplied; where it is a load's inertia, the body makes up for it."""
+    value = plant.values[slot]
+    new = {slot: factor * value}
+    body = Slot(BASE_OWNER, "inertia")
+    if slot.symbol == "load_inertia" and plant.values[body] > (factor - 1.0) * value:
+        new[body] = plant.values[body] - (factor - 1.0) * value
+    return plant.with_values(new)
 
 
 def _shares(plant: Plant) -> int:

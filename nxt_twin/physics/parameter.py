@@ -70,6 +70,7 @@ class Parameter:
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
+        otherwise: value, in `unit`, where a plant file leaves it out; None if it must not.
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
     """
 
@@ -86,6 +87,7 @@ class Parameter:
     frozen: bool = False
     tied_to: str | None = None
     elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
+    otherwise: float | None = None
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
 
     def in_frame(self, frame: Frame) -> Parameter:
@@ -102,6 +104,7 @@ class Parameter:
             starts=tuple(start * self.si / si for start in self.starts),
             lower=self.lower * self.si / si,
             upper=self.upper * self.si / si,
+            otherwise=None if self.otherwise is None else self.otherwise * self.si / si,
             elsewhere={},
         )
 

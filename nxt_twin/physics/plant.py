@@ -143,13 +143,9 @@ def _read_owner(plan: Layout, owner: str, given: Mapping[str, Any], where: str) 
     for slot, parameter in plan.parameters.items():
         if slot.owner != owner:
             continue
-        value = given.get(parameter.name, _default(parameter))
+        value = given.get(parameter.name, parameter.otherwise)
         found[slot] = _number(value, parameter, where) * parameter.si
     return found
-
-
-def _default(parameter: Parameter) -> float | None:
-    return parameter.starts[0] if parameter.symbol == "supply_v" else None
 
 
 def _number(value: object, parameter: Parameter, where: str) -> float:

@@ -48,7 +48,7 @@ class RecordingWriter:
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         check_names(columns, path)
-        _check_path(path)
+        check_free(path)
         self.path = path
         self.rows = 0
         self._columns = tuple(columns)
@@ -161,7 +161,12 @@ def recover(path: Path) -> Recording:
     return recording
 
 
-def _check_path(path: Path) -> None:
+def check_free(path: Path) -> None:
+    """Refuse a place where no recording can begin.
+
+    Raises:
+        RecordingError: it is taken, or of another suffix than `.csv` and `.parquet`.
+    """
     if path.suffix.lower() not in _SUFFIXES:
         raise RecordingError("is neither .csv nor .parquet", where=str(path), mend="change the suffix")
     if path.exists():

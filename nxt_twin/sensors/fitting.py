@@ -20,6 +20,8 @@ ParametersT = TypeVar("ParametersT")
 
 _WANTED_DROP = 0.5
 _STEP_TRIES = 40
+_CLOSEST = 0.999
+_SLACK = 0.4
 _SMALLEST_EIGENVALUE = 1e-9
 _ROUNDS = 2
 _PAYS_NATS = 0.05
@@ -156,29 +158,23 @@ def covariance_at(
             x[index] += sign * steps[index]
         return top - objective(np.clip(x, lower, upper))
 
-    up = np.array([drop((i, 1)) for i in range(count)])
-    down = np.array([drop((i, -1)) for i in range(count)])
-    curvature = np.diag([_curvature(up[i], down[i], best, steps, lower, upper, i) for i in range(count)])
+    bends = [drop((i, 1)) + drop((i, -1)) for i in range(count)]
+    curvature = np.diag([_bend(bend) for bend in bends])
     for i in range(count):
         for j in range(i):
             mixed = (
                 drop((i, 1), (j, 1)) + drop((i, -1), (j, -1)) - drop((i, 1), (j, -1)) - drop((i, -1), (j, 1))
             )
-            curvature[i, j] = curvature[j, i] = 0.25 * mixed
+            most = _CLOSEST * np.sqrt(curvature[i, i] * curvature[j, j])
+            curvature[i, j] = curvature[j, i] = np.clip(0.25 * mixed, -most, most)
     values, vectors = np.linalg.eigh(curvature)
-    inverse = (vectors / np.maximum(values, _SMALLEST_EIGENVALUE + 1e-3 * values.max())) @ vectors.T
+    inverse = (vectors / np.maximum(values, _SMALLEST_EIGENVALUE)) @ vectors.T
     return np.asarray(inverse * np.outer(steps, steps), dtype=np.float64)
 
 
-def _curvature(
-    up: float, down: float, best: FloatArray, steps: FloatArray, lower: FloatArray, upper: FloatArray, i: int
-) -> float:
-    """The second difference in units of the step; at a bound, of the one side that there is."""
-    if best[i] + steps[i] > upper[i]:
-        return max(2.0 * down, 1e-6)
-    if best[i] - steps[i] < lower[i]:
-        return max(2.0 * up, 1e-6)
-    return max(up + down, 1e-6)
+def _bend(both_sides: float) -> float:
+    """The curvature from the two falls, half a nat each; one where walls at unlike distances make them unlike that."""
+    return both_sides if 1.0 - _SLACK < both_sides < 1.0 + _SLACK else 1.0
 
 
 def _step(
@@ -190,30 +186,39 @@ def _step(
     lower: float,
     upper: float,
 ) -> float:
-    """How far the parameter has to move, alone, for the likelihood to fall by about half a nat."""
+    """How far the parameter has to move, alone, for the likelihood to fall by half a nat; the mean of both sides.
+
+    That it may be another way to either side is what a threshold between two readings looks like.
+    """
 
     def drop(step: float) -> float:
-        falls = []
-        for sign in (1.0, -1.0):
-            x = best.copy()
-            x[index] += sign * step
-            if lower <= x[index] <= upper:
-                falls.append(top - objective(x))
-        return float(np.mean(falls)) if falls else np.inf
+        x = best.copy()
+        x[index] += step
+        return top - objective(x)
 
-    low, high = 0.0, np.inf
-    step, widest = 0.1 * scale, upper - lower
+    sides = []
+    for sign, room in ((1.0, upper - best[index]), (-1.0, best[index] - lower)):
+        if room > 1e-3 * scale:
+            sides.append(_side(lambda step, sign=sign: drop(sign * step), 0.1 * scale, room))  # type: ignore[misc]
+    return float(np.mean(sides)) if sides else float(upper - lower)
+
+
+def _side(drop: Callable[[float], float], first: float, room: float) -> float:
+    """The step at which `drop` is about half a nat, by doubling and halving; all the `room` if it never is."""
+    low, high, step = 0.0, np.inf, min(first, room)
     for _ in range(_STEP_TRIES):
         fallen = drop(step)
         if 0.8 * _WANTED_DROP < fallen < 1.3 * _WANTED_DROP:
             return step
         if fallen < _WANTED_DROP:
+            if step >= room:
+                return room
             low = step
         else:
             high = step
-        step = 2.0 * step if np.isinf(high) else 0.5 * (low + high)
-        if step > widest:
-            return float(widest)
+        step = min(2.0 * step, room) if np.isinf(high) else 0.5 * (low + high)
+        if high - low < 1e-3 * high:
+            break
     return step
 
 

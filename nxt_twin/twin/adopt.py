@@ -1,4 +1,4 @@
-"""From a divergence to a better model, while the session goes on: diagnose what was seen, and take over what is found."""
+"""From a divergence to a better model, while the session goes on: diagnose what was seen, take over what is found."""
 
 from __future__ import annotations
 
@@ -137,5 +137,7 @@ def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
     what = f"the model now has {ids}" if ids else "the model's numbers were off and are re-fitted"
     if diagnosis.verdict == "unexplained":
         what += "; more is missing that no known effect accounts for"
-    words = f"{where} {what} (off by {diagnosis.fit.baseline:.3g} before, {diagnosis.fit.improved:.3g} {diagnosis.fit.unit} after, in free run)"
+    fit = diagnosis.fit
+    off = f"off by {fit.baseline:.3g} before, {fit.improved:.3g} {fit.unit} after, in free run"
+    words = f"{where} {what} ({off})"
     return [*named, Event(time_s, "adopted", words, port, channel)]

@@ -129,6 +129,10 @@ class BrickTwin:
         """Let the model that is believed begin anew where the motor is."""
         self._motors[port].forget_evidence(self._batch)
 
+    def begin_anew(self, port: Port) -> None:
+        """Forget all that was learnt of a motor, apart from where it is."""
+        self._motors[port].begin_anew(self._batch)
+
     def state(self, port: Port) -> MotorState:
         """What is believed of a motor now."""
         return self._motors[port].state(self._batch, *self._commands[port])

@@ -110,11 +110,11 @@ class _Model:
         self._estimator.set(mean, self._estimator.covariance)
 
     @property
-    def P(self) -> FloatArray:
+    def P(self) -> FloatArray:  # noqa: N802 - filterpy's name
         return self._estimator.covariance[: self._shared, : self._shared].copy()
 
     @P.setter
-    def P(self, mixed: FloatArray) -> None:
+    def P(self, mixed: FloatArray) -> None:  # noqa: N802
         """The rest keeps its variance; what it had to do with the shared part is scaled, so that all stays whole."""
         whole = self._estimator.covariance.copy()
         shared = self._shared

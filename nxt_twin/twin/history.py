@@ -14,6 +14,7 @@ from nxt_twin.twin.bridge import COAST, Hold
 
 _COUNTS_MOST = 12_000
 _HOLDS_MOST = 6_000
+_NONE = float("nan")
 
 
 class _Held(NamedTuple):
@@ -68,17 +69,20 @@ class History:
         counted = [row for row in self._counted if row.time_s >= from_s]
         first_s, last_s = counted[0].time_s, counted[-1].time_s
         before = [row for row in self._held if row.time_s <= first_s]
-        in_force = _Held(first_s, before[-1].power_pct, before[-1].mode) if before else _Held(first_s, 0.0, COAST)
-        held = [in_force, *(row for row in self._held if first_s < row.time_s <= last_s)]
+        in_force = (
+            _Held(first_s, before[-1].power_pct, before[-1].mode) if before else _Held(first_s, 0.0, COAST)
+        )
+        held = [row for row in self._held if first_s < row.time_s <= last_s]
         # Where both fall together the count comes first: it was read before the command could act.
-        rows = sorted([*counted, *held], key=lambda row: (row.time_s, isinstance(row, _Held)))
-        nan = float("nan")
-        commands = [(row.power_pct, row.mode) if isinstance(row, _Held) else (nan, nan) for row in rows]
-        counts = [(row.tacho_deg, row.supply_v) if isinstance(row, _Counted) else (nan, nan) for row in rows]
-        power_pct, mode = np.array(commands).T
-        tacho_deg, supply_v = np.array(counts).T
+        rows = [
+            (*in_force, _NONE, _NONE),
+            *((row.time_s, _NONE, _NONE, row.tacho_deg, row.supply_v) for row in counted),
+            *((*row, _NONE, _NONE) for row in held),
+        ]
+        rows[1:] = sorted(rows[1:], key=lambda row: row[0])
+        time_s, power_pct, mode, tacho_deg, supply_v = np.array(rows).T
         columns = {
-            TIME: np.array([row.time_s for row in rows]),
+            TIME: time_s,
             power_column(self._port): power_pct,
             mode_column(self._port): mode,
             tacho_column(self._port): tacho_deg,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final, final
+from typing import TYPE_CHECKING, Final, final
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
@@ -28,7 +28,10 @@ from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.twin.driver import Driver, Told
 from nxt_twin.twin.history import Recorder
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
-from nxt_twin.twin.sensor_twin import SensorKind
+
+if TYPE_CHECKING:
+    # Brings in the filters, which nobody needs who only polls.
+    from nxt_twin.twin.sensor_twin import SensorKind
 
 _COLUMNS: Final[Mapping[SensorKind, Callable[[Slot], str]]] = {
     "touch": touch_column,

@@ -35,6 +35,7 @@ class MotorMonitor:
 
     def __init__(self, port: Port, watch: Watch) -> None:
         self._port = port
+        self._who = f"port {port.upper()}"
         self._watch = watch
         self._tally = Tally()
         self._doubt = Doubt(watch)
@@ -67,6 +68,8 @@ class MotorMonitor:
         regime = self._regimes.of(time_s, evidence.speed, power_pct)
         self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
         doubted = self._doubt.take(time_s, effects.get(NOTHING, 1.0))
+        if self._standstill.pending:
+            return
         if self._tally.nats >= self._watch.alarm_nats:
             yield from self._alarm(time_s)
         elif doubted:
@@ -100,7 +103,7 @@ class MotorMonitor:
             self._proving = False
             how = "faster" if tally.push > 0.0 else "slower"
             where = f", most {tally.regime}" if tally.regime else ""
-            words = f"port {self._port.upper()}: the motor turns {how} than its model since {tally.since_s:.1f} s{where}"
+            words = f"{self._who}: the motor turns {how} than its model since {tally.since_s:.1f} s{where}"
             yield self._event(time_s, "divergence", words, tally.since_s, tally.nats)
         tally.clear(time_s)
 
@@ -112,7 +115,7 @@ class MotorMonitor:
             return
         self.diverging, self._proving, self._named = True, False, None
         self.since_s = self._doubt.since_s
-        words = f"port {self._port.upper()}: the motor does not turn as its model since {self.since_s:.1f} s"
+        words = f"{self._who}: the motor does not turn as its model since {self.since_s:.1f} s"
         strength = -math.log(max(effects[NOTHING], 1e-30))
         yield self._event(time_s, "divergence", words, self.since_s, strength)
 
@@ -125,11 +128,11 @@ class MotorMonitor:
         self.diverging = self._proving = False
         if brief:
             words = (
-                f"port {self._port.upper()}: something pushed or let go for {max(lasted_s, 0.1):.1f} s "
+                f"{self._who}: something pushed or let go for {max(lasted_s, 0.1):.1f} s "
                 f"at {self.since_s:.1f} s; the model holds before and after"
             )
             yield self._event(time_s, "slip", words, self.since_s, None)
-        words = f"port {self._port.upper()}: the motor turns as its model again"
+        words = f"{self._who}: the motor turns as its model again"
         yield self._event(time_s, "calm", words, None, None)
 
     def _name(self, time_s: float, effects: Mapping[str, float]) -> Iterator[Event]:
@@ -145,17 +148,16 @@ class MotorMonitor:
         if time_s - self._favourite[1] >= _ENOUGH_S and self._named != best:
             self._named = best
             words = (
-                f"port {self._port.upper()}: of what is weighed, {best.replace('_', ' ')} explains it best "
+                f"{self._who}: of what is weighed, {best.replace('_', ' ')} explains it best "
                 f"(probability {named[best]:.2f})"
             )
             yield self._event(time_s, "effect_named", words, self.since_s, named[best])
 
     def _trouble(self, time_s: float, power_pct: int) -> Event:
-        port = self._port.upper()
         if self._standstill.trouble == "disconnected":
-            words = f"port {port}: not a single count at {power_pct} % power: is the motor's cable in?"
+            words = f"{self._who}: not a single count at {power_pct} % power: is the motor's cable in?"
             return self._event(time_s, "disconnected", words, None, None)
-        words = f"port {port}: the motor is driven at {power_pct} % and does not turn: something blocks it"
+        words = f"{self._who}: the motor is driven at {power_pct} % and does not turn: something blocks it"
         return self._event(time_s, "stall", words, None, None)
 
     def _event(

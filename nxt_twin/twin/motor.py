@@ -167,6 +167,13 @@ class MotorTwin:
         """Let the model that is believed begin anew where the motor is."""
         self._believing.follow(self._tracking, batch)
 
+    def begin_anew(self, batch: Batch) -> None:
+        """Forget all that was learnt, apart from where the motor is."""
+        for strand in (self._believing, *self._weighed):
+            strand.follow(self._tracking, batch)
+        self._weighed_s = self._reaped_s
+        self._weigher = self._new_weigher()
+
     def state(self, batch: Batch, power_pct: float, mode: DriveMode) -> MotorState:
         """What is believed of the motor now."""
         row = batch.state[self.row]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from firmware_protocol import MotorMode, OutputPort, RunState, SensorMode, SensorType
 from firmware_protocol.ultrasonic import ADDRESS, UltrasonicRegister
@@ -14,7 +14,10 @@ from nxt_twin.brick.errors import CommandRefusedError
 from nxt_twin.brick.stamped import Stamped
 from nxt_twin.recording.columns import Port, Slot
 from nxt_twin.recording.recording import DriveMode
-from nxt_twin.twin.sensor_twin import SensorKind
+
+if TYPE_CHECKING:
+    # Brings in the filters, which nobody needs who only polls.
+    from nxt_twin.twin.sensor_twin import SensorKind
 
 OUTPUTS: Mapping[Port, OutputPort] = {"a": OutputPort.A, "b": OutputPort.B, "c": OutputPort.C}
 _TYPES = {

@@ -189,6 +189,8 @@ class Session:
             if event.kind == "divergence":
                 self._twin.forget_evidence(port)
             self._sink.event(event)
+        if monitor.trouble:
+            self._twin.begin_anew(port)
 
     def _sensor(self, sensors: SensorPoll, row: dict[str, float]) -> list[Innovation]:
         found = sensors.next(self.now_s)

@@ -47,7 +47,7 @@ PACES = {"usb": Pace(), "mock": Pace(), "bt": Pace(0.3, 0.1), "serial": Pace(0.3
 @final
 @dataclass(frozen=True)
 class Watch:
-    """When the monitor speaks up; thresholds are set by `tools`-free simulation, see docs/live.md.
+    """When the monitor speaks up; docs/live.md says how the thresholds were set, and what they cost.
 
     Attributes:
         alarm_nats: evidence for a missing torque at which a divergence is called.
@@ -62,7 +62,7 @@ class Watch:
         low_battery_v: below which the battery is too low.
     """
 
-    alarm_nats: float = 18.0
+    alarm_nats: float = 15.0
     doubt: float = 0.01
     doubt_s: float = 1.0
     most_nats: float = 4.0

@@ -116,7 +116,7 @@ class Several:
         for sink in list(self._sinks):
             try:
                 sink.tick(tick)
-            except Exception:  # noqa: BLE001 - whatever a viewer does wrong, the brick has to be watched on
+            except Exception:  # whatever a viewer does wrong, the brick has to be watched on
                 self._sinks.remove(sink)
 
     def event(self, event: Event) -> None:
@@ -124,7 +124,7 @@ class Several:
         for sink in list(self._sinks):
             try:
                 sink.event(event)
-            except Exception:  # noqa: BLE001
+            except Exception:
                 self._sinks.remove(sink)
 
     def close(self) -> None:

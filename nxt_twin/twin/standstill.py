@@ -26,7 +26,13 @@ class Standstill:
         self._since_s = 0.0
         self._ever = False
         self._ways: dict[int, float] = {}
+        self._way = 0
         self.trouble: Trouble | None = None
+
+    @property
+    def pending(self) -> bool:
+        """Whether the motor is driven and has not turned yet: it may be blocked, or about to turn."""
+        return self._way != 0
 
     def take(self, time_s: float, count: int, power_pct: int) -> bool:
         """Take a count and the power in force; True if there is new trouble, which `trouble` names."""
@@ -40,6 +46,7 @@ class Standstill:
             way = 0
         if way:
             self._ways.setdefault(way, time_s)
+        self._way = way if abs(count - (self._count or 0)) <= _FREE_PLAY and self._since_s < time_s else 0
         driven_s = time_s - self._ways[way] if way else 0.0
         if driven_s < self._watch.stall_s:
             return False

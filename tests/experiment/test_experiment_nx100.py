@@ -195,6 +195,36 @@ def test_an_interrupt_on_the_way_puts_the_robot_on_hold() -> None:
     assert state.now()[2] < 120.658 + 30.0
 
 
+@pytest.mark.parametrize("moment", range(14))
+def test_an_interrupt_amid_an_exchange_still_puts_the_robot_on_hold(moment: int) -> None:
+    state = RobotState(VirtualClock())
+    inner = InMemoryWire(Nx100Standin(state))
+    left = [10**6]
+
+    class Interrupted:
+        def send(self, data: bytes) -> None:
+            inner.send(data)
+
+        def receive(self, timeout_s: float) -> bytes:
+            left[0] -= 1
+            if left[0] == 0:
+                raise KeyboardInterrupt
+            return inner.receive(timeout_s)
+
+        def close(self) -> None:
+            inner.close()
+
+    robot = Nx100Robot(Nx100Session(Interrupted()), RobotSetUp(), "distance_mm", state.clock)
+    left[0] = (
+        moment + 3
+    )  # the first two are of the position before the move, of which nothing has to be stopped
+    with pytest.raises(KeyboardInterrupt):
+        robot.move_to(200.0)
+    assert state.held
+    assert not state.running
+    assert state.now()[2] < 120.658 + 200.0
+
+
 def test_a_lost_link_is_named_and_closing_does_not_fail() -> None:
     state = RobotState(VirtualClock())
     wire = InMemoryWire(Nx100Standin(state))

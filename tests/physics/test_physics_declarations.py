@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from physics_samples import commanded
+from physics_samples import commanded, nxt
 
-from nxt_twin.physics.layout import layout
+from nxt_twin.physics.layout import Slot, layout
 from nxt_twin.physics.library import library
 from nxt_twin.physics.parameter import NXT_SCALE, Scale
 from nxt_twin.physics.signals import in_session
@@ -101,3 +101,14 @@ def test_a_payload_is_sought_at_every_recording_and_within_each():
     assert onset.scaled(Scale(0.3, 10.0, tuple(runs))).starts == pytest.approx(
         (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0, 5.5, 6.0, 6.5, 7.0)
     )
+
+
+@pytest.mark.parametrize("effect_id", [effect_id for effect_id in CONTRACT if not library()[effect_id].plain])
+def test_a_plant_file_needs_no_more_than_the_contract_s_names(effect_id):
+    parameters = {p.name: p for p in library()[effect_id].parameters}
+    given = {name: parameters[name].starts[0] for name in CONTRACT[effect_id]}
+    plant = nxt(effects={effect_id: given})
+    for name, parameter in parameters.items():
+        assert plant.values[Slot(effect_id, parameter.symbol)] == pytest.approx(
+            given.get(name, parameter.otherwise) * parameter.si
+        )

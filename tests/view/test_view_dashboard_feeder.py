@@ -84,3 +84,22 @@ def test_a_process_that_dies_costs_nothing():
     feeder.put(some_ticks(1)[0])
     assert feeder.waiting == 0
     assert feeder.close() == 3
+
+
+def test_a_replay_waits_and_loses_nothing():
+    ticks = some_ticks(800)
+    with tempfile.TemporaryFile() as log:
+        feeder = Feeder([sys.executable, "-c", _COPIES], patience_s=60.0, log=log, capacity=10, lossless=True)
+        for tick in ticks:
+            feeder.put(tick)
+        assert feeder.close() == 0
+        log.seek(0)
+        assert [read(line) for line in log] == ticks
+    assert feeder.dropped == 0
+
+
+def test_a_replay_does_not_wait_for_a_process_that_died():
+    feeder = Feeder([sys.executable, "-c", _DIES], patience_s=60.0, log=None, capacity=10, lossless=True)
+    for tick in some_ticks(300):
+        feeder.put(tick)
+    assert feeder.close() == 3

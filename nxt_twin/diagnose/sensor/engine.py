@@ -28,7 +28,7 @@ from nxt_twin.diagnose.sensor.judge import held_out_runs, noise_floor, overall
 from nxt_twin.diagnose.sensor.leftover import Left, regimes_of, spells_of, what_is_left
 from nxt_twin.diagnose.sensor.light_problem import LightProblem
 from nxt_twin.diagnose.sensor.problem import Problem, standard_errors
-from nxt_twin.diagnose.sensor.runs import KINDS, channel_of, runs_of, truth_column
+from nxt_twin.diagnose.sensor.runs import KINDS, channel_of, runs_of, truth_column, unit_of
 from nxt_twin.diagnose.sensor.structure import Structure, Workshop
 from nxt_twin.diagnose.sensor.touch_problem import TouchProblem
 from nxt_twin.diagnose.sensor.ultrasonic_problem import UltrasonicProblem
@@ -119,7 +119,7 @@ def diagnose_sensor(case: Case, *, seed: int = 0, progress: Progress = lambda _:
     ideal, final = workshop.on_everything(ideal), explanation.best
     evidence = _Evidence(
         case=case,
-        kind=_kind(case),
+        kind=sensor_kind(case),
         workshop=workshop,
         ideal=ideal,
         final=final,
@@ -138,7 +138,7 @@ def problem_of(case: Case) -> tuple[Problem, tuple[str, ...]]:
     Raises:
         DiagnosisError: it is no sensor case, or has not what it needs.
     """
-    kind = _kind(case)
+    kind = sensor_kind(case)
     config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
     known = {field.name for field in fields(_PARAMETERS[kind])} | {"kind", "effects"}
     given = _PARAMETERS[kind].from_config({key: value for key, value in config.items() if key in known})
@@ -153,7 +153,12 @@ def problem_of(case: Case) -> tuple[Problem, tuple[str, ...]]:
             return TouchProblem(runs, channel, given, truth_column(case, kind)), ignored
 
 
-def _kind(case: Case) -> str:
+def sensor_kind(case: Case) -> str:
+    """What kind of sensor a case is about.
+
+    Raises:
+        DiagnosisError: it is no sensor case.
+    """
     kind = case.plant.get("kind") if isinstance(case.plant, dict) else _named_kind(case)
     if kind not in KINDS:
         mend = f"its plant needs a kind: {', '.join(KINDS)}"
@@ -252,8 +257,8 @@ def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
 def _estimates(workshop: Workshop, effect: SensorEffect, final: Structure) -> dict[str, Estimate]:
     """The effect's parameters; where several laws would do, their mean, with the laws' disagreement in the doubt."""
     if effect.stepped:
-        values, covariance = workshop.wandered(final)
-        return workshop.problem.estimates(effect, values, final.names, covariance)
+        walked, covariance = workshop.wandered(final)
+        return workshop.problem.estimates(effect, walked, final.names, covariance)
     structures = [workshop.under_law(final, law) for law in effect.laws] or [(final, 0.0)]
     most = max(nats for _, nats in structures)
     weights = np.exp(np.array([nats - most for _, nats in structures]))
@@ -282,7 +287,7 @@ def _refit(evidence: _Evidence) -> dict[str, Moved]:
             float(given.get(part.name, start[part.name])),
             final.values[part.name],
             stds[part.name],
-            _unit(part.name),
+            unit_of(part.name),
         )
         for part in workshop.problem.base()
         if part.name in stds
@@ -291,11 +296,6 @@ def _refit(evidence: _Evidence) -> dict[str, Moved]:
 
 def _given(case: Case) -> Mapping[str, Any]:
     return load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
-
-
-def _unit(name: str) -> str:
-    endings = {"_raw_per_mm": "1/mm", "_mm": "mm", "_g": "g", "_raw": "raw"}
-    return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
 
 
 def _mismatch(evidence: _Evidence, verdict: Verdict) -> Mismatch:

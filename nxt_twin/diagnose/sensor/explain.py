@@ -19,10 +19,9 @@ RIVAL_NATS = 6.0
 """Another effect in its place that is behind by less cannot be told from it."""
 
 _CHECK_NATS = 1.0
-_UNTOUCHED_NATS = 0.2
 _OBVIOUS_NATS = 20.0
-"""An effect must do better on the items that check it, by the first; or they have nothing of it (the second) and it
-gains the third."""
+"""An effect must do better on the items that check it by the first; where they hardly show it, for it lives in a
+narrow range, it must not do worse by as much, and gain the second."""
 
 _MOST_EFFECTS = 4
 _PROMISING_NATS = 2.0
@@ -100,8 +99,8 @@ def _gain(workshop: Workshop, fewer: Structure, more: Structure) -> float:
 
 def _pays(fewer: Structure, more: Structure, gain: float) -> bool:
     checked = more.check_nats - fewer.check_nats
-    untouched = abs(checked) < _UNTOUCHED_NATS and gain > _OBVIOUS_NATS
-    return gain > NEEDED_NATS and (checked > _CHECK_NATS or untouched)
+    bears_it_out = checked > _CHECK_NATS or (checked > -_CHECK_NATS and gain > _OBVIOUS_NATS)
+    return gain > NEEDED_NATS and bears_it_out
 
 
 def _pruned(workshop: Workshop, best: Structure) -> tuple[Structure, dict[str, float]]:

@@ -141,7 +141,7 @@ class LightProblem:
             case SATURATION.id:
                 return self._knees(values)
             case _:
-                return self._frequencies(error)
+                return self._frequencies(error, values)
 
     def _knees(self, values: Values) -> Sequence[Values]:
         """The part on this side of a knee gives the line, what is beyond it the width."""
@@ -165,7 +165,7 @@ class LightProblem:
                     )
         return starts
 
-    def _frequencies(self, error: FloatArray) -> Sequence[Values]:
+    def _frequencies(self, error: FloatArray, values: Values) -> Sequence[Values]:
         parts = [
             (self.item_time_s[self.item_run == i], error[self.item_run == i])
             for i, run in enumerate(self.runs)
@@ -180,6 +180,7 @@ class LightProblem:
                     "flicker_frequency_hz": peak.frequency_hz,
                     "flicker_amplitude_raw": peak.amplitude,
                     "noise_raw": max(peak.left, _NOISE_FLOOR_RAW),
+                    "zero_raw": values["zero_raw"] + peak.constant,
                     **phases,
                 }
             )

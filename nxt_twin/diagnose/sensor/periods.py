@@ -28,12 +28,14 @@ class Peak:
 
     Attributes:
         phases_rad: of A·sin(2π·f·t + φ) in each run.
+        constant: what the sine leaves of the mean error.
         left: standard deviation of what is left without the sine.
     """
 
     frequency_hz: float
     amplitude: float
     phases_rad: tuple[float, ...]
+    constant: float
     left: float
 
 
@@ -48,7 +50,7 @@ def likeliest_frequencies(parts: Sequence[tuple[FloatArray, FloatArray]]) -> lis
     Args:
         parts: for each run its stamps (s) and errors, shape (readings,) each.
     """
-    thinned = [(time_s[:_MOST_READINGS], error[:_MOST_READINGS] - error.mean()) for time_s, error in parts]
+    thinned = [(time_s[:_MOST_READINGS], error[:_MOST_READINGS]) for time_s, error in parts]
     longest_s = max(float(np.ptp(time_s)) for time_s, _ in thinned)
     if longest_s <= 0.0:
         return []
@@ -73,7 +75,7 @@ def _power(frequencies: FloatArray, parts: Sequence[tuple[FloatArray, FloatArray
     power = np.zeros(frequencies.size)
     for time_s, error in parts:
         turn = np.exp(-2j * np.pi * np.outer(frequencies, time_s))
-        power += np.abs(turn @ error) ** 2 * 2.0 / error.size
+        power += np.abs(turn @ (error - error.mean())) ** 2 * 2.0 / error.size
     return power
 
 
@@ -87,13 +89,15 @@ def _highest(grid: FloatArray, power: FloatArray, count: int) -> Iterator[float]
 
 
 def _peak(frequency_hz: float, parts: Sequence[tuple[FloatArray, FloatArray]]) -> Peak:
-    phases, squares, left, count = [], 0.0, 0.0, 0
+    phases, squares, constant, left, count = [], 0.0, 0.0, 0.0, 0
     for time_s, error in parts:
         turn = 2.0 * np.pi * frequency_hz * time_s
         waves = np.column_stack([np.sin(turn), np.cos(turn), np.ones(turn.size)])
         weights, *_ = np.linalg.lstsq(waves, error, rcond=None)
         phases.append(float(np.arctan2(weights[1], weights[0])))
         squares += float(weights[0] ** 2 + weights[1] ** 2) * error.size
+        constant += float(weights[2]) * error.size
         left += float(np.sum((error - waves @ weights) ** 2))
         count += error.size
-    return Peak(frequency_hz, float(np.sqrt(squares / count)), tuple(phases), float(np.sqrt(left / count)))
+    amplitude, scatter = float(np.sqrt(squares / count)), float(np.sqrt(left / count))
+    return Peak(frequency_hz, amplitude, tuple(phases), constant / count, scatter)

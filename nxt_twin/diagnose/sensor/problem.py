@@ -25,7 +25,7 @@ Values = Mapping[str, float]
 Mask = NDArray[np.bool_]
 
 _BLOCKS = 40
-_LONGEST_BLOCK = 5
+_LONGEST_BLOCK = 2
 _PERIOD = 5
 _HELD_OUT_BLOCK = 2
 _CHECK_BLOCK = 4

@@ -82,6 +82,21 @@ def truth_column(case: Case, kind: str) -> str:
     raise DiagnosisError(what, where=case.name, mend=mend)
 
 
+def has_truth(case: Case, kind: str) -> bool:
+    """Whether a rig says what the sensor should have read."""
+    runs = (*case.recordings, *case.holdout)
+    return any(
+        all(name in run.columns and np.isfinite(run.columns[name]).any() for run in runs)
+        for name in TRUTHS[kind]
+    )
+
+
+def unit_of(name: str) -> str:
+    """The unit of a parameter by its name's ending."""
+    endings = {"_raw_per_mm": "1/mm", "_mm": "mm", "_g": "g", "_raw": "raw"}
+    return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
+
+
 def runs_of(case: Case, kind: str) -> tuple[Run, ...]:
     """The case's recordings as runs; rows without a reading go, truths between rows are interpolated.
 

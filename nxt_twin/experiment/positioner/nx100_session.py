@@ -145,6 +145,8 @@ class Nx100Session:
         self._where = where
         self._buffer = b""
         self._open = True
+        self._answers_owed = 0
+        self._data_owed = 0
         try:
             answer = self._exchange(b"CONNECT Robot_access Keep-Alive:-1\r\n")
             if not answer.startswith("OK"):
@@ -191,12 +193,17 @@ class Nx100Session:
         Raises:
             PositionerError: the controller refuses, reports an error, is silent or gone.
         """
+        self._settle()
         body = f"{data}\r".encode("ascii") if data else b""
+        self._answers_owed, self._data_owed = 2, len(body)
         answer = self._exchange(f"HOSTCTRL_REQUEST {command} {len(body)}\r\n".encode("ascii"))
+        self._answers_owed = 1
         if not answer.startswith("OK"):
             self.close()
             raise PositionerError(f"{command} is refused: {answer}", where=self._where)
+        self._data_owed = 0
         answer = self._exchange(body)
+        self._answers_owed = 0
         if found := _ERROR.search(answer):
             raise self._failure(command, int(found["code"]))
         if _BARE_CODE.fullmatch(answer) and answer != _DONE:
@@ -208,6 +215,22 @@ class Nx100Session:
         if self._open:
             self._open = False
             self._wire.close()
+
+    def _settle(self) -> None:
+        """End a request that an interrupt cut in two, so that the next one is understood.
+
+        Data that the controller still waits for are sent as blanks, which no command accepts: nothing moves by it.
+        """
+        if self._answers_owed == 2:
+            self._answers_owed = 1
+            self._exchange(b"")
+        if self._data_owed:
+            blanks, self._data_owed = b" " * (self._data_owed - 1) + b"\r", 0
+            self._answers_owed = 0
+            self._exchange(blanks)
+        if self._answers_owed:
+            self._answers_owed = 0
+            self._exchange(b"")
 
     def _failure(self, command: str, code: int) -> PositionerError:
         words = ERROR_WORDS.get(code, "see the controller's table of interpreter messages")

@@ -120,7 +120,7 @@ DC_MOTOR = Base(
             50.0,
             tied_to="torque_constant",
         ),
-        Parameter("supply_v", "supply_v", "V", NUMBER, (8.0,), 0.5, 60.0, frozen=True),
+        Parameter("supply_v", "supply_v", "V", NUMBER, (8.0,), 0.5, 60.0, frozen=True, otherwise=8.0),
     ),
     drive=drive,
     current_after=current_after,

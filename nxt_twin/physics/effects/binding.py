@@ -87,8 +87,9 @@ ANGLE_DEPENDENT_FRICTION = Effect(
             -360.0,
             360.0,
             si=math.pi / 180.0,
+            otherwise=0.0,
         ),
-        Parameter("sharpness", "sharpness", "1", NUMBER, (4.0,), 0.5, 40.0, spread=1.0),
+        Parameter("sharpness", "sharpness", "1", NUMBER, (4.0,), 0.5, 40.0, spread=1.0, otherwise=4.0),
     ),
     terms={"friction": _binding},
     confusable_with={

@@ -71,7 +71,15 @@ ENCODER_ECCENTRICITY = Effect(
         Parameter("amplitude_deg", "amplitude", "deg", ANGLE, (2.0,), 0.0, 45.0, si=math.pi / 180.0),
         Parameter("cycles_per_turn", "cycles", "1", NUMBER, (1.0, 2.0, 3.0, 4.0, 6.0), 0.5, 60.0),
         Parameter(
-            "phase_deg", "phase", "deg", NUMBER, (0.0, 120.0, -120.0), -360.0, 360.0, si=math.pi / 180.0
+            "phase_deg",
+            "phase",
+            "deg",
+            NUMBER,
+            (0.0, 120.0, -120.0),
+            -360.0,
+            360.0,
+            si=math.pi / 180.0,
+            otherwise=0.0,
         ),
     ),
     terms={"reading": _eccentric},

@@ -81,6 +81,7 @@ CLOCK_SKEW = Effect(
             (4.0, 2.0, 2.3, 2.6, 3.0, 3.4, 4.8, 5.8, 7.4, 10.0),
             0.5,
             300.0,
+            otherwise=4.0,
         ),
         Parameter(
             "lag_phase",
@@ -90,6 +91,7 @@ CLOCK_SKEW = Effect(
             (0.0, 1.0 / 3.0, -1.0 / 3.0),
             -1.0,
             1.0,
+            otherwise=0.0,
         ),
     ),
     terms={"pace": _pace, "lag": _lag},

@@ -6,6 +6,7 @@ missing costs neither the loop nor the file anything.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_displ
 _VIEWER_PATIENCE_S: Final = 2.0
 _FILE_PATIENCE_S: Final = 10.0
 _LONGEST_TROUBLE: Final = 300
+_STYLED: Final = re.compile(r"\x1b\[[0-9;]*m")
 
 
 @final
@@ -31,9 +33,10 @@ class Dashboard:
     Args:
         viewer: what the viewer's process is to do; None for no viewer.
         file: what the file's process is to do; None for no file.
+        lossless: whether to wait for slow processes instead of dropping what is oldest.
     """
 
-    def __init__(self, viewer: Job | None, file: Job | None) -> None:
+    def __init__(self, viewer: Job | None, file: Job | None, *, lossless: bool = False) -> None:
         self._url = (
             "" if viewer is None or viewer.kind != "web" else page_url(viewer.page_port, viewer.data_port)
         )
@@ -45,7 +48,9 @@ class Dashboard:
         ):
             if job is not None:
                 log = tempfile.TemporaryFile()  # noqa: SIM115 - closed in close()
-                self._parts.append((name, Feeder(job.command(), patience_s=patience_s, log=log), log))
+                self._parts.append(
+                    (name, Feeder(job.command(), patience_s=patience_s, log=log, lossless=lossless), log)
+                )
         self._feeders = tuple(feeder for _, feeder, _ in self._parts)
 
     @property
@@ -93,7 +98,7 @@ class Dashboard:
             status = feeder.close()
             if status != 0:
                 log.seek(0)
-                words = log.read().decode(errors="replace").strip().splitlines()
+                words = _STYLED.sub("", log.read().decode(errors="replace")).strip().splitlines()
                 said = f": {words[-1][:_LONGEST_TROUBLE]}" if words else ""
                 ended = (
                     "did not finish in time and was ended" if status < 0 else f"ended with status {status}"
@@ -111,6 +116,7 @@ def open_dashboard(
     title: str,
     web_port: int = 0,
     tab: int = 0,
+    lossless: bool = False,
 ) -> Dashboard:
     """Start the dashboard; returns at once, while the viewer is still starting.
 
@@ -122,6 +128,7 @@ def open_dashboard(
         title: of the session.
         web_port: where browsers come to; 0 for any free port.
         tab: which tab is in front: the motors in order, then the sensors.
+        lossless: for replays only: wait for a slow viewer or disk instead of dropping polls.
 
     Raises:
         NxtTwinError: rerun is not installed, there is no display, the port is taken, or the file cannot be written.
@@ -142,7 +149,7 @@ def open_dashboard(
     if save is not None:
         _check_writable(save)
         file = Job("file", title, tuple(ports), tuple(channels), file=str(save.absolute()), tab=tab)
-    return Dashboard(viewer, file)
+    return Dashboard(viewer, file, lossless=lossless)
 
 
 def _three_ports(web_port: int) -> tuple[int, int, int]:

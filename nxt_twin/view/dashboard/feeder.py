@@ -38,11 +38,19 @@ class Feeder:
         patience_s: how long `close` waits for the process to take what is left, before it is ended.
         log: takes the process' standard error; None to discard it.
         capacity: of the queue, in messages.
+        lossless: whether `put` waits for room instead; for replays, where nobody is kept waiting.
     """
 
     def __init__(
-        self, command: Sequence[str], *, patience_s: float, log: IO[bytes] | None, capacity: int = CAPACITY
+        self,
+        command: Sequence[str],
+        *,
+        patience_s: float,
+        log: IO[bytes] | None,
+        capacity: int = CAPACITY,
+        lossless: bool = False,
     ) -> None:
+        self._lossless = lossless
         self._patience_s = patience_s
         self._queue: deque[Message] = deque(maxlen=capacity)
         self._events: deque[Message] = deque(maxlen=_EVENTS)
@@ -83,10 +91,12 @@ class Feeder:
         return self._process.poll() is None
 
     def put(self, message: Message) -> None:
-        """Take a message; neither blocks nor raises. Once the process is gone, messages are forgotten."""
+        """Take a message; neither blocks (unless lossless) nor raises. Once the process is gone, it is forgotten."""
+        queue = self._events if isinstance(message, Event) else self._queue
+        while self._lossless and len(queue) == queue.maxlen and not self._gone:
+            self._closing.wait(_LOOK_S)
         if self._gone:
             return
-        queue = self._events if isinstance(message, Event) else self._queue
         if len(queue) == queue.maxlen:
             self._dropped += 1
         queue.append(message)

@@ -7,7 +7,6 @@ import os
 import socket
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Literal
@@ -21,23 +20,26 @@ VIEWER_MEMORY: Final = "1GiB"
 SERVER_MEMORY: Final = "256MiB"
 
 _PROBE_S: Final = 0.1
+_PROGRAMS: Final = ("Rerun.app/Contents/MacOS/Rerun", "rerun", "rerun.exe")
 
 
 def find_viewer() -> Path:
     """The viewer's program, without importing anything of it.
 
+    It is the program proper, not the script of that name: that would stand between us and what we have to end.
+
     Raises:
         NxtTwinError: it is not installed.
     """
-    if importlib.util.find_spec("rerun") is None:
-        raise NxtTwinError(
-            "the dashboard needs rerun, which is not installed", mend="pip install nxt-twin[view]"
-        )
-    scripts = Path(sysconfig.get_path("scripts"))
-    for name in ("rerun", "rerun.exe"):
-        if (scripts / name).is_file():
-            return scripts / name
-    raise NxtTwinError("rerun's program is missing", where=str(scripts), mend="pip install nxt-twin[view]")
+    mend = "pip install nxt-twin[view]"
+    found = importlib.util.find_spec("rerun_cli")
+    if importlib.util.find_spec("rerun") is None or found is None:
+        raise NxtTwinError("the dashboard needs rerun, which is not installed", mend=mend)
+    for folder in found.submodule_search_locations or ():
+        for name in _PROGRAMS:
+            if (Path(folder) / name).is_file():
+                return Path(folder) / name
+    raise NxtTwinError("rerun is installed without its viewer's program", mend=mend)
 
 
 def require_display(environment: Mapping[str, str] = os.environ, platform: str = sys.platform) -> None:

@@ -61,7 +61,7 @@ def _motor_tab(port: Port) -> Any:  # noqa: ANN401
         ),
         plot(
             ["square"],
-            "normalised innovation square, its mean, and where 95 % are below",
+            "normalised innovation square, mean, 95 %",
             axis_y=rrb.ScalarAxis(range=(0.0, 8.0)),
         ),
         plot(

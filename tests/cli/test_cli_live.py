@@ -1,0 +1,63 @@
+"""`nxt-twin live` on a mock brick inside the program, for as short as real time allows."""
+
+from cli_program import run, succeed
+
+from nxt_twin.recording.files import read_recording
+
+
+def test_a_session_tells_its_verdict_and_keeps_what_it_saw(tmp_path):
+    out = tmp_path / "session.csv"
+    arguments = ("live", "mock:", "--ports", "a", "--seconds", "2", "--out", out, "--json", "-")
+    document = succeed(*arguments).json()
+    assert document["schema"] == "nxt-twin/live/1"
+    assert document["verdict"] == "holds"
+    assert document["motors"] == {"a": {"diverging": False, "trouble": None}}
+    assert [event["kind"] for event in document["events"]] == ["started", "stopped"]
+    recording = read_recording(out)
+    assert recording.rows == document["polls"]
+    assert {"a_power_pct", "a_mode", "a_tacho_deg", "battery_v"} <= recording.columns.keys()
+
+
+def test_a_divergence_is_said_in_a_line_and_is_no_failure(tmp_path):
+    world = tmp_path / "world.yaml"
+    motor = (
+        "{kind: dc_motor, resistance_ohm: 7.6, torque_constant_nm_per_a: 0.49, back_emf_v_s_per_rad: 0.49, "
+        "coulomb_friction_nm: 0.05, inertia_kg_m2: 1.2e-3}"
+    )
+    world.write_text(f"motors:\n  a: {motor}\n")
+    model = tmp_path / "model.yaml"
+    outcome = succeed("live", f"mock:?world={world}", "--ports", "a", "--seconds", "4", "--model-out", model)
+    lines = outcome.out.splitlines()
+    assert any("port A: the motor turns slower than its model since" in line for line in lines)
+    assert lines[-1].startswith("model and brick are apart: port A")
+    assert "dc_motor" in model.read_text()
+
+
+def test_a_motor_program_is_run_and_watching_alone_moves_nothing(tmp_path):
+    program = tmp_path / "p.yaml"
+    program.write_text(
+        "kind: motor_program\nname: p\nports: [b]\nruns:\n- name: r\n  segments:\n"
+        "  - {duration_s: 5.0, power_pct: 70}\n"
+    )
+    out = tmp_path / "b.csv"
+    succeed("live", "mock:", "--ports", "b", "--program", program, "--seconds", "1.5", "--out", out)
+    assert read_recording(out).columns["b_tacho_deg"][-1] > 200
+    still = tmp_path / "still.csv"
+    succeed("live", "mock:", "--ports", "b", "--program", "none", "--seconds", "0.7", "--out", still)
+    assert set(read_recording(still).columns["b_tacho_deg"]) == {0.0}
+
+
+def test_wrong_use_is_status_2():
+    assert run("live", "mock:", "--ports", "x").status == 2
+    assert run("live", "mock:", "--sensors", "5:touch").status == 2
+    assert run("live", "nowhere:").status == 2
+    outcome = run("live", "usb:", "--seconds", "1")
+    assert outcome.status == 2
+    assert "--yes" in outcome.err
+
+
+def test_what_cannot_be_reached_is_status_1():
+    outcome = run("live", "tcp:127.0.0.1:9", "--seconds", "1")
+    assert outcome.status == 1
+    assert outcome.err.startswith("nxt-twin: ")
+    assert run("live", "mock:", "--program", "no-such-program").status == 1

@@ -1,0 +1,135 @@
+"""What to record next: safe inputs, the evidence they promise, and the program that comes of it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from diagnose_motors import recorded, settled
+from typer.testing import CliRunner
+
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.cli.app import program
+from nxt_twin.diagnose.confusion import alike, without
+from nxt_twin.diagnose.diagnosis import Mismatch
+from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.inputs import family
+from nxt_twin.diagnose.linear import linearise
+from nxt_twin.diagnose.next_experiment import propose
+from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.files import write_recording
+from nxt_twin.recording.program import MotorProgram, commands, read_program
+
+
+@pytest.mark.parametrize("most", [20, 55, 100])
+def test_no_input_of_the_family_goes_beyond_the_power_that_was_recorded(most):
+    patterns = list(family(most))
+    assert len(patterns) > 20
+    assert len({pattern.words for pattern in patterns}) == len(patterns)
+    for pattern in patterns:
+        for segment in pattern.segments:
+            assert abs(segment.power_pct) <= most or abs(segment.power_pct) <= 10
+        assert pattern.period_s <= 20.0
+        length_s = sum(segment.duration_s for segment in pattern.lasting(30.0))
+        assert 30.0 <= length_s + 1e-6 < 30.0 + pattern.period_s
+
+
+@pytest.fixture(scope="module")
+def rivals():
+    """A constant load and friction that differs by direction, each fitted to what the load has made."""
+    case = recorded(71, motor={"constant_torque_nm": 0.004}, families=("reversals", "steps", "steps"))
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        problem, workshop, load = settled(simulator, case, added={"constant_load": {"load": 0.004}})
+        bare = without(load.plant, "constant_load", problem.plant)
+        level = bare.values[("coulomb_friction", "coulomb")]
+        lean = {"forward": max(level - 0.004, 0.0), "reverse": level + 0.004}
+        other = workshop.settled(bare.with_effect("asymmetric_friction", lean), load.noise)
+        yield simulator, problem, load, other, bare
+
+
+def test_rivals_leave_nearly_the_same_trace_and_strangers_do_not(rivals):
+    simulator, problem, load, _, bare = rivals
+    linear = linearise(simulator, problem, load)
+    effect = load.plant.layout.effect("constant_load")
+    others = [load.plant.layout.effect(name) for name in ("asymmetric_friction", "power_curve")]
+    near, far = alike(simulator, problem.scale, linear, effect, bare, others)
+    assert near.effect.id == "asymmetric_friction"
+    assert near.cosine > 0.8
+    assert near.apart_nats < far.apart_nats
+
+
+def test_an_experiment_is_proposed_that_promises_evidence_and_is_the_same_twice(rivals):
+    simulator, problem, load, other, _ = rivals
+    found = propose(simulator, problem, load, other, np.random.default_rng(1))
+    assert found is not None
+    assert found.expected_nats > 0.0
+    assert 1.0 <= found.seconds <= 600.0
+    assert found == propose(simulator, problem, load, other, np.random.default_rng(1))
+
+
+def test_a_structure_cannot_be_told_from_itself(rivals):
+    simulator, problem, load, _, _ = rivals
+    found = propose(simulator, problem, load, load, np.random.default_rng(1))
+    assert found is None or found.seconds > 100.0
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return diagnose(recorded(71, motor={"constant_torque_nm": 0.004}))
+
+
+def test_the_json_carries_doubt_intervals_and_the_program(loaded):
+    diagnosis = loaded.diagnosis
+    content = json.loads(to_json(diagnosis))
+    assert {"detectable", "excitation", "false_alarm_rate", "nearest"} <= content.keys()
+    inertia = content["refit"]["inertia_kg_m2"]
+    low, high = inertia["interval_95"]
+    assert low < inertia["to"] < high
+    assert inertia["rests_on"] == ["resistance_ohm", "torque_constant_nm_per_a"]
+    assert content["refit"]["torque_constant_nm_per_a"]["rests_on"] == []
+    ratio = content["refit"]["coulomb_friction_nm"]["ratio"]
+    assert ratio["of"] == "inertia_kg_m2"
+    coulomb = content["refit"]["coulomb_friction_nm"]
+    assert ratio["std"] / ratio["value"] < coulomb["std"] / coulomb["to"]
+    assert 0.0 <= content["false_alarm_rate"]["rate"] <= content["false_alarm_rate"]["upper_95"] <= 1.0
+    experiment = content["next_experiment"]
+    if experiment is not None:
+        assert MotorProgram.model_validate(experiment["program"]).ports == ("a",)
+
+
+def test_the_transmission_is_told_by_source_since_the_contract_knows_four_equations(loaded):
+    moved = replace(loaded.diagnosis, mismatch=Mismatch("a_tacho_deg", (), (), "kinematic", "transmission"))
+    mismatch = json.loads(to_json(moved))["mismatch"]
+    assert mismatch["equation"] == "torque_balance"
+    assert mismatch["source"] == "transmission"
+
+
+def written(case, folder):
+    """The case as files."""
+    folder.mkdir()
+    for recording in (*case.recordings, *case.holdout):
+        write_recording(recording, folder / recording.name)
+    content = {
+        "plant": {"kind": "dc_motor", **NOMINAL},
+        "port": "a",
+        "recordings": [recording.name for recording in case.recordings],
+        "holdout": [recording.name for recording in case.holdout],
+    }
+    (folder / "case.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    return folder
+
+
+def test_the_next_experiment_is_written_as_a_program_that_can_be_read(tmp_path):
+    case = recorded(31, motor={"surprise": 8.0, "surprise_a": 2.4, "surprise_b": 0.2, "surprise_c": 0.8})
+    folder = written(case, tmp_path / "case")
+    target = tmp_path / "next.yaml"
+    result = CliRunner().invoke(program(), ["diagnose", str(folder), "--experiment-out", str(target)])
+    assert result.exit_code == 0
+    if target.exists():
+        following = read_program(target)
+        assert following.why
+        assert all(abs(command.power_pct) <= 100 for run in following.runs for command in commands(run))
+    else:
+        assert "no experiment is written" in result.stdout

@@ -1,0 +1,113 @@
+"""The search's economies: a screen of one run a start, noise by stars, coarse steps, and a bounded amount of work."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose_cases import concealed
+
+from nxt_twin.diagnose import screen as screening
+from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.explain import candidates, explain
+from nxt_twin.diagnose.noise import estimate, first_guess, with_noise
+from nxt_twin.diagnose.screen import screen
+from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for, weigh
+from nxt_twin.physics.simulate import STEP_S, Simulator
+
+
+class Bench:
+    """A problem with its baseline settled, and a count of the steps that are simulated."""
+
+    def __init__(self, effects, *, seed, link="usb"):
+        self.problem = problem_for(concealed(effects, seed=seed, link=link))
+        self.simulator = Simulator(self.problem.plant.layout)
+        self.workshop = Workshop(self.simulator, self.problem)
+        self.steps = 0.0
+        self._run = self.simulator.run
+        self.simulator.run = self._counted
+        noise = first_guess(self.problem.plant, self.problem.signals, self.problem.scale.torque)
+        self.baseline = self.workshop.settled(self.problem.plant, noise)
+
+    def _counted(self, values, active, jobs):
+        spans_s = [(job.signals.time_s[-1] - job.signals.time_s[0]) / job.step_s for job in jobs]
+        self.steps += values.shape[0] * sum(spans_s)
+        return self._run(values, active, jobs)
+
+    def screened(self):
+        return screen(self.workshop, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
+
+
+@pytest.fixture(scope="module")
+def lacking():
+    return Bench(("gravity_load",), seed=141)
+
+
+def test_the_screen_puts_what_is_concealed_first(lacking):
+    assert lacking.screened()[0].effect.id == "gravity_load"
+
+
+def test_a_screen_costs_about_one_run_a_start(lacking):
+    before = lacking.steps
+    starts = len(lacking.screened())
+    seconds = sum(float(job.signals.time_s[-1]) for job in lacking.problem.target.jobs)
+    assert lacking.steps - before < 1.6 * starts * seconds / DRAFT_STEP_S
+
+
+def test_small_batches_promise_the_same(lacking, monkeypatch):
+    whole = {(p.effect.id, tuple(p.plant.values.values())): p.gain for p in lacking.screened()}
+    monkeypatch.setattr(screening, "_MOST_READINGS_A_BATCH", 20_000)
+    for prospect in lacking.screened():
+        key = (prospect.effect.id, tuple(prospect.plant.values.values()))
+        assert prospect.gain == pytest.approx(whole[key], rel=1e-6, abs=1e-6)
+
+
+def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
+    plant, target, start = lacking.baseline.plant, lacking.problem.target, lacking.baseline.noise
+    _, cost = estimate(lacking.simulator, plant, target, start)
+    values, active = plant.vectors()
+    for reading in np.geomspace(0.8, 3.0, 6):
+        for disturbance in np.geomspace(0.2, 5.0, 9):
+            noise = replace(
+                start,
+                reading_std=max(start.reading_std, reading * start.reading_std),
+                disturbance_std=disturbance * start.disturbance_std,
+            )
+            tuned = with_noise(target, noise)
+            other = tuned.cost(lacking.simulator.run(values[None], active[None], tuned.jobs))[0]
+            assert cost < other + 1.0
+
+
+def test_mechanical_states_take_finer_steps(lacking):
+    plant = lacking.baseline.plant
+    playing = plant.with_effect("backlash", {"gap": 0.1, "load_inertia": 5e-4})
+    assert step_for(plant, DRAFT_STEP_S) == DRAFT_STEP_S
+    assert STEP_S <= step_for(playing, DRAFT_STEP_S) < DRAFT_STEP_S
+
+
+def test_coarse_steps_change_a_settled_weight_by_little(lacking):
+    bench, plant = lacking, lacking.baseline.plant
+    found = max(bench.screened(), key=lambda prospect: prospect.gain)
+    noise = bench.baseline.noise
+    coarse = bench.workshop.settled(found.plant, noise)
+    exact = Workshop(bench.simulator, bench.problem)
+    exact._targets = {1e-3: bench.problem.target, 2e-3: bench.problem.target}
+    fine = exact.settled(found.plant, noise)
+    fine_base = exact.settled(plant, noise)
+    assert weigh(bench.baseline, coarse).gain == pytest.approx(weigh(fine_base, fine).gain, abs=6.0)
+
+
+def test_two_effects_are_found_together_with_a_bounded_amount_of_work():
+    bench = Bench(("battery_sag", "gravity_load"), seed=142)
+    before = bench.steps
+    explanation = explain(bench.workshop, bench.baseline, lambda _: None)
+    assert {effect.id for effect, _ in explanation.found} == {"battery_sag", "gravity_load"}
+    assert all(weight.total > 0.0 for _, weight in explanation.found)
+    assert bench.steps - before < 80e6
+
+
+def test_nothing_is_found_where_nothing_lacks_and_it_costs_little():
+    bench = Bench((), seed=143)
+    before = bench.steps
+    explanation = explain(bench.workshop, bench.baseline, lambda _: None)
+    assert explanation.found == ()
+    assert bench.steps - before < 25e6

@@ -1,0 +1,265 @@
+"""Bridges, batches, drivers, standstills, supplies, histories and sinks, each by itself."""
+
+import threading
+
+import numpy as np
+import pytest
+from twin_feed import nxt_motor
+from twin_rig import steady
+
+from nxt_twin.errors import PlantError
+from nxt_twin.physics.stepper import Stepper
+from nxt_twin.recording.program import MotorProgram
+from nxt_twin.twin.batch import Batch
+from nxt_twin.twin.bridge import FLOAT, Hold, firmware_bridge, plain_bridge
+from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates, delay_s
+from nxt_twin.twin.driver import ProgramDriver, excitation
+from nxt_twin.twin.history import History
+from nxt_twin.twin.records import Event, Tick
+from nxt_twin.twin.sensor_twin import SensorTwin
+from nxt_twin.twin.settings import Watch
+from nxt_twin.twin.sinks import Aside, Memory, Several
+from nxt_twin.twin.standstill import Standstill
+from nxt_twin.twin.supply import Supply
+from nxt_twin.twin.tally import LOW_SPEED, Regimes, Tally
+
+
+def test_a_batch_moves_as_a_mock_bricks_plant():
+    plant = nxt_motor()
+    batch = Batch([plant] * 2, ["a", "b"], [0.0, 0.0], 0.1)
+    stepper = Stepper([plant])
+    batch.command("a", 0.0, (Hold(0.0, 0.6, 0), Hold(0.3, -0.4, 0)))
+    batch.advance(0.5, 8.0)
+    for n in range(500):
+        duty = 0.6 if n < 300 else -0.4
+        stepper.step(np.array([duty]), np.array([0]), 8.0, 1e-3)
+    np.testing.assert_allclose(batch.state[0, :3], [stepper.angle[0], stepper.speed[0], stepper.current[0]])
+    assert batch.state[1, 0] == 0.0
+    assert batch.in_force("a") == (-0.4, 0)
+
+
+def test_a_delayed_plant_takes_its_commands_later():
+    late = nxt_motor().with_effect("command_delay", {"command_delay": 0.05})
+    assert delay_s(late) == pytest.approx(0.05)
+    batch = Batch([late, late], ["a", "a"], [0.05, 0.0], 0.1)
+    batch.command("a", 0.0, (Hold(0.0, 1.0, 0),))
+    batch.advance(0.05, 8.0)
+    assert batch.state[0, 1] == 0.0
+    assert batch.state[1, 1] > 1.0
+
+
+def test_a_new_command_replaces_what_was_still_to_come():
+    batch = Batch([nxt_motor()], ["a"], [0.0], 0.1)
+    batch.command("a", 0.0, (Hold(0.0, 1.0, 0), Hold(0.2, -1.0, 0)))
+    batch.command("a", 0.1, (Hold(0.0, 0.3, 0),))
+    batch.advance(0.4, 8.0)
+    assert batch.in_force("a") == (0.3, 0)
+
+
+def test_a_bench_is_no_motor():
+    from nxt_twin.physics.plant import plant_from_config
+
+    bench = plant_from_config({"kind": "rigid_body", "inertia": 1.0, "viscous_friction": 1.0}, "force_n")
+    with pytest.raises(PlantError):
+        Batch([nxt_motor(), bench], ["a", "b"], [0.0, 0.0], 0.1)
+
+
+def test_the_firmware_lets_go_bit_by_bit():
+    holds = firmware_bridge(0, "coast", 0.5)
+    assert [hold.mode for hold in holds[:-1]] == [FLOAT] * (len(holds) - 1)
+    assert holds[-1].after_s == pytest.approx(0.05, abs=0.005)
+    duties = [hold.duty for hold in holds]
+    assert duties == sorted(duties, reverse=True)
+    assert duties[-1] == 0.0
+
+
+def test_the_firmware_drives_in_whole_steps():
+    assert firmware_bridge(50, "drive", 0.0) == (Hold(0.0, 62 / 125, 0),)
+    assert firmware_bridge(-100, "float", 0.0) == (Hold(0.0, -1.0, 1),)
+    assert plain_bridge(-33, "drive", 0.0) == (Hold(0.0, -0.33, 0),)
+
+
+def test_candidates_keep_to_what_the_plant_can_have():
+    found = {candidate.name: candidate for candidate in candidates(nxt_motor())}
+    assert {NOTHING, UNKNOWN, "viscous_friction", "payload_inertia", "stiction"} <= found.keys()
+    assert found["viscous_friction"].value == found["viscous_friction"].absent == pytest.approx(1.92e-3)
+    assert "stiction" in found["stiction"].plant.active
+    none = candidates(nxt_motor(), ("no_such_effect", "stale_samples"))
+    assert [candidate.name for candidate in none] == [NOTHING, UNKNOWN]
+
+
+def test_a_program_is_repeated_and_ends_where_a_motor_has_turned_too_far():
+    program = MotorProgram.model_validate(
+        {
+            "name": "far",
+            "runs": [{"name": "r", "segments": [{"duration_s": 2.0, "power_pct": 40}]}],
+            "rest_s": 1.0,
+            "most_turn_deg": 90.0,
+        }
+    )
+    driver = ProgramDriver(program)
+    assert driver.duration_s == 3.0
+    assert driver.at(0.5, {"a": 1000})["a"] == (40, "drive")
+    assert driver.at(1.0, {"a": 1091})["a"] == (0, "coast")
+    assert driver.at(1.1, {"a": 1050})["a"] == (0, "coast")
+    assert driver.at(2.5, {"a": 1091})["a"] == (0, "coast")
+    assert driver.at(3.1, {"a": 1091})["a"] == (40, "drive")
+
+
+def test_the_built_in_program_goes_both_ways_and_ends_at_rest():
+    driver = ProgramDriver(excitation(("a", "b")))
+    told = [driver.at(time_s, {})["b"] for time_s in np.arange(0.0, driver.duration_s, 0.1)]
+    powers = [power for power, _ in told]
+    assert min(powers) <= -60
+    assert max(powers) >= 60
+    assert {mode for _, mode in told} == {"drive", "coast", "brake"}
+    assert driver.duration_s < 31.0
+
+
+def test_a_motor_that_turned_and_stops_is_blocked():
+    still = Standstill(Watch())
+    for n in range(20):
+        assert not still.take(0.05 * n, 10 * n, 60)
+    noticed = [n for n in range(20, 60) if still.take(0.05 * n, 191, 60)]
+    assert len(noticed) == 1
+    assert still.trouble == "stall"
+    assert 0.05 * noticed[0] == pytest.approx(1.5, abs=0.06)
+    still.take(4.0, 300, 60)
+    assert still.trouble is None
+
+
+def test_a_motor_without_a_count_either_way_is_not_there():
+    still = Standstill(Watch())
+    powers = [60] * 20 + [-60] * 20
+    for n, power in enumerate(powers):
+        still.take(0.05 * n, 0, power)
+    assert still.trouble == "disconnected"
+
+
+def test_a_motor_that_is_not_driven_may_stand():
+    still = Standstill(Watch())
+    assert not any(still.take(0.1 * n, 5, 10) for n in range(100))
+
+
+def test_the_supply_is_what_the_battery_gives_without_load():
+    supply = Supply(8.0, 0.5)
+    for _ in range(5):
+        supply.read(7.5, 1.0)
+    assert supply.open_v == pytest.approx(8.0)
+    supply.read(4.0, 0.0)
+    assert supply.open_v == pytest.approx(8.0)
+    assert supply.under(2.0) == pytest.approx(7.0)
+
+
+def test_evidence_adds_up_and_is_forgotten():
+    tally = Tally()
+    tally.add(-1.0, 1.0, 5.0, -0.01, LOW_SPEED)
+    assert (tally.nats, tally.since_s) == (0.0, 1.0)
+    for n in range(10):
+        tally.add(2.0, 1.1 + 0.1 * n, 5.0, -0.01, LOW_SPEED)
+    assert tally.nats == pytest.approx(20.0)
+    assert tally.since_s == 1.0
+    assert tally.push == pytest.approx(-0.01)
+    assert tally.regime == LOW_SPEED
+
+
+def test_regimes_are_told_apart():
+    regimes = Regimes()
+    assert regimes.of(1.0, 0.0, 0) == "at low speed"
+    assert regimes.of(2.0, 1.0, 50) == "just after a command changes"
+    assert regimes.of(3.0, 10.0, 50) == "at high speed"
+    assert regimes.of(3.1, -2.5, 50) == "just after the direction changes"
+    assert regimes.of(4.0, -5.0, 50) == "at steady speed"
+
+
+def test_history_gives_a_recording_with_what_the_bridge_did():
+    history = History("b", counts_most=100)
+    history.command(0.0, (Hold(0.0, 0.5, 0),))
+    history.command(1.0, (Hold(0.0, 0.25, 1), Hold(0.2, 0.0, 2)))
+    history.command(1.1, (Hold(0.0, -0.3, 0),))
+    for n in range(200):
+        history.count(0.02 * n, n, 8.0)
+    recording = history.recording(0.0)
+    assert recording.time_s[0] == pytest.approx(2.0)  # only the last hundred counts were kept
+    assert recording.columns["b_power_pct"][0] == pytest.approx(-30.0)
+    assert np.isfinite(recording.columns["b_tacho_deg"]).sum() == 100
+    assert history.seconds_since(3.0) == pytest.approx(0.98)
+
+
+def _tick(number):
+    return Tick(number, 0.0, 0.0, (), ())
+
+
+def test_a_sink_that_blocks_does_not_hold_the_session_up():
+    free = threading.Event()
+
+    class Slow:
+        def __init__(self):
+            self.seen = []
+
+        def tick(self, tick):
+            free.wait(5.0)
+            self.seen.append(tick.number)
+
+        def event(self, event):
+            self.seen.append(event.kind)
+
+        def close(self):
+            self.seen.append("closed")
+
+    slow = Slow()
+    aside = Aside(slow, room=10)
+    for n in range(100):
+        aside.tick(_tick(n))
+    aside.event(Event(0.0, "stopped", "end"))
+    assert aside.dropped >= 85
+    free.set()
+    aside.close()
+    assert slow.seen[-2:] == ["stopped", "closed"]
+
+
+def test_a_sink_that_fails_is_left_out():
+    class Broken:
+        def tick(self, _):
+            raise RuntimeError
+
+        def event(self, _):
+            raise RuntimeError
+
+        def close(self):
+            raise RuntimeError
+
+    memory = Memory()
+    several = Several([Broken(), memory])
+    several.tick(_tick(0))
+    several.tick(_tick(1))
+    several.event(Event(0.0, "started", "begin"))
+    several.close()
+    assert memory.count == 2
+
+
+def test_an_ultrasonic_reading_that_cannot_be_is_disbelieved_but_not_for_ever():
+    sensor = SensorTwin(4, "ultrasonic")
+    found = [sensor.read(0.1 * n, 60.0 + (n % 2)) for n in range(20)]
+    assert found[0] is None
+    assert all(innovation.accepted for innovation in found[1:])
+    assert not sensor.read(2.0, 180.0).accepted
+    assert sensor.read(2.1, 255.0) is None  # no echo
+    assert sensor.read(2.11, 60.0).accepted
+    assert sensor.read(2.12, 60.0) is None  # sooner than the next ping
+    later = [sensor.read(3.0 + 0.1 * n, 180.0) for n in range(8)]
+    assert later[-1].accepted
+
+
+def test_a_switch_surprises_when_it_changes():
+    sensor = SensorTwin(1, "touch")
+    for n in range(10):
+        calm = sensor.read(0.1 * n, 0.0)
+    surprise = sensor.read(1.0, 1.0)
+    assert calm.predicted < 0.1
+    assert surprise.normalised_square > 5.0
+    assert sensor.read(1.1, 1.0).predicted > 0.8
+
+
+def test_steady_programs_are_of_one_command():
+    assert ProgramDriver(steady(30)).at(1.0, {})["a"] == (30, "drive")

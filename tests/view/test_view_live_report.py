@@ -1,0 +1,102 @@
+"""The report of a live session: complete, self-contained, and bounded however long the session was."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from view_ticks import CHANNELS, PORTS, some_events, some_ticks
+
+from nxt_twin.recording.columns import Port
+from nxt_twin.twin.records import Event, Innovation, Tick
+from nxt_twin.view.live_report import Keeper, render_live_report, write_live_report
+
+
+def _kept(count: int = 300, most: int = 8000, ports: tuple[Port, ...] = PORTS) -> Keeper:
+    kept = Keeper(most)
+    for tick in some_ticks(count, ports=ports):
+        kept.tick(tick)
+    for event in some_events():
+        kept.event(event)
+    return kept
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return render_live_report(_kept(), title="mock:", sentence="motor A lacks viscous friction")
+
+
+def test_sentence_events_and_every_motor_are_there(page: str):
+    assert "<h1>Motor A lacks viscous friction</h1>" in page
+    for event in some_events():
+        assert event.words in page
+    for port in PORTS:
+        assert f"<h2>Motor {port.upper()}</h2>" in page
+    for heading in ("Sensors", "Link and battery", "Readings against predictions"):
+        assert f"<h2>{heading}</h2>" in page
+    for channel in CHANNELS:
+        assert f"<code>{channel}</code>" in page
+
+
+def test_pictures_are_drawn_in_the_page(page: str):
+    assert page.count("<svg") == len(PORTS) + 2
+    for words in (
+        "innovation and the bounds",
+        "against speed",
+        "probability of each explanation",
+        "battery (V)",
+    ):
+        assert words in page
+    assert "viscous friction" in page
+
+
+def test_the_page_needs_nothing_from_elsewhere(page: str):
+    assert "<script" not in page
+    assert not re.findall(r'(?:src|href)="(?!#)[^"]*"', page)
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_the_same_session_gives_the_same_page():
+    first, again = (render_live_report(_kept(100, ports=("b",)), title="mock:") for _ in range(2))
+    assert first == again
+
+
+def test_a_long_session_is_thinned_and_its_numbers_are_not():
+    whole, thinned = _kept(3000, ports=("a",)), _kept(3000, most=500, ports=("a",))
+    assert len(thinned.ticks) <= 500
+    assert thinned.every == 8
+    assert [tick.number for tick in thinned.ticks] == list(range(0, 3000, 8))
+    assert thinned.tallies == whole.tallies
+    assert thinned.tallies["a_tacho_deg"].readings == 3000
+    assert "every 8th is drawn" in render_live_report(thinned, title="mock:")
+
+
+def test_tallies_are_means_over_all_readings():
+    kept = Keeper()
+    for number, off in enumerate((0.0, 1.0, 2.0, 3.0)):
+        reading = Innovation(float(number), "s1_light_raw", "raw", 100 + off, 100.0, 1.0, accepted=off < 3)
+        kept.tick(Tick(number, number - 0.01, float(number), (), (reading,)))
+    tally = kept.tallies["s1_light_raw"]
+    assert (tally.readings, tally.believed, tally.within) == (4, 3, 2)
+    assert tally.squares == pytest.approx(14.0)
+
+
+def test_a_session_in_which_nothing_came_still_has_a_page(tmp_path):
+    path = write_live_report(tmp_path / "new" / "folder", Keeper(), title="usb:", name="empty")
+    assert path.name == "empty.html"
+    assert "Nothing was said." in path.read_text(encoding="utf-8")
+
+
+def test_words_are_escaped():
+    kept = Keeper()
+    kept.event(Event(0.0, "started", "<b>watching</b>"))
+    page = render_live_report(kept, title="<script>alert(1)</script>")
+    assert "<script" not in page
+    assert "&lt;b&gt;watching" in page.lower()
+
+
+def test_motors_are_drawn_while_the_link_is_lost():
+    kept = Keeper()
+    for tick in some_ticks(50, ports=("a",)):
+        kept.tick(Tick(tick.number, tick.sent_s, tick.received_s, tick.motors, (), link_up=False))
+    assert "<h2>Motor A</h2>" in render_live_report(kept, title="mock:")
