@@ -51,6 +51,7 @@ _RIVALS_SETTLED = 2
 _RIVAL_REACH_NATS = 40.0
 _EXCHANGES = 4
 _SOBER = 0.3
+_LEFT_OUT_NATS = 3.0
 _FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
 _CLEAR = 1.3
 
@@ -168,13 +169,18 @@ class _Search:
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
         allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
         known = {e.id: settled for e in allowed if (settled := self._settled_with(bare.plant, e))}
-        rivals = [Rival(e, weigh(known[e.id], best).total, known[e.id]) for e in allowed if e.id in known]
+        rivals = [
+            Rival(e, weigh(known[e.id], best).total + _belief(effect) - _belief(e), known[e.id])
+            for e in allowed
+            if e.id in known
+        ]
         fresh = [e for e in allowed if e.id not in known]
         for rank, (other, draft) in enumerate(self._drafts(bare, fresh, _RIVALS_DRAFTED)):
             behind = draft.fitted.cost + draft.fitted.prior_cost - _cost(best)
             if rank < _RIVALS_SETTLED or behind < _RIVAL_REACH_NATS:
                 trial = self._settle(draft.fitted.plant, bare.noise)
-                rivals.append(Rival(other, weigh(trial, best).total, trial))
+                beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
+                rivals.append(Rival(other, beaten_by, trial))
         return tuple(sorted(rivals, key=lambda rival: rival.behind)[:_SHORT_LIST])
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
@@ -197,7 +203,7 @@ class _Search:
                 trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
-        ranked.sort(key=lambda item: (-self._worth_it(item[1], best), -item[1].total))
+        ranked.sort(key=lambda item: (-self._worth_it(item[1], best), -item[1].total - _belief(item[0])))
         return ranked
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
@@ -287,6 +293,12 @@ def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure 
 
 def _cost(structure: Structure) -> float:
     return structure.fitted.cost + structure.fitted.prior_cost
+
+
+def _belief(effect: Effect) -> float:
+    """What speaks for an effect beforehand, nats: a plant file mostly states these, so one left out is likely missing."""
+    first = effect.parameters[0]
+    return _LEFT_OUT_NATS if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
 
 
 def _keeps_its_place(weight: Weight) -> bool:

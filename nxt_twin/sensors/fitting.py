@@ -24,7 +24,7 @@ _CLOSEST = 0.999
 _SLACK = 0.4
 _SMALLEST_EIGENVALUE = 1e-9
 _ROUNDS = 2
-_PAYS_NATS = 0.05
+_PAYS_NATS = 0.01
 
 
 @final
@@ -108,7 +108,7 @@ def climb(
     box = list(zip(lower / scale, upper / scale, strict=True))
     cost = _cost(objective, free)
     end = minimize(
-        cost, begin / scale, method="L-BFGS-B", bounds=box, options={"maxiter": most_steps, "ftol": 1e-7}
+        cost, begin / scale, method="L-BFGS-B", bounds=box, options={"maxiter": most_steps, "ftol": 1e-9}
     )
     found = np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64)
     return found if end.fun < cost(begin / scale) else begin

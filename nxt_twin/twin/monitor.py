@@ -68,11 +68,10 @@ class MotorMonitor:
         regime = self._regimes.of(time_s, evidence.speed, power_pct)
         self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
         doubted = self._doubt.take(time_s, effects.get(NOTHING, 1.0))
-        if self._standstill.pending:
-            return
-        if self._tally.nats >= self._watch.alarm_nats:
+        held = self._standstill.pending
+        if self._tally.nats >= self._watch.alarm_nats and not held:
             yield from self._alarm(time_s)
-        elif doubted:
+        elif doubted and not held:
             yield from self._alarm_by_name(time_s, effects)
         elif self.diverging or self._proving:
             yield from self._recover(time_s, moving_s)

@@ -11,6 +11,9 @@ Trouble = Literal["stall", "disconnected"]
 _FREE_PLAY = 2
 """Counts within which a motor that cannot turn may still move: the gear train's play."""
 
+_HARDLY_S = 0.03
+"""How long a motor that turns at all takes to leave its free play."""
+
 
 @final
 class Standstill:
@@ -46,7 +49,8 @@ class Standstill:
             way = 0
         if way:
             self._ways.setdefault(way, time_s)
-        self._way = way if abs(count - (self._count or 0)) <= _FREE_PLAY and self._since_s < time_s else 0
+        still_s = time_s - self._since_s
+        self._way = way if still_s >= _HARDLY_S else 0
         driven_s = time_s - self._ways[way] if way else 0.0
         if driven_s < self._watch.stall_s:
             return False

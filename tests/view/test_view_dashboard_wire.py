@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+import numpy as np
 import pytest
 from view_ticks import some_events, some_ticks
 
-from nxt_twin.twin.records import MotorState, Tick
+from nxt_twin.twin.records import Innovation, MotorState, Tick
 from nxt_twin.view.dashboard.job import Job, job_of
 from nxt_twin.view.dashboard.wire import read, written
 
@@ -33,6 +34,12 @@ def test_what_is_not_finite_and_read_only_mappings_are_carried_too():
     assert isinstance(back, Tick)
     assert back.motors == (motor,)
     assert back.link_up is False
+
+
+def test_numbers_of_numpy_are_carried_as_plain_ones():
+    reading = Innovation(np.float64(1.0), "a_tacho_deg", "deg", np.int64(7), np.float32(6.5), 1.0, np.True_)
+    back = read(written(Tick(np.int64(2), 0.9, 1.0, (), (reading,))))
+    assert back == Tick(2, 0.9, 1.0, (), (Innovation(1.0, "a_tacho_deg", "deg", 7, 6.5, 1.0),))
 
 
 def test_words_with_line_breaks_stay_on_one_line():

@@ -28,10 +28,10 @@ _LOOK_S: Final = 0.04
 class Feeder:
     """A process of its own, a bounded queue, and a thread that carries from one to the other.
 
-    `put` appends to the queue and returns; where the queue is full, the oldest poll goes, and of events, for which
-    there is room of their own, the oldest event. The thread turns
-    messages into lines and writes them to the process' standard input, where it may block as long as it likes:
-    each line is short work, so it does not keep the interpreter from the loop either.
+    `put` appends to the queue and returns; where the queue is full, the oldest poll goes, and of events, which have
+    room of their own, the oldest event. The thread turns messages into lines and writes them to the process'
+    standard input, where it may block as long as it likes; each line is short work, so it does not keep the
+    interpreter from the loop either.
 
     Args:
         command: starts the process; it has to end when its standard input does.
@@ -145,9 +145,9 @@ class Feeder:
                 if closing:
                     return
         except OSError:
-            self._gone = True
+            return  # the process is gone, which its exit status tells
         finally:
-            # Where the process is gone, closing says so once more.
+            self._gone = True
             with suppress(OSError):
                 pipe.close()
             self._queue.clear()

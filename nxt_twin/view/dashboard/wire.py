@@ -42,7 +42,7 @@ def written(message: Message) -> bytes:
         )
     else:
         row = (_DROPPED, message)
-    return json.dumps(row, separators=(",", ":")).encode() + b"\n"
+    return json.dumps(row, separators=(",", ":"), default=_plain).encode() + b"\n"
 
 
 def read(line: bytes) -> Message:
@@ -68,6 +68,11 @@ def read(line: bytes) -> Message:
     if kind == _DROPPED:
         return int(row[0])
     raise ValueError(f"a line of an unknown kind: {kind}")
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON does not know
+    """A number of numpy as Python's own."""
+    return value.item()
 
 
 def _motor_row(motor: MotorState) -> tuple[Any, ...]:
