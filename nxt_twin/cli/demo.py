@@ -1,84 +1,146 @@
-"""`nxt-twin demo`: a motor with one concealed effect is recorded, diagnosed, and only then revealed."""
+"""`nxt-twin demo`: a mock brick conceals something, its twin notices and finds it, and then the truth is told."""
 
 from __future__ import annotations
 
 import json as json_format
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
+import yaml
 
-from nxt_twin.blind.effects.library import KNOWN_EFFECTS
-from nxt_twin.blind.make import make_case, write_case
-from nxt_twin.cli.diagnose import show
+from nxt_twin.blind.secret import Secret, concealed, drawable, read_secret
+from nxt_twin.cli.live import View, live
 from nxt_twin.cli.output import JsonOption, emit_json, progress
-from nxt_twin.diagnose.diagnosis import Diagnosis
-from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.library import library
-from nxt_twin.recording.case import read_case
-from nxt_twin.view.report import write_report
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin.brick_twin import BrickTwin
+
+_NOTHING = "nothing"
+_PLANT = "nxt_motor"
+_LEAVING_S = 5.0
 
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for the case, its answer and the report.")] = Path(
-        "build/demo"
-    ),
-    seed: Annotated[int, typer.Option(help="Draws the motor and what is concealed in it.")] = 7,
-    duration: Annotated[float, typer.Option(min=5.0, help="Length of each recording, s.")] = 12.0,
+    out: Annotated[Path, typer.Option(help="Folder for all that the demo writes.")] = Path("build/demo"),
+    seed: Annotated[int, typer.Option(min=0, help="Draws what is concealed.")] = 7,
+    seconds: Annotated[float, typer.Option(min=20.0, help="How long brick and twin run.")] = 50.0,
     conceal: Annotated[
         str | None, typer.Option(help="An effect's id, or 'nothing'; else one is drawn.", metavar="ID")
     ] = None,
+    view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     json: JsonOption = None,
 ) -> None:
-    """Conceal one effect in a motor, record it, diagnose the recordings, and then reveal the truth.
+    """Watch the whole loop without hardware.
 
-    The motor is made by a simulator that shares no formula with the model that is fitted to it.
+    A mock brick is served over TCP; motor A of it is made by a simulator that shares no formula with the model, and has
+    something concealed in it. The live twin notices the divergence, the recording is diagnosed, what is found is put
+    into the twin, and the divergence is gone. Only then the truth is revealed.
     """
-    concealed = _concealed(conceal, seed)
-    name = f"demo-{seed}"
+    out.mkdir(parents=True, exist_ok=True)
+    secret_file = _conceal(conceal, seed, out)
     with progress("demo") as tell:
-        tell("recording a motor with something concealed in it")
-        case = make_case(seed, effects=concealed, size="medium", duration_s=duration, name=name)
-        folder = write_case(case, out / "cases", out / "answers")
-        answer = diagnose(read_case(folder), progress=tell)
-    page = write_report(answer.diagnosis, out)
-    truth = case.answer["effects"]
+        tell("compiling the model, which is kept for the next time")
+        BrickTwin({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}).move(1e-3)
+    held = out / "live.json"
+    with _mock(secret_file) as url, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
+        print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")
+        live(
+            url=url, plant=_PLANT, ports="a", sensors="none", seconds=seconds, adopt=True, view=view, report=out,
+            out=out / "recording.csv", model_out=out / "adopted.yaml", save=_saved(out), json=str(held),
+        )  # fmt: skip
+    truth = read_secret(secret_file)
+    told = json_format.loads(held.read_text(encoding="utf-8"))
     if json:
-        revealed = {
-            "diagnosis": json_format.loads(to_json(answer.diagnosis)),
-            "truth": truth,
-            "report": str(page),
-        }
-        emit_json(json, json_format.dumps({"schema": "nxt-twin/demo/1", **revealed}, ensure_ascii=False))
+        document = {"schema": "nxt-twin/demo/2", "live": told, "truth": truth.revealed()}
+        emit_json(json, json_format.dumps(document, ensure_ascii=False))
     if json != "-":
-        show(answer.diagnosis, page)
-        print(f"\nthe truth, revealed only now: {_told(truth)}")
-        print(_score(answer.diagnosis, [effect["id"] for effect in truth]))
+        print(f"\nthe truth, revealed only now: {_truth(truth)}")
+        print(_score(told, [str(effect["id"]) for effect in truth.effects]))
+        print(f"everything is in {out}")
 
 
-def _concealed(wanted: str | None, seed: int) -> tuple[str, ...]:
-    known = sorted(set(KNOWN_EFFECTS) & set(library()))
-    if wanted is None:
-        return (str(np.random.default_rng(seed).choice(known)),)
-    if wanted not in (*known, "nothing"):
-        raise typer.BadParameter(f"'{wanted}' is none of nothing, {', '.join(known)}", param_hint="--conceal")
-    return () if wanted == "nothing" else (wanted,)
+def _conceal(wanted: str | None, seed: int, out: Path) -> Path:
+    """Write what is to be concealed, unseen, to a file."""
+    known = sorted(set(drawable()) & set(library()))
+    if wanted not in (None, _NOTHING, *known):
+        raise typer.BadParameter(
+            f"'{wanted}' is none of {_NOTHING}, {', '.join(known)}", param_hint="--conceal"
+        )
+    drawn = [str(effect["id"]) for effect in concealed(seed).effects] if wanted is None else [wanted]
+    effects = [] if wanted == _NOTHING else drawn
+    path = out / "concealed.yaml"
+    document = {"port": "a", "effects": effects, "size": "medium", "seed": seed}
+    path.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    return path
 
 
-def _told(truth: list[dict[str, Any]]) -> str:
-    if not truth:
-        return "nothing was concealed, but the model's parameters were wrong"
-    effect = truth[0]
-    params = ", ".join(f"{key} = {value:.4g}" for key, value in effect["params"].items())
-    return f"{effect['id']} ({params})"
+@contextmanager
+def _mock(secret: Path) -> Iterator[str]:
+    """A mock brick in a program of its own; the URL at which it is reached."""
+    command = [
+        sys.executable,
+        "-m",
+        "nxt_twin",
+        "mock",
+        "--tcp",
+        "127.0.0.1:0",
+        "--conceal",
+        str(secret),
+        "--json",
+        "-",
+    ]
+    with subprocess.Popen(  # noqa: S603 - this program itself, with a path that it has just written
+        command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
+    ) as serving:
+        try:
+            announced = serving.stdout.readline() if serving.stdout else ""
+            if not announced:
+                raise NxtTwinError("the mock brick did not start", mend="nxt-twin mock says why")
+            yield str(json_format.loads(announced)["urls"][0])
+        finally:
+            serving.terminate()
+            try:
+                serving.wait(_LEAVING_S)
+            except subprocess.TimeoutExpired:
+                serving.kill()
 
 
-def _score(diagnosis: Diagnosis, truth: list[str]) -> str:
-    found = [effect.id for effect in diagnosis.effects]
-    near = [other.id for effect in diagnosis.effects for other in effect.confusable_with]
-    if found == truth:
+def _saved(out: Path) -> Path | None:
+    """Where the dashboard's data go; None where the viewer's package is not installed."""
+    try:
+        import rerun  # noqa: F401
+    except ImportError:
+        print("no .rrd is written: pip install nxt-twin[view]")
+        return None
+    return out / "session.rrd"
+
+
+def _truth(secret: Secret) -> str:
+    told = [f"{effect['id']} ({_numbers(effect['params'])})" for effect in secret.effects]
+    return "; ".join(told) or "nothing was concealed"
+
+
+def _numbers(params: dict[str, Any]) -> str:
+    return ", ".join(f"{key} = {value:.4g}" for key, value in params.items())
+
+
+def _score(told: dict[str, Any], truth: list[str]) -> str:
+    """How near the twin came, in words."""
+    found = [effect["id"] for diagnosis in told["diagnoses"] for effect in diagnosis["effects"]]
+    near = [
+        other["id"]
+        for diagnosis in told["diagnoses"]
+        for effect in diagnosis["effects"]
+        for other in effect["confusable_with"]
+    ]
+    if sorted(set(found)) == sorted(truth):
         return "named exactly" if truth else "rightly left alone"
     if set(truth) & {*found, *near}:
         return "named, but not alone: see what it could be confused with"

@@ -96,33 +96,36 @@ def live(
     driver = _driver(program, wanted)
     if driver is not None:
         _ask(found, driver, yes=yes)
-    model = plant_from_config(load_plant_config(plant), "power_pct")
-    twin = BrickTwin(dict.fromkeys(wanted, model))
-    twin.move(1e-3)  # brings the compiled plant in before the clock counts
-    memory = Memory()
+    twin = _twin(plant, wanted)
     columns = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
+    recorder = None if out is None else RecordingWriter(out, _columns(wanted, columns))
+    memory = Memory()
     sinks: list[Sink] = [memory] if json == "-" else [memory, _Printer()]
     sinks += _dashboard(view, save, wanted, columns, title=found)
     keeper = _keeper(report, sinks)
-    recorder = None if out is None else RecordingWriter(out, _columns(wanted, columns))
-    adopter = Adopter(ThreadPoolExecutor(1, "diagnosis")) if adopt else None
     clock = SystemClock()
-    scheme = found.partition(":")[0]
     parts = Parts(
         open_brick=lambda: open_brick(found, clock, OPENERS),
         clock=clock,
         twin=twin,
         sink=Several(sinks),
         plan=Plan(sensors=slots),
-        pace=PACES.get(scheme, Pace()),
+        pace=PACES.get(found.partition(":")[0], Pace()),
         driver=driver,
         recorder=recorder,
-        adopter=adopter,
+        adopter=Adopter(ThreadPoolExecutor(1, "diagnosis")) if adopt else None,
     )
     session = _run(parts, seconds)
     _conclude(
         session, memory, parts, json=json, report=report, model_out=model_out, keeper=keeper, title=found
     )
+
+
+def _twin(plant: str, ports: tuple[Port, ...]) -> BrickTwin:
+    model = plant_from_config(load_plant_config(plant), "power_pct")
+    twin = BrickTwin(dict.fromkeys(ports, model))
+    twin.move(1e-3)  # brings the compiled plant in before the clock counts
+    return twin
 
 
 def _run(parts: Parts, seconds: float) -> Session:

@@ -18,6 +18,7 @@ from nxt_twin.recording.recording import FloatArray
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ELECTRICAL_UNITS = {"Ω": 1.0, "H": 1.0, "A": -1.0}
 _NORMAL_95 = 1.959964
+_KNOWN = 0.5
 
 
 def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
@@ -65,15 +66,12 @@ class _Doubts:
         """The parameter at `slot` with everything that is in doubt about it."""
         value = self._structure.plant.values[slot] / parameter.si
         std = self.stds.get(slot, 0.0) / parameter.si
-        low, high = value - _NORMAL_95 * std, value + _NORMAL_95 * std
-        if parameter.lower >= 0.0:
-            low = max(low, 0.0)
         rests = self._is_motor and _needs_anchor(parameter)
         return Estimate(
             value=value,
             std=std,
             unit=parameter.unit,
-            interval_95=(low, high) if std > 0.0 else None,
+            interval_95=_interval(value, std, positive=parameter.lower >= 0.0) if std > 0.0 else None,
             rests_on=ANCHORS if rests else (),
             ratio=self._ratio(slot, parameter) if rests else None,
         )
@@ -97,6 +95,15 @@ class _Doubts:
         std = abs(value) * math.sqrt(max(float(slope @ self._covariance @ slope), 0.0))
         of = "inertia_kg_m2" if symbol == "inertia" else "resistance_ohm"
         return Ratio(value, std, _ratio_unit(parameter.unit), of)
+
+
+def _interval(value: float, std: float, *, positive: bool) -> tuple[float, float]:
+    """The 95 % interval; of a positive parameter that is known at all, in its logarithm, as its anchors scatter."""
+    reach = _NORMAL_95 * std
+    if positive and std < _KNOWN * value:
+        stretch = math.exp(reach / value)
+        return value / stretch, value * stretch
+    return max(value - reach, 0.0) if positive else value - reach, value + reach
 
 
 def _needs_anchor(parameter: Parameter) -> bool:

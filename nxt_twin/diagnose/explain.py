@@ -296,7 +296,7 @@ def _cost(structure: Structure) -> float:
 
 
 def _belief(effect: Effect) -> float:
-    """What speaks for an effect beforehand, nats: a plant file mostly states these, so one left out is likely missing."""
+    """What speaks for an effect beforehand, nats: what plant files mostly state is likely missing where left out."""
     first = effect.parameters[0]
     return _LEFT_OUT_NATS if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
 

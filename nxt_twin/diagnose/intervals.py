@@ -17,7 +17,7 @@ _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV
 _SUPPLY_MOVE = 1e-3
 _FROZEN_DOUBT = 0.15  # of a given inductance
 _FROZEN_MOVE = 0.05
-_MODEL_DOUBT = 1.15  # what a wrong law of friction and the choice of effects add, from the development seeds
+_MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
 
 
 def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:

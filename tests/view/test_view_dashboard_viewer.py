@@ -87,7 +87,8 @@ def test_only_one_folder_imports_rerun():
         if (isinstance(node, ast.Import) and any(name.name.split(".")[0] == "rerun" for name in node.names))
         or (isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "rerun")
     }
-    assert importers == {"view/dashboard/drawing"}
+    # The command line may look whether rerun is there.
+    assert importers - {"cli"} == {"view/dashboard/drawing"}
 
 
 def test_opening_a_dashboard_does_not_import_rerun():

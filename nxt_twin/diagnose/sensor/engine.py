@@ -44,9 +44,12 @@ Progress = Callable[[str], None]
 STRUCTURED_NATS = 10.0
 STRUCTURED_SIZE = 0.15
 MOST_LEFT = 0.3
+LARGE_SIZE = 0.5
+MOST_LEFT_IF_LARGE = 0.1
 BY_CHANCE = 1e-5
 """When what is left is more than noise: bins along something foretell it by so many nats, it is so large beside the
-noise, and chance would do it so rarely. Where effects were found it must also be that part of all there was."""
+noise, and chance would do it so rarely. Where effects were found it must also be that part of all there was, or, if it
+is as large as half the noise, the lesser part."""
 
 _PARAMETERS: Mapping[str, type[UltrasonicParameters] | type[LightParameters] | type[TouchParameters]] = {
     "ultrasonic_sensor": UltrasonicParameters,
@@ -217,8 +220,9 @@ def _verdict(evidence: _Evidence) -> Verdict:
         return "unexplained" if structured else "adequate"
     if not structured:
         return "explained"
-    most = max(left.nats for left in structured)
-    return "unexplained" if most > MOST_LEFT * (most + _gained(evidence)) else "explained"
+    most = max(structured, key=lambda left: left.nats)
+    allowed = MOST_LEFT_IF_LARGE if most.size > LARGE_SIZE else MOST_LEFT
+    return "unexplained" if most.nats > allowed * (most.nats + _gained(evidence)) else "explained"
 
 
 def _gained(evidence: _Evidence) -> float:
