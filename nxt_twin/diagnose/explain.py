@@ -111,6 +111,7 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
         if effect.id not in plant.active
         and effect.id not in superseded
         and (not effect.inputs or signals.input_kind in effect.inputs)
+        and (not effect.counted or signals.quantum > 0.0)
     ]
 
 

@@ -23,6 +23,7 @@ _STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], 
 _WIDEST_STAR = 0.7  # in logarithms
 _MOST_STARS = 8
 _SHRINKING = 0.5
+_FINEST_STAR = 0.1
 _LONGEST_STEP = 3.0  # in arms of the star
 _FLAT_NATS = 1e-3
 _RESTING_NATS = 0.2
@@ -84,10 +85,12 @@ def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -
         if costs[nearest] < cost:
             best, cost = points[nearest], float(costs[nearest])
         step, promised = _to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
-        if promised < _RESTING_NATS:
+        if promised < _RESTING_NATS and (reach < _FINEST_STAR or step.any()):
             break
         centre = np.maximum(centre + reach * step if costs[0] <= cost + promised else best, lowest)
-        if np.abs(step).max() < 1.0:
+        if (
+            np.abs(step).max() < 1.0
+        ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
     return noise_at(best), cost
 
@@ -102,11 +105,14 @@ def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, floa
     twist = 0.0 if held.any() else corner - right - up + middle
     bends = np.where(held, 1.0, [right + left - 2.0 * middle, up + down - 2.0 * middle])
     curve = np.array([[bends[0], twist], [twist, bends[1]]])
-    if not np.isfinite(costs).all() or np.linalg.eigvalsh(curve)[0] < _FLAT_NATS:
-        nearest = int(np.argmin(costs))
+    if not np.isfinite(costs).all():
+        nearest = int(np.nanargmin(costs))
         return _LONGEST_STEP * _STAR[nearest], float(middle - costs[nearest])
-    step = np.clip(-np.linalg.solve(curve, slope), -_LONGEST_STEP, _LONGEST_STEP)
-    return step, float(-slope @ step - 0.5 * step @ curve @ step)
+    # Where the surface bends down or hardly at all, the slope still says which way, and the clipping how far.
+    bend, axes = np.linalg.eigh(curve)
+    stiffness = np.maximum(np.abs(bend), _FLAT_NATS)
+    step = np.clip(-axes @ ((axes.T @ slope) / stiffness), -_LONGEST_STEP, _LONGEST_STEP)
+    return step, float(-slope @ step - 0.5 * step @ (axes * stiffness) @ axes.T @ step)
 
 
 def _costs(simulator: Simulator, plant: Plant, target: Target, noises: Sequence[Noise]) -> FloatArray:

@@ -73,6 +73,7 @@ class Effect:
         inputs: kinds of input with which it makes sense; empty is all.
         plain: its parameters are keys of the plant itself rather than of an entry under `effects:`.
         fault: a fault of the recording rather than physics of the plant.
+        counted: it makes sense only where readings are counts of whole steps.
     """
 
     id: str
@@ -92,3 +93,4 @@ class Effect:
     inputs: tuple[InputKind, ...] = ()
     plain: bool = False
     fault: bool = False
+    counted: bool = False

@@ -99,7 +99,7 @@ DC_MOTOR = Base(
     frames=("motor",),
     parameters=(
         Parameter("inertia_kg_m2", "inertia", "kg·m²", INERTIA, (1.2e-3,), 1e-5, 0.2, doubt=0.7),
-        Parameter("resistance_ohm", "resistance", "Ω", NUMBER, (7.6,), 0.05, 500.0, doubt=0.1),
+        Parameter("resistance_ohm", "resistance", "Ω", NUMBER, (7.6,), 0.05, 500.0, doubt=0.12),
         Parameter(
             "torque_constant_nm_per_a",
             "torque_constant",

@@ -46,6 +46,7 @@ MISSED_COUNTS = Effect(
     ),
     terms={"reading": _miscount, "advance": _lose},
     states=("lost",),
+    counted=True,
     confusable_with={
         "quadratic_drag": "a mark on the hub tells after a fast run: lost counts leave it displaced, drag does not",
         "viscous_friction": "coasting down tells: the loss ends at a speed, friction goes on",
