@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench picture lock clean
+.PHONY: demo test check bench proof-blind proof-identify effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -21,8 +21,19 @@ check: $(VENV)/ready-dev
 bench: $(VENV)/ready-run
 	$(BIN)/python -m benchmarks
 
-picture: $(VENV)/ready-run
+# The benchmark of concealed effects with its aims, and the coverage of every identification: minutes each.
+proof-blind: $(VENV)/ready-run
+	$(BIN)/nxt-twin blind bench build/blind --seed 1 --jobs 2
+
+proof-identify: $(VENV)/ready-run
+	$(BIN)/python -m benchmarks identify
+
+effects: $(VENV)/ready-run
+	$(BIN)/python tools/effects_page.py
+
+picture: $(VENV)/ready-dev
 	$(BIN)/python tools/readme_picture.py
+	$(BIN)/python tools/dashboard_picture.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

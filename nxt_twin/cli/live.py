@@ -48,6 +48,7 @@ from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.verdict import Verdict, verdict
 
 if TYPE_CHECKING:
+    from nxt_twin.view.dashboard import Dashboard
     from nxt_twin.view.live_report import Keeper
 
 View = Literal["spawn", "web", "none"]
@@ -100,8 +101,8 @@ def live(
     columns = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
     recorder = None if out is None else RecordingWriter(out, _columns(wanted, columns))
     memory = Memory()
-    sinks: list[Sink] = [memory] if json == "-" else [memory, _Printer()]
-    sinks += _dashboard(view, save, wanted, columns, title=found)
+    dashboards = _dashboard(view, save, wanted, columns, title=found)
+    sinks: list[Sink] = [memory, *dashboards, *([] if json == "-" else [_Printer()])]
     keeper = _keeper(report, sinks)
     clock = SystemClock()
     parts = Parts(
@@ -115,7 +116,7 @@ def live(
         recorder=recorder,
         adopter=Adopter(ThreadPoolExecutor(1, "diagnosis")) if adopt else None,
     )
-    session = _run(parts, seconds)
+    session = _run(parts, seconds, dashboards)
     _conclude(
         session, memory, parts, json=json, report=report, model_out=model_out, keeper=keeper, title=found
     )
@@ -128,7 +129,7 @@ def _twin(plant: str, ports: tuple[Port, ...]) -> BrickTwin:
     return twin
 
 
-def _run(parts: Parts, seconds: float) -> Session:
+def _run(parts: Parts, seconds: float, dashboards: Sequence[Dashboard]) -> Session:
     """Run the session to its end or to Ctrl-C, which is one of its ordinary ends."""
     session = Session(parts)
     try:
@@ -142,6 +143,8 @@ def _run(parts: Parts, seconds: float) -> Session:
             parts.recorder.close()
         if parts.adopter is not None:
             parts.adopter.close()
+        for trouble in (trouble for dashboard in dashboards for trouble in dashboard.troubles):
+            fail(trouble)
     return session
 
 
@@ -217,7 +220,7 @@ class _Printer:
 
 def _dashboard(
     view: View, save: Path | None, ports: tuple[Port, ...], channels: list[str], *, title: str
-) -> list[Sink]:
+) -> list[Dashboard]:
     if view == "none" and save is None:
         return []
     from nxt_twin.view.dashboard import open_dashboard
