@@ -29,11 +29,14 @@ STRUCTURED_TORQUE = 2e-3
 LARGE_TORQUE = 3e-2
 MOST_LEFT = 0.3
 FAR_OFF = 4.0
+UNSETTLED_TORQUE = 1e-2
+HARDLY = 0.5
 """When what is left is more than noise: a flexible function of the state foretells it by so many nats, more than in
 clean recordings made up like these, and it is at least the second, or it is the third whatever foretells it; as
 fractions of a torque ordinary for the plant. Where effects were found, it must also be the fourth of all that there
 was to explain. Where none was found, free runs over readings that only check must not be the fifth times as far off
-as noise alone."""
+as noise alone. Where what was found leaves more unknown torque than the sixth, it must have taken away the seventh of
+that torque, or of the error of free runs: a term that an unknown effect happens to resemble does neither."""
 
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
@@ -144,7 +147,14 @@ def verdict_of(evidence: Evidence) -> Verdict:
         return "unexplained" if structured or large or runs_away else "adequate"
     gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
     mostly_left = structured and left > MOST_LEFT * (left + gained)
-    return "unexplained" if mostly_left or (large and after > 0.5 * before) else "explained"
+    hardly = after > UNSETTLED_TORQUE and after > HARDLY * before and _free_run_ratio(evidence) > HARDLY
+    return "unexplained" if mostly_left or hardly or (large and after > 0.5 * before) else "explained"
+
+
+def _free_run_ratio(evidence: Evidence) -> float:
+    """The error of free runs over checking readings, with what was found over without."""
+    before, after = evidence.baseline.free_run_rms[0], evidence.final.free_run_rms[0]
+    return after / max(before, 1e-15)
 
 
 def torque_share(problem: Problem, structure: Structure) -> float:

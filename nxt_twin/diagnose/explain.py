@@ -29,7 +29,7 @@ from nxt_twin.physics.signals import Signals
 Progress = Callable[[str], None]
 
 MOST_EFFECTS = 4
-GAIN_NATS = 6.0
+GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose from
 CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
@@ -130,6 +130,7 @@ class _Search:
         self, best: Structure, progress: Progress
     ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
         """Add effects to `best` while one earns its place; what came near is noted."""
+        been = {best.plant.active}
         while True:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked = self._forward(best)
@@ -139,8 +140,9 @@ class _Search:
             if not ranked or full or not self._worth_it(ranked[0][1], best):
                 return best, refused
             added = self.pruned(ranked[0][2])
-            if added.plant.active == best.plant.active:
-                return added, refused
+            if added.plant.active in been:  # what is added is taken out again: round and round
+                return best, refused
+            been.add(added.plant.active)
             best = added
 
     def pruned(self, best: Structure) -> Structure:
