@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
+from nxt_twin.blind.reached import Reach
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judge import free_runs, overall
 from nxt_twin.diagnose.noise import first_guess, with_noise
@@ -20,22 +20,6 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
-
-
-@final
-@dataclass(frozen=True)
-class Reach:
-    """What the library reaches with exactly the effects that are hidden, fitted from their true sizes.
-
-    Attributes:
-        gain_nats: by which it beats the re-fitted baseline on the readings that are fitted (BIC).
-        check_nats: the same on the readings that only check.
-        held_out_rmse: its free-run error on what nobody fitted, in the diagnosis's unit.
-    """
-
-    gain_nats: float
-    check_nats: float
-    held_out_rmse: float
 
 
 def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
@@ -92,8 +76,3 @@ def _distinct(workshop: Workshop, effect_id: str, known: Mapping[str, float]) ->
 def _held_out(simulator: Simulator, problem: Problem, final: Structure) -> float:
     runs = free_runs(simulator, problem, final.plant, final.plant, final.noise)
     return overall(runs) * units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
-
-
-def reached(held: Mapping[str, Any]) -> Reach:
-    """Read a reach as it was written."""
-    return Reach(**{key: float(held[key]) for key in Reach.__dataclass_fields__})

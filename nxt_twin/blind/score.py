@@ -13,7 +13,7 @@ from typing import Any, Final, final
 
 from nxt_twin.blind.aims import Aim, aims_of, detectable
 from nxt_twin.blind.aims import as_text as aims_as_text
-from nxt_twin.blind.reach import Reach, reached
+from nxt_twin.blind.reached import Reach, reached
 from nxt_twin.blind.verdict import (
     NORMAL_95,
     NOTHING_GIVEN,

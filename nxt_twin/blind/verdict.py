@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, final
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
-from nxt_twin.blind.reach import Reach
+from nxt_twin.blind.reached import Reach
 from nxt_twin.errors import CaseError
 
 Kind = Literal["clean", "single", "pair", "triple", "unknown"]

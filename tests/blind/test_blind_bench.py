@@ -9,7 +9,8 @@ import pytest
 from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, detectable
 from nxt_twin.blind.effects.library import UNKNOWN_EFFECTS
 from nxt_twin.blind.make import make_case, write_case
-from nxt_twin.blind.reach import Reach, reach
+from nxt_twin.blind.reach import reach
+from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.solve import reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
 from nxt_twin.recording.case import read_case

@@ -33,7 +33,6 @@ def located(case, *, calm=True):
         ("gravity_load", "medium", 11, "actuator"),
         ("quadratic_drag", "medium", 17, "actuator"),
         ("battery_sag", "medium", 18, "battery"),
-        ("command_delay", "small", 12, "clock_or_link"),
         ("stale_samples", "medium", 15, "clock_or_link"),
         ("swapped_sense", "medium", 31, "battery"),
     ],
