@@ -91,6 +91,8 @@ def _mock(secret: Path) -> Iterator[str]:
         "mock",
         "--tcp",
         "127.0.0.1:0",
+        "--profile",
+        "usb",
         "--conceal",
         str(secret),
         "--json",

@@ -13,7 +13,8 @@ import pytest
 from firmware_protocol import FrameSplitter, frame
 
 PROGRAM = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job has it ignored
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
 brick = open_brick(sys.argv[1], SystemClock())
