@@ -60,7 +60,7 @@ _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _KINDS = ("touch", "sound", "light", "ultrasonic")
 _WATCH_ONLY = "none"
 _BUILT_IN = "excitation"
-_PATIENT = 15
+_PATIENT = 5
 
 
 def live(
