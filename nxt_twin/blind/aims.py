@@ -24,7 +24,7 @@ class Aim:
         measured: None where no case tells.
         bound: the aim.
         at_least: whether more is better.
-        cases: how many cases it rests on.
+        cases: how many cases, or parameters, it rests on.
     """
 
     words: str
@@ -64,8 +64,8 @@ def aims_of(cases: Sequence[Judged]) -> list[Aim]:
         _share("unknown: confidently misnamed", unknown, lambda case: case.misnamed, 0.15, at_least=False),
         _median("free run over that of the true structure, median", known, _over_true, 1.15),
         _median("relative error of the main parameter, median", seen, _worst_error, 0.10),
-        _share("main parameter within its 95 % interval, at least", _with_cover(known), _covered, 0.90),
-        _share("main parameter within its 95 % interval, at most", _with_cover(known), _covered, 0.98, at_least=False),
+        _cover(known, 0.90, at_least=True),
+        _cover(known, 0.98, at_least=False),
     ]  # fmt: skip
 
 
@@ -76,7 +76,7 @@ def as_text(aims: Sequence[Aim]) -> str:
         measured = "no case" if aim.measured is None else f"{aim.measured:.3g}"
         sign = "≥" if aim.at_least else "≤"
         said = "met" if aim.met else "MISSED" if aim.measured is not None else "-"
-        lines.append(f"{aim.words:55} {measured:>8}  {sign} {aim.bound:<5g} {said:7} {aim.cases} cases")
+        lines.append(f"{aim.words:55} {measured:>8}  {sign} {aim.bound:<5g} {said:7} of {aim.cases}")
     return "\n".join(lines) + "\n"
 
 
@@ -118,9 +118,8 @@ def _worst_error(case: Judged) -> float | None:
     return max(case.parameter_error.values(), default=None)
 
 
-def _with_cover(cases: Sequence[Judged]) -> list[Judged]:
-    return [case for case in cases if case.exact and case.covered]
-
-
-def _covered(case: Judged) -> bool:
-    return all(case.covered.values())
+def _cover(cases: Sequence[Judged], bound: float, *, at_least: bool) -> Aim:
+    """Over the main parameters of all that was named, where exactly what was hidden was named."""
+    held = [inside for case in cases if case.exact for inside in case.covered.values()]
+    words = f"main parameter within its 95 % interval, at {'least' if at_least else 'most'}"
+    return Aim(words, mean(map(float, held)) if held else None, bound, at_least, len(held))
