@@ -22,11 +22,11 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import at_rest
 from nxt_twin.view import palette
-from nxt_twin.view.svg import drawn_svg
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
 PAGE: Final = DOCS / "effects.md"
 PICTURES: Final = DOCS / "effects"
+_DPI: Final = 150
 
 NXT: Final = {
     "kind": "dc_motor",
@@ -214,7 +214,7 @@ as a share of it; without one, only the bounds hold. What a baseline file gives 
 
 def _section(effect: Effect) -> Iterator[str]:
     yield f"### `{effect.id}`: {effect.name}\n"
-    yield f"![with and without {effect.name}](effects/{effect.id}.svg)\n"
+    yield f"![with and without {effect.name}](effects/{effect.id}.png)\n"
     yield f"    {effect.equation}\n"
     yield f"Source: {effect.source}.\n"
     yield f"Shows {_listed([SHOWS[regime] for regime in effect.shows])}.\n"
@@ -282,10 +282,7 @@ def _anchor(effect: Effect) -> str:
 
 def draw(effect_id: str) -> None:
     """Write an effect's picture."""
-    svg = drawn_svg(figure_of(effect_id))
-    svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
-    svg = re.sub(r"-?\d+\.\d{2,}", lambda found: f"{float(found.group()):.1f}", svg)
-    (PICTURES / f"{effect_id}.svg").write_text(re.sub(r" ?\n(?=L )", " ", svg), encoding="utf-8")
+    figure_of(effect_id).savefig(PICTURES / f"{effect_id}.png", dpi=_DPI, metadata={"Software": None})
 
 
 def figure_of(effect_id: str) -> Figure:

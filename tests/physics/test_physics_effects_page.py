@@ -29,7 +29,7 @@ def test_every_effect_has_a_section_and_a_picture_and_no_picture_is_left_over(ef
     text = effects_page.page()
     for effect in BUILT_IN:
         assert f"### `{effect.id}`: {effect.name}\n" in text
-        assert f"](effects/{effect.id}.svg)" in text
+        assert f"](effects/{effect.id}.png)" in text
     pictures = {path.stem for path in (ROOT / "docs" / "effects").iterdir()}
     assert pictures == {effect.id for effect in BUILT_IN}
 
