@@ -1,379 +1,105 @@
 """Whether what an experiment identifies covers the truth: 95 % intervals over seeded repetitions on the mock.
 
-Each repetition draws a truth that the fit does not know, runs the whole experiment on a mock brick in virtual time -
-wire, firmware and rig included - and looks whether each interval holds it. The motors are of the fit's own family;
-the sensors are the rig's own mechanisms. Truths and priors: the resistance that the fit is given is off by its own
-stated doubt.
+python -m benchmarks identify
+python -m benchmarks.identify [--study WORDS] [--first-seed N] [--repetitions N] [--workers N]
+
+`benchmarks.identify_studies` says what a repetition is.
 """
 
 from __future__ import annotations
 
-import math
+import argparse
 import os
-import tempfile
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
-from pathlib import Path
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from nxt_twin.blind.truth.motor import Motor
-from nxt_twin.blind.truth.run import Commands, true_run
-from nxt_twin.blind.truth.sensing import Sensing, read_battery
-from nxt_twin.experiment import identify_motor
-from nxt_twin.experiment.folder import RunFolder
-from nxt_twin.experiment.identified import Identified
-from nxt_twin.experiment.identify import carry_out, conclude
-from nxt_twin.experiment.plan import (
-    Anchor,
-    AngleSweep,
-    DistanceSweep,
-    Experiment,
-    GradientSweep,
-    MotorIdentification,
-    TouchCycles,
-    TwoSensors,
-    read_experiment,
-)
-from nxt_twin.experiment.run_sweep import Surroundings
-from nxt_twin.experiment.standin.rig import (
-    Button,
-    Diode,
-    Echo,
-    RigMover,
-    Transducers,
-    place_button,
-    place_light,
-    place_transducers,
-    place_ultrasonic,
-)
-from nxt_twin.experiment.standin.workbench import Workbench, helper, workbench
-from nxt_twin.experiment.sweep import sweep_of
-from nxt_twin.mock.body.world import World
-from nxt_twin.recording.program import commands
-from nxt_twin.recording.recording import Recording
+from benchmarks.identify_studies import STUDIES
 
-REPETITIONS = 200
-REPETITIONS_OF_OTHERS = 50
-FAST = {"settle_s": 0.05, "every_s": 0.05}
-Truth = dict[str, float]
-Repetition = Callable[[int], tuple[Identified, Truth]]
+FIRST_SEED: Final = 41_000
+REPETITIONS: Final = 200
+REPETITIONS_OF_OTHERS: Final = 50
+LEAST_PCT: Final = 90.0
+MOST_PCT: Final = 98.0
+
+
+class Outcome(NamedTuple):
+    """One parameter in one repetition.
+
+    Attributes:
+        covered: whether the 95 % interval holds the truth.
+        off: by how much the value is off, in its standard deviations.
+        half_width: of the interval, in the parameter's unit.
+    """
+
+    covered: bool
+    off: float
+    half_width: float
 
 
 def report() -> Iterator[str]:
     """Lines of the table."""
-    yield f"{REPETITIONS} repetitions each, seeds from 0; wanted: 90 to 98 % covered"
-    for name in STUDIES:
-        count = REPETITIONS_OF_OTHERS if name.startswith("NOT") else REPETITIONS
-        yield from table(name, range(count))
+    return _tables(list(STUDIES), FIRST_SEED, None, None)
+
+
+def main() -> None:
+    """The table, or a part of it from other seeds."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--study", default="", help="only studies whose name holds this")
+    parser.add_argument("--first-seed", type=int, default=FIRST_SEED)
+    parser.add_argument("--repetitions", type=int)
+    parser.add_argument("--workers", type=int)
+    chosen = parser.parse_args()
+    names = [name for name in STUDIES if chosen.study in name]
+    for line in _tables(names, chosen.first_seed, chosen.repetitions, chosen.workers):
+        print(line, flush=True)
+
+
+def _tables(
+    names: Sequence[str], first_seed: int, repetitions: int | None, workers: int | None
+) -> Iterator[str]:
+    yield f"seeds from {first_seed}; wanted: {LEAST_PCT:g} to {MOST_PCT:g} % covered"
+    for name in names:
+        usual = REPETITIONS_OF_OTHERS if name.startswith("NOT") else REPETITIONS
+        yield from table(name, range(first_seed, first_seed + (repetitions or usual)), workers)
 
 
 def table(name: str, seeds: range, workers: int | None = None) -> Iterator[str]:
     """One study's lines: parameter, coverage, and the median interval's half width."""
-    with ProcessPoolExecutor(workers or os.cpu_count()) as pool:
-        results = list(pool.map(_repeat, [name] * len(seeds), seeds, chunksize=5))
-    yield f"{name}"
-    for parameter in results[0]:
-        covered = np.array([result[parameter][0] for result in results])
-        z = np.array([result[parameter][1] for result in results])
-        width = float(np.median([result[parameter][2] for result in results]))
+    count = workers or os.cpu_count() or 1
+    if count == 1:
+        results = [_repeat(name, seed) for seed in seeds]
+    else:
+        with ProcessPoolExecutor(count) as pool:
+            results = list(pool.map(_repeat, [name] * len(seeds), seeds, chunksize=5))
+    cost_s = sum(cost for _, cost in results)
+    yield f"{name}: {len(results)} repetitions, {cost_s:.0f} s of processor time"
+    for parameter in results[0][0]:
+        found = [outcomes[parameter] for outcomes, _ in results]
+        pct = 100.0 * float(np.mean([each.covered for each in found]))
+        off = np.array([each.off for each in found])
+        width = float(np.median([each.half_width for each in found]))
+        mark = " " if LEAST_PCT <= pct <= MOST_PCT else "*"
         yield (
-            f"  {parameter:34s} {100.0 * covered.mean():5.1f} % covered   ± {width:.2g} typical"
-            f"   mean {z.mean():+.2f} std {z.std():.2f} of the errors in standard deviations"
+            f" {mark}{parameter:34s} {pct:5.1f} % covered   ± {width:.2g} typical"
+            f"   mean {off.mean():+.2f} std {off.std():.2f} of the errors in standard deviations"
         )
 
 
-def _repeat(name: str, seed: int) -> dict[str, tuple[bool, float, float]]:
+def _repeat(name: str, seed: int) -> tuple[dict[str, Outcome], float]:
+    """Each parameter's outcome, and the processor time it all took, s."""
+    begin_s = time.process_time()
     identified, truth = STUDIES[name](seed)
     found = {}
     for parameter, true in truth.items():
         value = identified.value(parameter)
         off = (value.value - true) / value.std
-        found[parameter] = (value.covers(true), off, 0.5 * (value.high - value.low))
-    return found
+        found[parameter] = Outcome(value.covers(true), off, 0.5 * (value.high - value.low))
+    return found, time.process_time() - begin_s
 
 
-def _carried_out(experiment: Experiment, bench: Workbench) -> Identified:
-    axes = () if isinstance(experiment, MotorIdentification) else sweep_of(experiment).axes
-    around = Surroundings(
-        bench.brick,
-        bench.clock,
-        {axis: RigMover(bench.rig, axis) for axis in axes},
-        helper(bench, experiment),
-    )
-    with tempfile.TemporaryDirectory() as path:
-        folder = RunFolder(Path(path) / "run", experiment)
-        carry_out(experiment, folder, around)
-        bench.brick.close()
-        return conclude(experiment, folder)
-
-
-def _motor_truth(random: np.random.Generator) -> dict[str, float]:
-    """A motor as the eight or so that were measured by others differ."""
-    return {
-        "resistance_ohm": 7.6 * random.uniform(0.9, 1.1),
-        "inertia_kg_m2": 1.2e-3 * random.uniform(0.8, 1.3),
-        "torque_constant_nm_per_a": 0.4908 * random.uniform(0.96, 1.04),
-        "viscous_friction_nm_s_per_rad": 1.92e-3 * random.uniform(0.6, 1.5),
-        "coulomb_friction_nm": 8.45e-3 * random.uniform(0.6, 1.8),
-    }
-
-
-def _world(truth: Truth, random: np.random.Generator, internal_ohm: float) -> World:
-    plant = {
-        "kind": "dc_motor",
-        **truth,
-        "inductance_h": 4.88e-3 * random.uniform(0.8, 1.2),
-        "back_emf_v_s_per_rad": truth["torque_constant_nm_per_a"],
-    }
-    battery = {"voltage_v": random.uniform(7.2, 8.8), "internal_resistance_ohm": internal_ohm}
-    return World.model_validate({"motors": {"a": plant}, "battery": battery})
-
-
-def _with_ratios(truth: Truth) -> Truth:
-    inertia = truth["inertia_kg_m2"]
-    return {
-        **truth,
-        "resistance_times_inertia": truth["resistance_ohm"] * inertia,
-        "viscous_over_inertia": truth["viscous_friction_nm_s_per_rad"] / inertia,
-        "coulomb_over_inertia": truth["coulomb_friction_nm"] / inertia,
-    }
-
-
-def _anchored(
-    experiment: MotorIdentification, truth: Truth, random: np.random.Generator
-) -> MotorIdentification:
-    """The resistance as a meter of 5 % showed it."""
-    shown = truth["resistance_ohm"] * (1.0 + 0.05 * random.standard_normal())
-    return experiment.model_copy(update={"resistance_ohm": Anchor(value=shown, std=0.05 * shown)})
-
-
-def _motor(name: str, internal_ohm: float = 0.0) -> Repetition:
-    def repeat(seed: int) -> tuple[Identified, Truth]:
-        random = np.random.default_rng([seed, 11])
-        truth = _motor_truth(random)
-        experiment = read_experiment(name)
-        assert isinstance(experiment, MotorIdentification)
-        experiment = _anchored(experiment, truth, random)
-        bench = workbench(_world(truth, random, internal_ohm), seed)
-        return _carried_out(experiment, bench), _with_ratios(truth)
-
-    return repeat
-
-
-def _independent_motor(**extra: float) -> Repetition:
-    """Recordings from the benchmark's own simulator, which shares nothing with the fit."""
-
-    def repeat(seed: int) -> tuple[Identified, Truth]:
-        random = np.random.default_rng([seed, 12])
-        truth = _motor_truth(random)
-        motor = replace(
-            Motor(),
-            resistance_ohm=truth["resistance_ohm"],
-            inertia_kg_m2=truth["inertia_kg_m2"],
-            torque_constant_nm_per_a=truth["torque_constant_nm_per_a"],
-            back_emf_v_s_per_rad=truth["torque_constant_nm_per_a"],
-            viscous_friction_nm_s_per_rad=truth["viscous_friction_nm_s_per_rad"],
-            coulomb_forward_nm=truth["coulomb_friction_nm"],
-            coulomb_reverse_nm=truth["coulomb_friction_nm"],
-            **extra,
-        )
-        experiment = read_experiment("motor_steps")
-        assert isinstance(experiment, MotorIdentification)
-        experiment = _anchored(experiment, truth, random)
-        runs = [_recorded(motor, experiment, index, random) for index in range(len(experiment.runs))]
-        found = identify_motor.identified_from(experiment, {"bare": runs})
-        return found, _with_ratios(truth)
-
-    return repeat
-
-
-def _recorded(
-    motor: Motor, experiment: MotorIdentification, index: int, random: np.random.Generator
-) -> Recording:
-    run = experiment.runs[index]
-    due = list(commands(run))
-    steps = 0.010 + 0.001 * random.random(int((run.duration_s + 0.06) / 0.0105))
-    read_s = np.cumsum(steps) - steps[0]
-    in_force = np.searchsorted([command.start_s + 0.05 for command in due], read_s, side="right") - 1
-    codes = {"drive": 0, "float": 1, "coast": 2, "brake": 3}
-    power = np.array([0 if n < 0 else due[n].power_pct for n in in_force], dtype=np.float64)
-    mode = np.array([2 if n < 0 else codes[due[n].mode] for n in in_force], dtype=np.int64)
-    given = Commands(read_s, power, mode, random.uniform(0.0, 360.0), 0.0, np.zeros(read_s.size))
-    true = true_run(motor, Sensing(delay_s=0.002), given)
-    battery = np.where(read_s < 0.05, read_battery(true.terminal_v, np.zeros(read_s.size)), np.nan)
-    return Recording(
-        f"bare-{run.name}.csv",
-        {
-            "time_s": true.stamp_s,
-            "a_power_pct": power,
-            "a_mode": mode.astype(np.float64),
-            "a_tacho_deg": np.floor(true.encoder_deg),
-            "battery_v": battery,
-        },
-    )
-
-
-def _distance(seed: int) -> tuple[Identified, Truth]:
-    random = np.random.default_rng([seed, 13])
-    echo = Echo(
-        stretch=random.uniform(0.97, 1.03),
-        shift=random.uniform(-5.0, 5.0),
-        jitter=random.uniform(2.0, 5.0),
-        jitter_per_mm=random.uniform(0.002, 0.008),
-        deaf_below=random.uniform(30.0, 60.0),
-        early_below=random.uniform(200.0, 300.0),
-        early_shift=random.uniform(15.0, 30.0),
-        early_share=random.uniform(0.6, 0.95),
-    )
-    experiment = DistanceSweep.model_validate(
-        {
-            "kind": "distance_sweep",
-            "name": "proof",
-            "distance_mm": {"first": 12, "last": 1540, "step": 8},
-            "samples": 2,
-            "pace": FAST,
-        }
-    )
-    bench = workbench(seed=seed)
-    place_ultrasonic(bench.body, 3, bench.rig, echo, bench.random)
-    return _carried_out(experiment, bench), {
-        "scale": echo.stretch,
-        "zero_mm": echo.shift,
-        "noise_mm": echo.jitter,
-        "noise_per_distance": echo.jitter_per_mm,
-        "blind_distance_mm": echo.deaf_below,
-        "near_below_mm": echo.early_below,
-        "near_offset_mm": echo.early_shift,
-        "near_share": echo.early_share,
-    }
-
-
-def _angle(seed: int) -> tuple[Identified, Truth]:
-    random = np.random.default_rng([seed, 14])
-    near, best, far, where = (
-        random.uniform(*r) for r in ((22.0, 38.0), (48.0, 62.0), (8.0, 22.0), (380.0, 520.0))
-    )
-    echo = Echo(jitter=3.0, beam=((0.0, near), (where, best), (1538.0, far)), wobble=random.uniform(2.0, 4.0))
-    experiment = AngleSweep.model_validate(
-        {
-            "kind": "angle_sweep",
-            "name": "proof",
-            "distance_mm": {"first": 138, "last": 1538, "step": 200},
-            "angle_deg": {"first": 0, "last": 90, "step": 5},
-            "samples": 8,
-            "pace": FAST,
-        }
-    )
-    bench = workbench(seed=seed)
-    place_ultrasonic(bench.body, 3, bench.rig, echo, bench.random)
-    return _carried_out(experiment, bench), {
-        "max_angle_deg": best,
-        "best_distance_mm": where,
-        "contact_angle_deg": near,
-        "far_angle_deg": far,
-        "scale": echo.stretch,
-        "zero_mm": echo.shift,
-    }
-
-
-def _gradient(seed: int) -> tuple[Identified, Truth]:
-    random = np.random.default_rng([seed, 15])
-    diode = Diode(random.uniform(-1.4, -0.6), random.uniform(560.0, 680.0), grain=random.uniform(0.7, 4.0))
-    rooms = {"dark": 0.0, "lamp": random.uniform(-120.0, 0.0)}
-    experiment = GradientSweep.model_validate(
-        {
-            "kind": "gradient_sweep",
-            "name": "proof",
-            "position_mm": {"first": 0, "last": 290, "step": 10},
-            "lightings": list(rooms),
-            "samples": 8,
-            "pace": {"settle_s": 0.01, "every_s": 0.003},
-        }
-    )
-    bench = workbench(seed=seed)
-    light = {"now": 0.0}
-
-    def set_light(request: str) -> str:
-        light["now"] = next(level for name, level in rooms.items() if f"'{name}'" in request)
-        return ""
-
-    place_light(bench.body, 2, bench.rig, lambda: replace(diode, room=light["now"]), bench.random)
-    movers = {"position_mm": RigMover(bench.rig, "position_mm")}
-    with tempfile.TemporaryDirectory() as path:
-        folder = RunFolder(Path(path) / "run", experiment)
-        carry_out(experiment, folder, Surroundings(bench.brick, bench.clock, movers, set_light))
-        bench.brick.close()
-        identified = conclude(experiment, folder)
-    zeros = {f"zero_raw[{name}]": diode.dark + level for name, level in rooms.items()}
-    return identified, {"slope_raw_per_mm": diode.per_mm, **zeros, "noise_raw": diode.grain}
-
-
-def _touch(axis: str) -> Repetition:
-    unit = 1.0 if axis == "force_g" else 0.02
-
-    def repeat(seed: int) -> tuple[Identified, Truth]:
-        random = np.random.default_rng([seed, 16])
-        press = unit * random.uniform(55.0, 70.0)
-        release = press - unit * random.uniform(3.0, 6.0)
-        # As the paper's sensors: from far less than a step to about one.
-        scatter = unit * math.exp(random.uniform(math.log(0.1), math.log(1.0)))
-        experiment = TouchCycles.model_validate(
-            {
-                "kind": "touch_cycles",
-                "name": "proof",
-                "axis": axis,
-                "push": {"first": 40 * unit, "last": 80 * unit, "step": unit},
-                "cycles": 8,
-                "pace": {"settle_s": 0.01, "every_s": 0.0},
-            }
-        )
-        bench = workbench(seed=seed)
-        place_button(bench.body, 0, bench.rig, axis, Button(press, release, scatter, bench.random))  # type: ignore[arg-type]
-        names = ("press_force_g", "release_force_g", "force_noise_g")
-        if axis != "force_g":
-            names = ("press_travel_mm", "release_travel_mm", "travel_noise_mm")
-        return _carried_out(experiment, bench), dict(zip(names, (press, release, scatter), strict=True))
-
-    return repeat
-
-
-def _two_sensors(seed: int) -> tuple[Identified, Truth]:
-    random = np.random.default_rng([seed, 17])
-    sign = random.choice([-1.0, 1.0])
-    pair = Transducers(
-        receiver=-sign * random.uniform(14.0, 18.0),
-        emitter=sign * random.uniform(14.0, 18.0),
-        enough=random.uniform(0.2, 0.5),
-        chance=random.uniform(0.9, 0.99),
-    )
-    experiment = TwoSensors.model_validate(
-        {
-            "kind": "two_sensors",
-            "name": "proof",
-            "position_mm": {"first": -42, "last": 42, "step": 2},
-            "samples": 4,
-            "pace": FAST,
-        }
-    )
-    bench = workbench(seed=seed)
-    place_transducers(bench.body, (3, 0), bench.rig, pair, bench.random)
-    return _carried_out(experiment, bench), {"receiver_mm": pair.receiver, "emitter_mm": pair.emitter}
-
-
-STUDIES: dict[str, Repetition] = {
-    "motor, resistance as the anchor": _motor("motor_steps"),
-    "motor, disc as the anchor": _motor("motor_steps_disc"),
-    "ultrasonic, distance sweep": _distance,
-    "ultrasonic, angle sweep": _angle,
-    "light, gradient under two lights": _gradient,
-    "touch, force": _touch("force_g"),
-    "touch, travel": _touch("compression_mm"),
-    "ultrasonic, two sensors": _two_sensors,
-    "NOT the fit's model: motor of the independent simulator": _independent_motor(),
-    "NOT the fit's model: the same with Stribeck friction": _independent_motor(
-        stiction_excess_nm=0.012, stribeck_speed_rad_s=2.0
-    ),
-    "NOT the fit's model: mock battery of 0.35 ohm, disc": _motor("motor_steps_disc", 0.35),
-}
+if __name__ == "__main__":
+    main()

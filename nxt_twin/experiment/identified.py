@@ -58,6 +58,7 @@ class Identified:
         compared: values got in another way, for comparison; in no configuration.
         notes: what a person should know, one sentence each.
         config: the plant or sensor, as for a YAML file; None where there is no such thing.
+        recordings: files of the run's folder that a diagnosis of the plant would be about.
     """
 
     experiment: str
@@ -65,6 +66,7 @@ class Identified:
     compared: tuple[Value, ...] = ()
     notes: tuple[str, ...] = ()
     config: Mapping[str, Any] | None = field(default=None)
+    recordings: tuple[str, ...] = ()
 
     def value(self, name: str) -> Value:
         """A parameter by name."""
@@ -83,7 +85,7 @@ class Identified:
         return json.dumps(document, indent=2, ensure_ascii=False)
 
     def write(self, folder: Path) -> tuple[Path, ...]:
-        """Write `identified.json`, and `plant.yaml` or `sensor.yaml` where there is a configuration."""
+        """Write `identified.json`, `plant.yaml` or `sensor.yaml` where there is a configuration, and the case."""
         written = [folder / "identified.json"]
         written[0].write_text(self.to_json() + "\n", encoding="utf-8")
         if self.config is not None:
@@ -92,6 +94,10 @@ class Identified:
             text = yaml.safe_dump(dict(self.config), sort_keys=False, allow_unicode=True)
             path.write_text(_header(self) + text, encoding="utf-8")
             written.append(path)
+            if self.recordings:
+                written.append(folder / "case.yaml")
+                case = {"plant": path.name, "recordings": list(self.recordings)}
+                written[-1].write_text(yaml.safe_dump(case, sort_keys=False), encoding="utf-8")
         return tuple(written)
 
 

@@ -7,6 +7,7 @@ of them, or an inertia that was added, has to come from elsewhere (an anchor).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,9 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from nxt_twin.diagnose.engine import fit_as_it_stands
+from nxt_twin.diagnose.engine import fit_as_it_stands, problem_for
+from nxt_twin.diagnose.judge import noise_floor
+from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.structure import Structure
 from nxt_twin.errors import PlantError
 from nxt_twin.experiment.combine import combined, propagated
@@ -50,6 +53,9 @@ _BATTERY_STEP_V: Final = 0.0139
 """Of the brick's converter, which cuts off: the voltage is uncertain by it, K as much, R·J twice as much."""
 _LEAST_DIFFERENCE: Final = 5.0
 """Between R·J with and without the disc, in standard deviations; a disc that makes less of one anchors nothing."""
+_RUNS_AWAY: Final = 1.25
+"""By how much free runs may be off over what the fit's own noise makes of them: 0.2 to 1.1 in motors of the fit's
+kind, 1.1 to 2.5 with Stribeck friction of 12 mN·m (seeds 20000 to 20130 of `benchmarks.identify`)."""
 _ODD_SQUARES: Final = 11.3
 """What two fits may differ by, in units of their doubt squared, before it is said: 1 % of chance for three."""
 
@@ -63,11 +69,13 @@ class Ratios:
         values: K (N·m/A), R·J (Ω·kg·m²), B/J (1/s), T/J (rad/s²), shape (4,).
         covariance: shape (4, 4).
         structure: the fit itself.
+        runs_off: the error of its free runs over what its own noise would make it; NaN without readings to check.
     """
 
     values: FloatArray
     covariance: FloatArray
     structure: Structure
+    runs_off: float
 
 
 def identify_motor(experiment: MotorIdentification, folder: RunFolder) -> Identified:
@@ -86,16 +94,16 @@ def identify_motor(experiment: MotorIdentification, folder: RunFolder) -> Identi
 
 def identified_from(experiment: MotorIdentification, sets: Mapping[str, Sequence[Recording]]) -> Identified:
     """The same from recordings in memory, by the loads' names."""
-    bare = ratios_of(experiment, sets[experiment.loads[0].name])
+    fits = [ratios_of(experiment, sets[load.name]) for load in experiment.loads]
+    bare = fits[0]
     ratio_values = tuple(
         normal_value(name, value, std, unit)
         for name, value, std, unit in zip(
             _RATIOS, bare.values, np.sqrt(np.diag(bare.covariance)), _RATIO_UNITS, strict=True
         )
     )
-    if len(experiment.loads) == 2:
-        loaded = ratios_of(experiment, sets[experiment.loads[1].name])
-        x, spread, left = _by_disc(bare, loaded, experiment.loads[1])
+    if len(fits) == 2:
+        x, spread, left = _by_disc(bare, fits[1], experiment.loads[1])
         rests = f"the added inertia of {experiment.loads[1].added_inertia_kg_m2:.4g} kg·m²"
         notes = _disc_notes(x, spread, left, experiment)
     else:
@@ -116,14 +124,26 @@ def identified_from(experiment: MotorIdentification, sets: Mapping[str, Sequence
         experiment.kind,
         (*values, *ratio_values[1:]),
         compared,
-        (*notes, *steady_notes, _SUPPLY_NOTE),
+        (*_doubts(fits), *notes, *steady_notes, _SUPPLY_NOTE),
         _config(x, bare),
+        tuple(f"recordings/{recording.name}" for recording in sets[experiment.loads[0].name]),
     )
 
 
 _SUPPLY_NOTE: Final = (
     "The resistance is the whole circuit's: winding, bridge and, by the duty squared, the battery's own."
 )
+
+
+def _doubts(fits: Sequence[Ratios]) -> tuple[str, ...]:
+    """That physics is missing, where the fitted model does not run as the motor did."""
+    away = [fit.runs_off for fit in fits if fit.runs_off > _RUNS_AWAY]
+    if not away:
+        return ()
+    return (
+        f"WARNING: run freely, this model is {max(away):.1f} times as far off as its own noise explains: physics is"
+        " missing, and the intervals do not hold. `nxt-twin diagnose` on the run's folder says what it is.",
+    )
 
 
 def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) -> Ratios:
@@ -148,7 +168,15 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     covariance = fitted.covariance[np.ix_(order, order)]
     ratios, spread = propagated(_ratios, values, covariance)
     by_voltage = ratios * np.array([1.0, 2.0, 0.0, 0.0]) * _battery_doubt(recordings)
-    return Ratios(ratios, spread + np.outer(by_voltage, by_voltage), structure)
+    return Ratios(
+        ratios, spread + np.outer(by_voltage, by_voltage), structure, _runs_off(problem_for(case), structure)
+    )
+
+
+def _runs_off(problem: Problem, structure: Structure) -> float:
+    if not any(check.any() for check in problem.check):
+        return math.nan
+    return structure.free_run_rms[0] / noise_floor(problem, structure.noise)
 
 
 def _battery_doubt(recordings: Sequence[Recording]) -> float:

@@ -39,6 +39,7 @@ class Stepper:
         states = sum(len(effect.states) for effect in plan.effects)
         self._state = np.zeros((len(plants), 3 + states))
         self._elapsed_s = 0.0
+        self._shows_truth = not any("reading" in effect.terms for effect in plan.effects)
         self._delays_s = [_delay_s(plant) for plant in plants]
         self._waiting: list[deque[tuple[float, float, int]]] = [deque() for _ in plants]
         self._in_force = np.zeros(len(plants))
@@ -57,6 +58,8 @@ class Stepper:
     @property
     def shown(self) -> FloatArray:
         """Angles as the encoders show them, rad, shape (plants,)."""
+        if self._shows_truth:
+            return self.angle
         shown = np.empty((self._state.shape[0], 2))
         self._kernel.read_many(self._values, self._active, self._state, shown)
         return shown[:, 0]
@@ -83,6 +86,9 @@ class Stepper:
 
     def _take(self, duty: FloatArray, mode: IntArray) -> None:
         """Bring into force what was commanded a plant's delay ago."""
+        if not any(self._delays_s):
+            self._in_force[:], self._mode_in_force[:] = duty, mode
+            return
         for i, delay_s in enumerate(self._delays_s):
             if delay_s == 0.0:
                 self._in_force[i], self._mode_in_force[i] = duty[i], mode[i]

@@ -13,9 +13,9 @@ _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
 
 def interval_probability(low: FloatArray, high: FloatArray) -> FloatArray:
     """P(low < Z ≤ high) of a standard normal Z, without loss of digits in either tail."""
-    upper = low > 0.0
-    chance = np.where(upper, ndtr(-low) - ndtr(-high), ndtr(high) - ndtr(low))
-    return np.asarray(chance, dtype=np.float64)
+    # In the upper half the mirror image: there the two would both be nearly 1.
+    side = np.where(low > 0.0, -1.0, 1.0)
+    return np.asarray(np.abs(ndtr(side * high) - ndtr(side * low)), dtype=np.float64)
 
 
 def log_interval_probability(low: FloatArray, high: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
 from nxt_twin.sensors.fitting import Fitted, fit_free
@@ -95,11 +96,16 @@ def gain(parameters: UltrasonicParameters) -> float:
 def beam_limit_deg(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
     """The incidence at which half of the echoes are lost, deg; shape as `distance_mm`."""
     p = parameters
-    before = np.maximum(1.0 - distance_mm / p.best_distance_mm, 0.0) ** p.beam_near_shape
-    span = max(p.far_mm - p.best_distance_mm, 1.0)
-    behind = np.maximum((distance_mm - p.best_distance_mm) / span, 0.0) ** p.beam_far_shape
-    near, far = p.contact_angle_deg - p.max_angle_deg, p.far_angle_deg - p.max_angle_deg
-    return np.asarray(p.max_angle_deg + near * before + far * behind, dtype=np.float64)
+    beam = Beam(
+        p.max_angle_deg,
+        p.best_distance_mm,
+        p.contact_angle_deg,
+        p.far_angle_deg,
+        p.far_mm,
+        p.beam_near_shape,
+        p.beam_far_shape,
+    )
+    return beam.limit_deg(distance_mm)
 
 
 def mean_mm(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> FloatArray:

@@ -1,4 +1,5 @@
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from random import Random
 
@@ -17,6 +18,7 @@ from nxt_twin.experiment.standin.rig import Echo, Transducers, place_transducers
 from nxt_twin.experiment.standin.workbench import Workbench, workbench
 from nxt_twin.mock.body.world import World
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.case import read_case
 from nxt_twin.sensors.ultrasonic import UltrasonicParameters
 
 MOTOR = {
@@ -38,8 +40,9 @@ def identify(experiment: Experiment, path: Path, bench: Workbench | None = None)
     return conclude(experiment, folder)
 
 
-def motor_bench() -> Workbench:
-    world = {"motors": {"a": MOTOR}, "battery": {"voltage_v": 8.1, "internal_resistance_ohm": 0.0}}
+def motor_bench(**effects: Mapping[str, float]) -> Workbench:
+    motor = {**MOTOR, "effects": effects}
+    world = {"motors": {"a": motor}, "battery": {"voltage_v": 8.1, "internal_resistance_ohm": 0.0}}
     return workbench(World.model_validate(world))
 
 
@@ -91,10 +94,27 @@ def test_the_papers_own_method_stands_beside_the_fit(tmp_path: Path) -> None:
     assert found.value("coasting_coulomb_over_inertia").value == pytest.approx(0.012 / 1.35e-3, rel=0.1)
 
 
+def test_a_motor_that_is_not_the_models_is_warned_of_and_its_folder_is_a_case(tmp_path: Path) -> None:
+    coast = {"duration_s": 0.8, "mode": "coast"}
+    runs = [
+        {"name": f"step{power}", "segments": [{"duration_s": 1.0, "power_pct": power}, coast]}
+        for power in (100, -60, 30, -20)
+    ]
+    experiment = small("motor_identification", runs=runs)
+    sticky = motor_bench(stiction={"breakaway_torque_nm": 0.03, "stribeck_speed_rad_s": 2.0})
+    found = identify(experiment, tmp_path / "sticky", sticky)
+    assert "physics is missing" in found.notes[0]
+    found.write(tmp_path / "sticky" / "run")
+    case = read_case(tmp_path / "sticky" / "run")
+    assert [recording.rows > 100 for recording in case.recordings] == [True] * len(runs)
+    plain = identify(experiment, tmp_path / "plain", motor_bench())
+    assert not any("physics is missing" in note for note in plain.notes)
+
+
 def test_the_plant_that_is_written_can_be_read_and_is_what_was_found(tmp_path: Path) -> None:
     found = identify(small("motor_identification"), tmp_path, motor_bench())
     paths = found.write(tmp_path)
-    assert [path.name for path in paths] == ["identified.json", "plant.yaml"]
+    assert [path.name for path in paths] == ["identified.json", "plant.yaml", "case.yaml"]
     config = yaml.safe_load(paths[1].read_text())
     plant_from_config(config, "power_pct")
     assert config["inertia_kg_m2"] == pytest.approx(found.value("inertia_kg_m2").value, rel=1e-5)

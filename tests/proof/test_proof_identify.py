@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.identify import STUDIES
+from benchmarks.identify_studies import STUDIES
 
 OURS = [name for name in STUDIES if not name.startswith("NOT")]
 
