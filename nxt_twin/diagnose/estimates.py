@@ -9,6 +9,8 @@ import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Estimate, Moved, Ratio
 from nxt_twin.diagnose.evidence import Evidence
+from nxt_twin.diagnose.intervals import FROZEN_DOUBT
+from nxt_twin.diagnose.likeness import VOLTAGES
 from nxt_twin.diagnose.structure import Structure
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
@@ -16,7 +18,7 @@ from nxt_twin.physics.parameter import Parameter
 from nxt_twin.recording.recording import FloatArray
 
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
-_ELECTRICAL_UNITS = {"Ω": 1.0, "H": 1.0, "A": -1.0}
+_ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)
 _NORMAL_95 = 1.959964
 _KNOWN = 0.5
 
@@ -60,27 +62,28 @@ class _Doubts:
             for slot, ratio in zip(variable.slots, variable.ratios, strict=True)
         }
         self._is_motor = evidence.problem.plant.layout.frame == "motor"
+        self._anchors = ANCHORS if evidence.problem.signals[0].input_kind in VOLTAGES else _ANCHORS_OF_CURRENT
         self.stds = _stds(evidence.final, evidence.covariance)
 
     def estimate(self, slot: Slot, parameter: Parameter) -> Estimate:
         """The parameter at `slot` with everything that is in doubt about it."""
         value = self._structure.plant.values[slot] / parameter.si
         std = self.stds.get(slot, 0.0) / parameter.si
-        rests = self._is_motor and _needs_anchor(parameter)
+        rests = self._is_motor and parameter.likeness != 0.0
         return Estimate(
             value=value,
             std=std,
             unit=parameter.unit,
             interval_95=_interval(value, std, positive=parameter.lower >= 0.0) if std > 0.0 else None,
-            rests_on=ANCHORS if rests else (),
+            rests_on=self._anchors if rests else (),
             ratio=self._ratio(slot, parameter) if rests else None,
         )
 
     def _ratio(self, slot: Slot, parameter: Parameter) -> Ratio | None:
         """A torque over the inertia, a resistance over the winding's: what the recordings fix by themselves."""
-        power = _ELECTRICAL_UNITS.get(parameter.unit, 1.0)
-        symbol = "resistance" if parameter.unit in _ELECTRICAL_UNITS else "inertia"
+        symbol = "inertia" if parameter.dimension.torque else "resistance"
         reference = Slot(BASE_OWNER, symbol)
+        power = parameter.likeness / self._structure.plant.layout.parameters[reference].likeness
         if slot == reference or slot not in self._place or reference not in self._place:
             return None
         values = self._structure.plant.values
@@ -106,12 +109,9 @@ def _interval(value: float, std: float, *, positive: bool) -> tuple[float, float
     return max(value - reach, 0.0) if positive else value - reach, value + reach
 
 
-def _needs_anchor(parameter: Parameter) -> bool:
-    return parameter.dimension.torque != 0.0 or parameter.unit in _ELECTRICAL_UNITS
-
-
 def _ratio_unit(unit: str) -> str:
     known = {"Ω": "1", "H": "s", "A": "V", "N·m": "1/s²", "kg·m²": "1", "N·m·s/rad": "1/s", "N·m/rad": "1/s²"}
+    known["1/J"] = "1/(J·Ω)"
     return known.get(unit, f"{unit}/(kg·m²)")
 
 
@@ -121,11 +121,14 @@ def _stds(structure: Structure, covariance: FloatArray) -> dict[Slot, float]:
     stds = {}
     for effect in structure.plant.effects:
         if "outlier" in effect.terms:
-            slot = Slot(effect.id, effect.parameters[0].symbol)
+            parameter = effect.parameters[0]
+            slot = Slot(effect.id, parameter.symbol)
             share = structure.plant.values[slot]
-            stds[slot] = math.sqrt(share * (1.0 - share) / readings)
+            stds[slot] = math.hypot(math.sqrt(share * (1.0 - share) / readings), parameter.law * share)
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     for variable, std in zip(structure.fitted.variables, spread, strict=True):
         for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
             stds[slot] = float(std) * ratio
+            if structure.plant.layout.parameters[slot].frozen and len(variable.slots) > 1:
+                stds[slot] = math.hypot(stds[slot], FROZEN_DOUBT * structure.plant.values[slot])
     return stds

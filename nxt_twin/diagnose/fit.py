@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from nxt_twin.diagnose.likeness import most_likely, told_apart
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator
@@ -33,6 +34,7 @@ class Variable:
         scale: an ordinary size of the value, SI.
         lower, upper: bounds, SI.
         centre, spread: mean and standard deviation of the weak prior, SI; spread inf is no prior.
+        likeness: the power with which the value grows along the motors that these readings cannot tell apart.
     """
 
     slots: tuple[Slot, ...]
@@ -42,6 +44,7 @@ class Variable:
     upper: float
     centre: float
     spread: float
+    likeness: float = 0.0
 
 
 @final
@@ -117,7 +120,7 @@ def fit(
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
     search = _Search(simulator, plant, tuple(variables), target)
-    x: FloatArray = np.clip(values_of(plant, variables), search.lower, search.upper)
+    x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
     hessian, gradient, objective = search.normal_equations(x, central=False)
     for left in range(iterations if variables else 0, 0, -1):
         free = search.free(x, gradient)
@@ -133,16 +136,17 @@ def fit(
         if gain < patience_nats or left == 1:
             break
         hessian, gradient, _ = search.normal_equations(x, central=False)
+    cost = objective - search.prior_cost(x)
+    x = search.centred(x)
     if covariance:
         hessian, _, _ = search.normal_equations(x, central=True)
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
-    prior_cost = search.prior_cost(x)
     return Fitted(
         moved(plant, variables, x),
         tuple(variables),
         spread * np.outer(search.scale, search.scale),
-        objective - prior_cost,
-        prior_cost,
+        cost,
+        search.prior_cost(x),
         search.readings,
     )
 
@@ -178,6 +182,7 @@ class _Search:
         self.scale = np.array([v.scale for v in variables])
         self.lower = np.array([v.lower for v in variables])
         self.upper = np.array([v.upper for v in variables])
+        self._likeness = np.array([v.likeness for v in variables])
         self._centre = np.array([v.centre for v in variables])
         self._spread = np.array([v.spread for v in variables])
         self._counted = tuple(
@@ -203,6 +208,11 @@ class _Search:
 
     def prior_cost(self, x: FloatArray) -> float:
         return float(0.5 * (((x - self._centre) / self._spread) ** 2).sum())
+
+    def centred(self, x: FloatArray) -> FloatArray:
+        """The likeliest of the motors that these readings cannot tell from `x`."""
+        found = most_likely(x, self._likeness, self._centre, self._spread)
+        return np.asarray(np.clip(found, self.lower, self.upper))
 
     def free(self, x: FloatArray, gradient: FloatArray) -> BoolArray:
         """Which variables a step may move: not those at a bound beyond which they are drawn."""
@@ -232,6 +242,7 @@ class _Search:
             )
             below = result.predicted[size : 2 * size, mask] if central else result.predicted[-1, mask]
             slope = np.nan_to_num((result.predicted[:size, mask] - below) * inverse / width[:, None])
+            slope = told_apart(slope, self._likeness * x / self.scale)
             residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse
             hessian += slope @ slope.T
             gradient -= slope @ np.nan_to_num(residual)

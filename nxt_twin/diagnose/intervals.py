@@ -15,9 +15,12 @@ _BLOCK_S = 1.0
 _FEWEST_BLOCKS = 12
 _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
 _SUPPLY_MOVE = 1e-3
-_FROZEN_DOUBT = 0.15  # of a given inductance
+FROZEN_DOUBT = 0.15  # of a given inductance
 _FROZEN_MOVE = 0.05
 _MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
+_ZERO_DOUBT = 1.0 / math.sqrt(
+    3.0
+)  # quanta: a count stands for some angle within a step of it, to either side
 
 
 def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
@@ -25,22 +28,54 @@ def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
 
     The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
     of the scores over blocks of time (Newey and West's idea, with blocks): where innovations hang together or gather
-    in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own, and what
-    the battery's readings leave open of the supply, and the doubt about what no fit moves (a winding's inductance),
-    come on top.
+    in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own. On top
+    come what nobody told: the supply between the battery's readings, parameters that no fit moves, where within a
+    step the encoder's zero lies, and which of the laws of one name the plant follows (`Parameter.law`).
     """
     variables = linear.variables
     scale = np.array([v.scale for v in variables])
-    bread = linear.slopes @ linear.slopes.T + np.diag(linear.tightness) + 1e-12 * np.eye(scale.size)
-    inverse: FloatArray = np.asarray(np.linalg.pinv(bread, hermitian=True), dtype=np.float64)
-    filling = _block_scatter(linear) + np.diag(linear.tightness)
+    bread = linear.slopes @ linear.slopes.T / _MODEL_DOUBT**2 + np.diag(linear.tightness)
+    inverse: FloatArray = np.asarray(
+        np.linalg.pinv(bread + 1e-12 * np.eye(scale.size), hermitian=True), dtype=np.float64
+    )
+    filling = _block_scatter(linear) / _MODEL_DOUBT**2 + np.diag(linear.tightness)
     sandwich: FloatArray = inverse @ filling @ inverse
-    spread = _MODEL_DOUBT**2 * _larger(inverse, sandwich)
-    shifts = [_SUPPLY_DOUBT / _SUPPLY_MOVE * linear.absorbed(_supply_signature(simulator, linear))[0]]
-    shifts += [_FROZEN_DOUBT / _FROZEN_MOVE * shift for shift in linear.absorbed(_frozen(simulator, linear))]
-    for shift in shifts:
-        spread = spread + np.outer(shift, shift)
+    spread = _larger(inverse, sandwich)
+    untold = [
+        (_SUPPLY_DOUBT / _SUPPLY_MOVE, _supply_signature(simulator, linear)),
+        (FROZEN_DOUBT / _FROZEN_MOVE, _frozen(simulator, linear)),
+        (_ZERO_DOUBT, _zero_signature(simulator, linear)),
+    ]
+    shifts = np.concatenate([size * linear.absorbed(signature) for size, signature in untold])
+    spread = spread + shifts.T @ shifts + np.diag(_law_doubts(linear) ** 2)
     return np.asarray(spread * np.outer(scale, scale))
+
+
+def _law_doubts(linear: Linear) -> FloatArray:
+    """What laws of the same name leave open of each variable, in its scale, shape (variables,)."""
+    plant = linear.structure.plant
+    slots = [variable.slots[0] for variable in linear.variables]
+    laws = np.array([plant.layout.parameters[slot].law * plant.values[slot] for slot in slots])
+    return np.asarray(laws / np.array([variable.scale for variable in linear.variables]))
+
+
+def _zero_signature(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What it would do to the predictions if every reading were a quantum higher, the quantum itself taken off."""
+    jobs = []
+    for job in linear.jobs:
+        signals, start = job.signals, job.start
+        higher = replace(signals, measured=signals.measured + signals.quantum)
+        jobs.append(
+            replace(job, signals=higher, start=replace(start, position=start.position + signals.quantum))
+        )
+    if any(job.signals.is_speed for job in jobs):
+        return np.zeros((1, linear.innovations.size))
+    values, active = linear.structure.plant.vectors()
+    moved = [
+        replace(result, predicted=result.predicted - job.signals.quantum)
+        for result, job in zip(simulator.run(values[None], active[None], jobs), jobs, strict=True)
+    ]
+    return linear.whitened(moved)
 
 
 def _frozen(simulator: Simulator, linear: Linear) -> FloatArray:

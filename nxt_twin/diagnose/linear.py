@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.diagnose.fit import BoolArray, Target, Variable, values_of
+from nxt_twin.diagnose.likeness import told_apart
 from nxt_twin.diagnose.noise import with_noise
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.structure import Structure, step_for
@@ -125,9 +126,10 @@ def linearise(
         for job, result in zip(jobs, results, strict=True)
     )
     slopes, innovations = [], []
+    along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)
     for job, result, mask, own in zip(jobs, results, counted, gain, strict=True):
         rise = (result.predicted[:-1:2] - result.predicted[1:-1:2]) / widths[:, None]
-        slopes.append(np.nan_to_num((rise * own)[:, mask]))
+        slopes.append(told_apart(np.nan_to_num((rise * own)[:, mask]), along))
         innovations.append(np.nan_to_num(((job.signals.measured - result.predicted[-1]) * own)[mask]))
     return Linear(
         structure=structure,

@@ -8,12 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from nxt_twin.diagnose.fit import Variable
+from nxt_twin.diagnose.likeness import VOLTAGES
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import smoothed
+
+_RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 
 def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
@@ -45,12 +48,14 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     it everything but the share of a fault, which follows from the readings' weights and not from a slope.
     """
     shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
+    driven = scale.recordings[0].input_kind if scale.recordings else None
+    alike = plant.layout.frame == "motor" and driven in VOLTAGES
     found = []
     for slot, parameter in plant.layout.parameters.items():
         if slot not in plant.values or slot.owner in shares or parameter.tied_to:
             continue
         if slot not in baseline.values or not parameter.frozen:
-            found.append(_variable(slot, parameter.scaled(scale), baseline))
+            found.append(_variable(slot, parameter.scaled(scale), baseline, alike=alike))
     return tuple(found)
 
 
@@ -63,7 +68,7 @@ def starts_of(effect: Effect, scale: Scale) -> list[dict[str, float]]:
     ]
 
 
-def _variable(slot: Slot, parameter: Parameter, baseline: Plant) -> Variable:
+def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool) -> Variable:
     typical = parameter.starts[0] * parameter.si
     given = baseline.values.get(slot)
     centre = typical if given is None else given
@@ -73,6 +78,8 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant) -> Variable:
         for (owner, symbol), other in baseline.layout.parameters.items()
         if owner == slot.owner and other.tied_to == slot.symbol
     ]
+    if alike and slot == _RESISTANCE:
+        tied += _given_with_it(baseline, parameter.likeness)
     return Variable(
         slots=(slot, *tied),
         ratios=(1.0, *(baseline.values[other] / centre for other in tied)),
@@ -81,7 +88,17 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant) -> Variable:
         upper=max(parameter.upper * parameter.si, centre),
         centre=centre,
         spread=scale * (parameter.spread if given is None else parameter.doubt),
+        likeness=parameter.likeness if alike else 0.0,
     )
+
+
+def _given_with_it(baseline: Plant, likeness: float) -> list[Slot]:
+    """What no fit moves by itself and is known, if at all, as a ratio to the resistance: a winding's inductance."""
+    return [
+        slot
+        for slot, parameter in baseline.layout.parameters.items()
+        if slot in baseline.values and parameter.frozen and parameter.likeness == likeness
+    ]
 
 
 def _base(plant: Plant, symbol: str) -> float:

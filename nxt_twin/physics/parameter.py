@@ -37,6 +37,8 @@ DAMPING = Dimension(torque=1.0, speed=-1.0)
 STIFFNESS = Dimension(torque=1.0, speed=-1.0)
 DRAG = Dimension(torque=1.0, speed=-2.0)
 
+_LIKE_A_CURRENT = {"A": 1.0, "Ω": -1.0, "H": -1.0, "1/J": -1.0}
+
 
 @final
 @dataclass(frozen=True)
@@ -72,6 +74,8 @@ class Parameter:
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
         otherwise: value, in `unit`, where a plant file leaves it out; None if it must not.
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
+        law: how far laws of the same name differ about it, one standard deviation as a fraction of the value: what
+            no recording tells of a truth that follows another of them.
     """
 
     name: str
@@ -89,6 +93,15 @@ class Parameter:
     elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
     otherwise: float | None = None
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
+    law: float = 0.0
+
+    @property
+    def likeness(self) -> float:
+        """The power with which it grows among motors that angle and voltage cannot tell apart.
+
+        Twice the torques, inertias and currents and half the resistances make the same motion.
+        """
+        return self.dimension.torque or _LIKE_A_CURRENT.get(self.unit, 0.0)
 
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnose_motors import clean_case, settled
+from diagnose_motors import clean_case, recorded, settled
 
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.intervals import robust_covariance
@@ -27,9 +27,8 @@ def stds(covariance):
 def test_no_direction_is_surer_than_by_the_plain_covariance(fitted):
     simulator, linear = fitted
     scale = np.array([v.scale for v in linear.variables])
-    plain = np.linalg.inv(linear.slopes @ linear.slopes.T + np.diag(linear.tightness)) * np.outer(
-        scale, scale
-    )
+    plain = np.linalg.inv(linear.slopes @ linear.slopes.T + np.diag(linear.tightness))
+    plain *= np.outer(scale, scale)
     robust = robust_covariance(simulator, linear)
     assert np.allclose(robust, robust.T)
     assert (stds(robust) >= 0.999 * stds(plain)).all()
@@ -51,3 +50,57 @@ def test_the_doubt_about_the_supply_bounds_how_sure_the_back_emf_can_be(fitted):
     place = next(n for n, v in enumerate(linear.variables) if v.slots[0].symbol == "torque_constant")
     value = linear.structure.plant.values[linear.variables[place].slots[0]]
     assert stds(robust_covariance(simulator, linear))[place] / value > 1e-3
+
+
+def std_of(linear, covariance, symbol):
+    place = next(n for n, v in enumerate(linear.variables) if v.slots[0].symbol == symbol)
+    value = linear.structure.plant.values[linear.variables[place].slots[0]]
+    return stds(covariance)[place], value
+
+
+@pytest.fixture(scope="module")
+def stopped():
+    case = recorded(43, motor={"stop_side": 1.0, "stop_rad": 3.0})
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        added = {"end_stop": {"limit": 2.9, "restitution": 0.4}}
+        problem, _, final = settled(simulator, case, added=added)
+        yield simulator, linearise(simulator, problem, final)
+
+
+def test_hits_against_a_stop_tell_nothing_of_how_large_torques_are(fitted, stopped):
+    for simulator, linear in (fitted, stopped):
+        std, resistance = std_of(linear, robust_covariance(simulator, linear), "resistance")
+        assert 0.07 < std / resistance < 0.15
+
+
+def test_where_a_stop_stands_is_known_to_about_a_count(stopped):
+    simulator, linear = stopped
+    std, limit = std_of(linear, robust_covariance(simulator, linear), "limit")
+    assert np.radians(0.4) < std < np.radians(2.0)
+    assert abs(limit - 3.0) < 2.0 * std
+
+
+def test_where_the_zero_of_the_encoder_lies_matters_to_nothing_that_turns_with_it(fitted):
+    simulator, linear = fitted
+    coarse = replace(
+        linear, jobs=tuple(replace(job, signals=replace(job.signals, quantum=0.2)) for job in linear.jobs)
+    )
+    fine, rough = (robust_covariance(simulator, one) for one in (linear, coarse))
+    assert np.allclose(stds(rough), stds(fine), rtol=1e-3)
+
+
+def test_what_laws_of_one_name_leave_open_is_in_the_interval(fitted):
+    simulator, linear = fitted
+    place = next(n for n, v in enumerate(linear.variables) if v.slots[0].symbol == "coulomb")
+    slot = linear.variables[place].slots[0]
+    told = linear.structure.plant.layout.parameters
+    before = stds(robust_covariance(simulator, linear))
+    try:
+        kept = told[slot]
+        told[slot] = replace(kept, law=0.5)
+        after = stds(robust_covariance(simulator, linear))
+    finally:
+        told[slot] = kept
+    added = 0.5 * linear.structure.plant.values[slot]
+    assert after[place] == pytest.approx(np.hypot(before[place], added), rel=1e-6)
+    assert np.allclose(np.delete(after, place), np.delete(before, place))

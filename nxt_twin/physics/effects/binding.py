@@ -41,6 +41,7 @@ PRESLIDING = Effect(
             spread=3.0,
             si=math.pi / 180.0,
             elsewhere={"linear": ("presliding_mm", "mm", 1e-3)},
+            law=0.1,  # Dahl's exponent from 1 to 2, at the same stiffness, reads as a reach up to a fifth shorter
         ),
     ),
     terms={"hold": _bristles, "advance": _bend},

@@ -40,7 +40,10 @@ VOLTAGE_DROP = Effect(
     source="the contact drop of brushes and the saturation of a bipolar bridge, taken as constant",
     equation_of="electrical",
     shows=("low_speed", "direction"),
-    parameters=(Parameter("drop_v", "brush_drop", "V", NUMBER, (0.4, 1.0), 0.0, 5.0),),
+    parameters=(
+        # A real drop sets in gradually with the current; the law is that of a step.
+        Parameter("drop_v", "brush_drop", "V", NUMBER, (0.4, 1.0), 0.0, 5.0, law=0.05),
+    ),
     terms={"drop": _drop},
     confusable_with={
         "coulomb_friction": "a coast-down without current tells: friction brakes it, a drop does not",
@@ -151,7 +154,18 @@ WINDING_HEATING = Effect(
     shows=("elapsed_time", "high_current"),
     parameters=(
         Parameter("resistance_rise_per_joule", "rise", "1/J", NUMBER, (0.01, 0.05, 2e-3), 0.0, 1.0),
-        Parameter("thermal_time_constant_s", "thermal_time", "s", NUMBER, (45.0,), 2.0, 1000.0, spread=2.0),
+        # The heat may be that of the cold resistance or of the warm one, which makes the more the warmer it is.
+        Parameter(
+            "thermal_time_constant_s",
+            "thermal_time",
+            "s",
+            NUMBER,
+            (45.0,),
+            2.0,
+            1000.0,
+            spread=2.0,
+            law=0.3,
+        ),
     ),
     terms={"resistance": _heated, "advance": _warmer},
     states=("warm",),

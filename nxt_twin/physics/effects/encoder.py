@@ -42,6 +42,7 @@ MISSED_COUNTS = Effect(
             0.5,
             40.0,
             elsewhere={"linear": ("speed_threshold_m_s", "m/s")},
+            law=0.2 * _EDGE,  # a counter may begin to lose more suddenly, or less
         ),
     ),
     terms={"reading": _miscount, "advance": _lose},

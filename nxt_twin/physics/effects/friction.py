@@ -158,16 +158,18 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
 )
 
 
-def _stribeck(level: float, speed: float, breakaway: float, stribeck_speed: float) -> float:
-    ratio = speed / stribeck_speed
-    return level + max(0.0, breakaway - level) * math.exp(-ratio * ratio)
+def _stribeck(
+    level: float, speed: float, breakaway: float, stribeck_speed: float, stribeck_exponent: float
+) -> float:
+    fading = (abs(speed) / stribeck_speed) ** stribeck_exponent
+    return level + max(0.0, breakaway - level) * math.exp(-fading)
 
 
 STICTION = Effect(
     id="stiction",
     name="Stribeck stiction",
-    equation="|τ| = Tc + (Ts - Tc)·exp(-(ω/ωs)²), Ts at rest",
-    source="Stribeck's curve in the form of Armstrong-Hélouvry 1994",
+    equation="|τ| = Tc + (Ts - Tc)·exp(-(|ω|/ωs)^δ), Ts at rest",
+    source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, who list exponents δ from 0.5 to 2",
     equation_of="torque_balance",
     shows=("low_speed", "reversal"),
     parameters=(
@@ -191,6 +193,18 @@ STICTION = Effect(
             10.0,
             spread=1.0,
             elsewhere={"linear": ("stribeck_speed_m_s", "m/s")},
+            law=0.2,  # some laws name the speed at which the excess has halved, others that at which 1/e is left
+        ),
+        Parameter(
+            "stribeck_exponent",
+            "stribeck_exponent",
+            "1",
+            NUMBER,
+            (1.5,),
+            0.5,
+            3.0,
+            spread=0.3,
+            otherwise=2.0,
         ),
     ),
     terms={"friction": _stribeck},

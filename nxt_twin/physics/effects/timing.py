@@ -28,28 +28,36 @@ COMMAND_DELAY = Effect(
 )
 
 
+_REPEATED = 0.5  # of the stale readings: as likely the last one again as one stamped late
+
+
 def _stale_density(
     reading: float, predicted: float, last_reading: float, reading_std: float, stale_fraction: float
 ) -> float:
     low = min(last_reading, predicted)
     high = max(last_reading, predicted)
     width = high - low
+    repeated = math.exp(-0.5 * ((reading - last_reading) / reading_std) ** 2)
+    repeated /= reading_std * math.sqrt(2.0 * math.pi)
     if width < 0.1 * reading_std:
-        gauss = math.exp(-0.5 * ((reading - predicted) / reading_std) ** 2)
-        return stale_fraction * gauss / (reading_std * math.sqrt(2.0 * math.pi))
+        return stale_fraction * repeated
     scale = reading_std * math.sqrt(2.0)
     inside = math.erf((reading - low) / scale) - math.erf((reading - high) / scale)
-    return stale_fraction * 0.5 * inside / width
+    late = 0.5 * inside / width
+    return stale_fraction * (_REPEATED * repeated + (1.0 - _REPEATED) * late)
 
 
 STALE_SAMPLES = Effect(
     id="stale_samples",
     name="stale samples",
-    equation="with probability p a reading was taken at any time since the last one, and stamped late",
-    source="our own: a mixture likelihood, uniform between last reading and prediction",
+    equation="with probability p a reading is the last one again, or was taken at any time since and stamped late",
+    source="our own: a mixture likelihood, half at the last reading, half uniform from there to the prediction",
     equation_of="timing",
     shows=("after_gap",),
-    parameters=(Parameter("stale_fraction", "stale_fraction", "1", NUMBER, (0.02,), 1e-4, 0.5, frozen=True),),
+    parameters=(
+        # How many of the readings that lie between count as late hangs on how late they are.
+        Parameter("stale_fraction", "stale_fraction", "1", NUMBER, (0.02,), 1e-4, 0.5, frozen=True, law=0.1),
+    ),
     terms={"outlier": _stale_density},
     fault=True,
 )
@@ -71,8 +79,9 @@ CLOCK_SKEW = Effect(
     equation_of="timing",
     shows=("high_speed", "elapsed_time"),
     parameters=(
-        Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03,), 0.0, 0.5),
-        Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=1.0),
+        # A triangle's first harmonic spans a fifth less than the triangle, a square's a quarter more.
+        Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03,), 0.0, 0.5, law=0.12),
+        Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=2.0),
         Parameter(
             "lag_period_s",
             "lag_period",

@@ -101,6 +101,7 @@ BACKLASH = Effect(
             spread=2.0,
             si=math.pi / 180.0,
             elsewhere={"linear": ("gap_mm", "mm", 1e-3)},
+            law=0.1,  # flanks that bounce let a load cross its play sooner than flanks that hold it
         ),
         _LOAD_INERTIA,
     ),

@@ -1,0 +1,49 @@
+"""Motors that move all alike: twice every torque, inertia and current at half of every resistance.
+
+Angle and voltage cannot tell one of them from another; only the given numbers and their priors can.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nxt_twin.recording.recording import FloatArray
+
+VOLTAGES = ("power_pct", "voltage_v")
+"""Inputs under which a motor's motion tells nothing of the size of its torques."""
+
+_ROUNDS = 6
+
+
+def told_apart(slopes: FloatArray, along: FloatArray) -> FloatArray:
+    """`slopes` without what they have between such motors, shape (variables, readings).
+
+    There they hold nothing but the unevenness of finite differences over stops, sticking and late readings, which
+    would pass for evidence of what only the priors know.
+
+    Args:
+        slopes: of each reading for each variable, in the variable's scale.
+        along: how the variables, in their scales, change from one such motor to the next, shape (variables,).
+    """
+    size = float(along @ along)
+    return np.asarray(slopes - np.outer(along, along @ slopes) / size) if size > 0.0 else slopes
+
+
+def most_likely(x: FloatArray, likeness: FloatArray, centre: FloatArray, spread: FloatArray) -> FloatArray:
+    """Of all motors that move as that of `x` the one that the weak priors hold for the likeliest.
+
+    Args:
+        x: values of the variables, SI, as all else shape (variables,).
+        likeness: the power with which each grows from one such motor to the next.
+        centre: means of the priors.
+        spread: their standard deviations, inf where there is none.
+    """
+    if not likeness.any():
+        return x
+    size = 0.0
+    for _ in range(_ROUNDS):
+        grown = x * np.exp(likeness * size)
+        slope = likeness * grown / spread
+        steepness = max(float(slope @ slope), 1e-300)
+        size -= float(np.clip(float(slope @ ((grown - centre) / spread)) / steepness, -0.5, 0.5))
+    return np.asarray(x * np.exp(likeness * size))
