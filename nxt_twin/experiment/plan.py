@@ -80,9 +80,8 @@ class Range(BaseModel):
         return tuple(round(self.first + n * sign * self.step, 9) for n in range(count))
 
 
-@final
-class DistanceSweep(BaseModel):
-    """Section III.C: an ultrasonic sensor square on to a target, at every distance.
+class _BeforeATarget(BaseModel):
+    """Section III.C: an ultrasonic sensor before a target that is put at several distances.
 
     Attributes:
         slot: the sensor's port.
@@ -93,7 +92,7 @@ class DistanceSweep(BaseModel):
 
     model_config = _STRICT
 
-    kind: Literal["distance_sweep"]
+    kind: str
     name: str
     why: str = ""
     slot: Slot = 4
@@ -103,27 +102,23 @@ class DistanceSweep(BaseModel):
 
 
 @final
-class AngleSweep(BaseModel):
-    """Section III.C: an ultrasonic sensor turned away from its target until no echo is left, at several distances.
+class DistanceSweep(_BeforeATarget):
+    """The sensor square on to its target, at every distance."""
+
+    kind: Literal["distance_sweep"]
+
+
+@final
+class AngleSweep(_BeforeATarget):
+    """The sensor turned away from its target until no echo is left, at each distance.
 
     Attributes:
-        slot: the sensor's port.
-        distance_mm: where the target is put.
         angle_deg: to what the sensor is turned, growing; ended early where no reading is valid.
-        samples: readings at each place.
-        pace: how long to wait.
     """
 
-    model_config = _STRICT
-
     kind: Literal["angle_sweep"]
-    name: str
-    why: str = ""
-    slot: Slot = 4
-    distance_mm: Range
     angle_deg: Range
     samples: Samples = 64
-    pace: UltrasonicPace = Pace()
 
 
 @final

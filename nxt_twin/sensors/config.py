@@ -10,7 +10,7 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, TypeVar, final
+from typing import Any, ClassVar, Self, TypeVar, final
 
 from nxt_twin.sensors.errors import SensorError
 
@@ -37,6 +37,25 @@ class Layout:
     def nested_fields(self) -> frozenset[str]:
         """The dataclass fields that belong to an effect."""
         return frozenset(field for names in self.effects.values() for field in names.values())
+
+
+class Configured:
+    """What the dataclasses of sensors' parameters have in common; each names its layout."""
+
+    layout: ClassVar[Layout]
+
+    def to_config(self) -> dict[str, Any]:
+        """The parameters as a YAML-ready mapping."""
+        return to_config(self.layout, self)
+
+    @classmethod
+    def from_config(cls, config: Mapping[str, Any]) -> Self:
+        """Read them from a mapping as `to_config` writes it.
+
+        Raises:
+            SensorError: a kind, key or value that is none.
+        """
+        return from_config(cls.layout, cls, config)
 
 
 def to_config(layout: Layout, parameters: Any) -> dict[str, Any]:  # noqa: ANN401  # any parameters dataclass

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.sensors.errors import SensorError
 
 ParametersT = TypeVar("ParametersT")
 
@@ -62,6 +63,22 @@ class Fitted(Generic[ParametersT]):
     std: Mapping[str, float]
     covariance: FloatArray
     log_likelihood: float
+
+
+def chosen(known: Sequence[Free], names: Sequence[str], readings: FloatArray, sensor: str) -> list[Free]:
+    """The parameters of these names, if so many readings can tell them.
+
+    Raises:
+        SensorError: a name that cannot be fitted, or no more readings than parameters.
+    """
+    by_name = {part.name: part for part in known}
+    unknown = [name for name in names if name not in by_name]
+    if unknown:
+        mend = f"known are {', '.join(by_name)}"
+        raise SensorError(f"cannot fit {', '.join(unknown)}", where=sensor, mend=mend)
+    if int(np.count_nonzero(~np.isnan(readings))) <= len(names):
+        raise SensorError("too few readings", where=sensor, mend="record more")
+    return [by_name[name] for name in names]
 
 
 def fit_free(

@@ -8,21 +8,19 @@ Default parameters are the ideal sensor: a straight line and small noise.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self, final
+from typing import ClassVar, final
 
 import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.sensors.arrays import FloatArray
-from nxt_twin.sensors.config import Layout, from_config, to_config
+from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.converter import HIGHEST_RAW, converted, log_probability_each
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, fit_free
-from nxt_twin.sensors.intervals import log_interval_probability
-
-HIGHEST_RAW = 1023.0
+from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
 
 LAYOUT = Layout(
     "light_sensor",
@@ -40,7 +38,7 @@ LAYOUT = Layout(
 
 @final
 @dataclass(frozen=True)
-class LightParameters:
+class LightParameters(Configured):
     """A light sensor.
 
     Attributes:
@@ -56,6 +54,8 @@ class LightParameters:
         flicker_frequency_hz, flicker_amplitude_raw, flicker_phase_rad: a sine in time; amplitude 0 is off.
     """
 
+    layout: ClassVar[Layout] = LAYOUT
+
     slope_raw_per_mm: float = 0.0
     zero_raw: float = 500.0
     noise_raw: float = 2.0
@@ -68,19 +68,6 @@ class LightParameters:
     flicker_frequency_hz: float = 100.0
     flicker_amplitude_raw: float = 0.0
     flicker_phase_rad: float = 0.0
-
-    def to_config(self) -> dict[str, Any]:
-        """The parameters as a YAML-ready mapping."""
-        return to_config(LAYOUT, self)
-
-    @classmethod
-    def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """Read them from a mapping as `to_config` writes it.
-
-        Raises:
-            SensorError: a kind, key or value that is none.
-        """
-        return from_config(LAYOUT, cls, config)
 
 
 @final
@@ -115,8 +102,6 @@ FREE: tuple[Free, ...] = (
 )
 """The parameters that can be fitted, with their bounds."""
 
-_FREE_BY_NAME = {part.name: part for part in FREE}
-
 
 def mean_raw(parameters: LightParameters, truth: LightTruth) -> FloatArray:
     """The reading's mean before noise, rounding and the converter's ends, shape (polls,)."""
@@ -146,14 +131,8 @@ def flattened(parameters: LightParameters, level: FloatArray) -> FloatArray:
 
 def log_likelihood_each(parameters: LightParameters, readings: FloatArray, truth: LightTruth) -> FloatArray:
     """The logarithm of each reading's probability, nats, shape (polls,); 0 where the reading is NaN."""
-    if readings.shape != truth.position_mm.shape:
-        raise SensorError("readings and truth differ in length", where="light sensor")
-    seen = ~np.isnan(readings)
-    given = np.where(seen, readings, 0.0)
     mean = mean_raw(parameters, truth)
-    low = np.where(given <= 0.0, -np.inf, (given - 0.5 - mean) / parameters.noise_raw)
-    high = np.where(given >= HIGHEST_RAW, np.inf, (given + 0.5 - mean) / parameters.noise_raw)
-    return np.where(seen, log_interval_probability(low, high), 0.0)
+    return log_probability_each(readings, mean, parameters.noise_raw, "light sensor")
 
 
 def log_likelihood(parameters: LightParameters, readings: FloatArray, truth: LightTruth) -> float:
@@ -164,7 +143,7 @@ def log_likelihood(parameters: LightParameters, readings: FloatArray, truth: Lig
 def simulate(parameters: LightParameters, truth: LightTruth, rng: Generator) -> FloatArray:
     """Raw readings 0 to 1023, shape (polls,), drawn from the model."""
     noise = parameters.noise_raw * rng.standard_normal(truth.position_mm.size)
-    return np.clip(np.rint(mean_raw(parameters, truth) + noise), 0.0, HIGHEST_RAW)
+    return converted(mean_raw(parameters, truth) + noise)
 
 
 def expected(
@@ -194,16 +173,11 @@ def fit(
     Raises:
         SensorError: a name that cannot be fitted, or too few readings.
     """
-    unknown = [name for name in free if name not in _FREE_BY_NAME]
-    if unknown:
-        mend = f"known are {', '.join(_FREE_BY_NAME)}"
-        raise SensorError(f"cannot fit {', '.join(unknown)}", where="light sensor", mend=mend)
-    if int(np.count_nonzero(~np.isnan(readings))) <= len(free):
-        raise SensorError("too few readings", where="light sensor", mend="record more")
+    wanted = chosen(FREE, free, readings, "light sensor")
     return fit_free(
         lambda parameters: log_likelihood(parameters, readings, truth),
         start or straight_line(readings, truth.position_mm),
-        [_FREE_BY_NAME[name] for name in free],
+        wanted,
     )
 
 

@@ -7,28 +7,25 @@ c_input.h. That percent grows as a compressed power of the sound pressure is an 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self, final
+from typing import ClassVar, final
 
 import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.sensors.arrays import FloatArray
-from nxt_twin.sensors.config import Layout, from_config, to_config
-from nxt_twin.sensors.errors import SensorError
+from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.converter import HIGHEST_RAW, converted, log_probability_each
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, fit_free
-from nxt_twin.sensors.intervals import log_interval_probability
-
-HIGHEST_RAW = 1023.0
+from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
 
 LAYOUT = Layout("sound_sensor", {})
 
 
 @final
 @dataclass(frozen=True)
-class SoundParameters:
+class SoundParameters(Configured):
     """A sound sensor.
 
     Attributes:
@@ -40,25 +37,14 @@ class SoundParameters:
         weighted: 1 for the dBA mode, which hears as an ear does; 0 for dB.
     """
 
+    layout: ClassVar[Layout] = LAYOUT
+
     silent_raw: float = 1000.0
     loud_raw: float = 162.0
     loud_db: float = 90.0
     exponent: float = 0.466
     noise_raw: float = 6.0
     weighted: float = 0.0
-
-    def to_config(self) -> dict[str, Any]:
-        """The parameters as a YAML-ready mapping."""
-        return to_config(LAYOUT, self)
-
-    @classmethod
-    def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """Read them from a mapping as `to_config` writes it.
-
-        Raises:
-            SensorError: a kind, key or value that is none.
-        """
-        return from_config(LAYOUT, cls, config)
 
 
 @final
@@ -78,8 +64,6 @@ FREE: tuple[Free, ...] = (
     Free("noise_raw", 0.1, 300.0, 0.5),
 )
 """The parameters that can be fitted, with their bounds. `loud_db` only where readings reach the end."""
-
-_FREE_BY_NAME = {part.name: part for part in FREE}
 
 
 def a_weighting_db(frequency_hz: FloatArray) -> FloatArray:
@@ -101,20 +85,14 @@ def mean_raw(parameters: SoundParameters, truth: SoundTruth) -> FloatArray:
 
 def log_likelihood(parameters: SoundParameters, readings: FloatArray, truth: SoundTruth) -> float:
     """The log-likelihood of the raw readings, nats; exact for a rounded reading."""
-    if readings.shape != truth.level_db.shape:
-        raise SensorError("readings and truth differ in length", where="sound sensor")
-    seen = ~np.isnan(readings)
-    given = np.where(seen, readings, 0.0)
     mean = mean_raw(parameters, truth)
-    low = np.where(given <= 0.0, -np.inf, (given - 0.5 - mean) / parameters.noise_raw)
-    high = np.where(given >= HIGHEST_RAW, np.inf, (given + 0.5 - mean) / parameters.noise_raw)
-    return float(np.sum(np.where(seen, log_interval_probability(low, high), 0.0)))
+    return float(np.sum(log_probability_each(readings, mean, parameters.noise_raw, "sound sensor")))
 
 
 def simulate(parameters: SoundParameters, truth: SoundTruth, rng: Generator) -> FloatArray:
     """Raw readings 0 to 1023, shape (polls,), drawn from the model."""
     noise = parameters.noise_raw * rng.standard_normal(truth.level_db.size)
-    return np.clip(np.rint(mean_raw(parameters, truth) + noise), 0.0, HIGHEST_RAW)
+    return converted(mean_raw(parameters, truth) + noise)
 
 
 def expected(parameters: SoundParameters, level_db: float, frequency_hz: float = 1000.0) -> Expected:
@@ -142,14 +120,9 @@ def fit(
     Raises:
         SensorError: a name that cannot be fitted, or too few readings.
     """
-    unknown = [name for name in free if name not in _FREE_BY_NAME]
-    if unknown:
-        mend = f"known are {', '.join(_FREE_BY_NAME)}"
-        raise SensorError(f"cannot fit {', '.join(unknown)}", where="sound sensor", mend=mend)
-    if int(np.count_nonzero(~np.isnan(readings))) <= len(free):
-        raise SensorError("too few readings", where="sound sensor", mend="record more")
+    wanted = chosen(FREE, free, readings, "sound sensor")
     return fit_free(
         lambda parameters: log_likelihood(parameters, readings, truth),
         start or SoundParameters(),
-        [_FREE_BY_NAME[name] for name in free],
+        wanted,
     )

@@ -7,19 +7,19 @@ Default parameters are the ideal sensor: it switches at one force.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Self, final
+from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 from numpy.random import Generator
 from scipy.special import log_ndtr, ndtr
 
 from nxt_twin.sensors.arrays import FloatArray
-from nxt_twin.sensors.config import Layout, from_config, to_config
+from nxt_twin.sensors.config import Configured, Layout
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, fit_free
+from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
 from nxt_twin.sensors.intervals import log_interval_probability
 
 Stroke = Literal["force_g", "travel_mm"]
@@ -39,7 +39,7 @@ LAYOUT = Layout(
 
 @final
 @dataclass(frozen=True)
-class TouchParameters:
+class TouchParameters(Configured):
     """A touch sensor.
 
     Attributes:
@@ -52,6 +52,8 @@ class TouchParameters:
         press_travel_mm, release_travel_mm: hysteresis by travel; None is off.
     """
 
+    layout: ClassVar[Layout] = LAYOUT
+
     switch_force_g: float = 60.0
     switch_travel_mm: float = 2.0
     force_noise_g: float = 0.5
@@ -61,19 +63,6 @@ class TouchParameters:
     release_force_g: float | None = None
     press_travel_mm: float | None = None
     release_travel_mm: float | None = None
-
-    def to_config(self) -> dict[str, Any]:
-        """The parameters as a YAML-ready mapping."""
-        return to_config(LAYOUT, self)
-
-    @classmethod
-    def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """Read them from a mapping as `to_config` writes it.
-
-        Raises:
-            SensorError: a kind, key or value that is none.
-        """
-        return from_config(LAYOUT, cls, config)
 
     def thresholds(self, stroke: Stroke) -> tuple[float, float, float]:
         """Where it closes, where it opens, and the standard deviation of both, in the stroke's unit."""
@@ -108,7 +97,6 @@ FREE: tuple[Free, ...] = (
 )
 """The parameters that can be fitted, with their bounds."""
 
-_FREE_BY_NAME = {part.name: part for part in FREE}
 _LEAST = 1e-12
 _ANYWHERE = 0.01
 """The share of a stroke's polls at any one of which a misreading may end it: about one in a hundred."""
@@ -261,16 +249,13 @@ def fit(
             if by_force
             else ("press_travel_mm", "release_travel_mm", "travel_noise_mm")
         )
-    unknown = [name for name in free if name not in _FREE_BY_NAME]
-    if unknown:
-        mend = f"known are {', '.join(_FREE_BY_NAME)}"
-        raise SensorError(f"cannot fit {', '.join(unknown)}", where="touch sensor", mend=mend)
+    wanted = chosen(FREE, free, readings, "touch sensor")
     strokes = strokes_of(readings, truth.values)
     begin = start or first_guess(strokes, truth.stroke)
     fitted = fit_free(
         lambda parameters: float(np.sum(log_likelihood_strokes(parameters, strokes, truth.stroke))),
         begin,
-        [_FREE_BY_NAME[name] for name in free],
+        wanted,
     )
     return _unbiased(fitted, strokes, "force_noise_g" if by_force else "travel_noise_mm")
 

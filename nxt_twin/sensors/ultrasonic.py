@@ -19,7 +19,7 @@ from nxt_twin.sensors.arrays import FloatArray
 from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, fit_free
+from nxt_twin.sensors.fitting import Fitted, chosen, fit_free
 from nxt_twin.sensors.intervals import interval_probability, logistic
 from nxt_twin.sensors.pings import at_pings, first_polls, ping_numbers
 from nxt_twin.sensors.ultrasonic_parameters import FREE, LAYOUT, REFERENCE_TEMPERATURE_C, UltrasonicParameters
@@ -298,16 +298,11 @@ def fit(
     Raises:
         SensorError: a name that cannot be fitted, or too few readings.
     """
-    unknown = [name for name in free if name not in _FREE_BY_NAME]
-    if unknown:
-        mend = f"known are {', '.join(_FREE_BY_NAME)}"
-        raise SensorError(f"cannot fit {', '.join(unknown)}", where="ultrasonic sensor", mend=mend)
-    if int(np.count_nonzero(~np.isnan(readings))) <= len(free):
-        raise SensorError("too few readings", where="ultrasonic sensor", mend="record more")
+    wanted = chosen(FREE, free, readings, "ultrasonic sensor")
     return fit_free(
         lambda parameters: log_likelihood(parameters, readings, truth),
         _with_thresholds(start or UltrasonicParameters(), readings, truth, free),
-        [_FREE_BY_NAME[name] for name in free],
+        wanted,
     )
 
 

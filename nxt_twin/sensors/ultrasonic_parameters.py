@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self, final
+from typing import ClassVar, final
 
-from nxt_twin.sensors.config import Layout, from_config, to_config
+from nxt_twin.sensors.config import Configured, Layout
 from nxt_twin.sensors.fitting import Free
 
 REFERENCE_TEMPERATURE_C = 20.0
@@ -43,7 +42,7 @@ LAYOUT = Layout(
 
 @final
 @dataclass(frozen=True)
-class UltrasonicParameters:
+class UltrasonicParameters(Configured):
     """An ultrasonic sensor. The reading's mean is scale · c(20 °C)/c(T) · distance + zero, plus the near offset.
 
     Attributes:
@@ -78,6 +77,8 @@ class UltrasonicParameters:
         update_period_s: time between pings; a poll sees the last ping's reading. 0: each poll is a ping.
     """
 
+    layout: ClassVar[Layout] = LAYOUT
+
     noise_mm: float = 3.0
     noise_per_distance: float = 0.0
     noise_power: float = 1.0
@@ -107,19 +108,6 @@ class UltrasonicParameters:
     stray_probability: float = 0.0
     crosstalk_per_mm: float = 0.0
     update_period_s: float = 0.0
-
-    def to_config(self) -> dict[str, Any]:
-        """The parameters as a YAML-ready mapping."""
-        return to_config(LAYOUT, self)
-
-    @classmethod
-    def from_config(cls, config: Mapping[str, Any]) -> Self:
-        """Read them from a mapping as `to_config` writes it.
-
-        Raises:
-            SensorError: a kind, key or value that is none.
-        """
-        return from_config(LAYOUT, cls, config)
 
 
 FREE: tuple[Free, ...] = (

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.sensor.problem import Problem
@@ -74,7 +74,7 @@ def _along(name: str, values: FloatArray, scores: FloatArray) -> Left:
     bins = int(full.sum())
     nats = 0.5 * (squares - bins)
     return Left(
-        name, nats, float(np.sqrt(max(2.0 * nats, 0.0) / v.size)), float(chi2.sf(squares, max(bins, 1)))
+        name, nats, float(np.sqrt(max(2.0 * nats, 0.0) / v.size)), float(chdtrc(max(bins, 1), squares))
     )
 
 
@@ -93,7 +93,7 @@ def regimes_of(problem: Problem, scores: FloatArray) -> tuple[RegimeFinding, ...
         if z.size < _LEAST_IN_BIN:
             continue
         strength = float(z.size * z.mean() ** 2 + 0.5 * np.sum(z**2 - 1.0) ** 2 / z.size)
-        found.append(RegimeFinding(name, float(np.sqrt(strength)), float(chi2.sf(strength, 2))))
+        found.append(RegimeFinding(name, float(np.sqrt(strength)), float(chdtrc(2, strength))))
     return tuple(sorted(found, key=lambda finding: -finding.strength))
 
 

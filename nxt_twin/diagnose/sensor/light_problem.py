@@ -18,10 +18,10 @@ from nxt_twin.diagnose.sensor.periods import MAINS_HZ, likeliest_frequencies
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates, standard_errors
 from nxt_twin.diagnose.sensor.runs import Run
 from nxt_twin.recording.recording import FloatArray
+from nxt_twin.sensors.converter import HIGHEST_RAW, interval_of
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.intervals import interval_probability
 from nxt_twin.sensors.light import (
-    HIGHEST_RAW,
     LightParameters,
     LightTruth,
     log_likelihood_each,
@@ -201,8 +201,7 @@ class LightProblem:
         """The reading's place in its own distribution, ties broken at random, as a normal score."""
         sensor, readings = self._sensor(values), self._readings
         mean = mean_raw(sensor, self._truths(values))
-        low = np.where(readings <= 0.0, -np.inf, (readings - 0.5 - mean) / sensor.noise_raw)
-        high = np.where(readings >= HIGHEST_RAW, np.inf, (readings + 0.5 - mean) / sensor.noise_raw)
+        low, high = interval_of(readings, mean, sensor.noise_raw)
         below = interval_probability(np.full_like(low, -np.inf), low)
         place = below + interval_probability(low, high) * rng.random(low.size)
         return np.asarray(ndtri(np.clip(place, 1e-9, 1.0 - 1e-9)), dtype=np.float64)

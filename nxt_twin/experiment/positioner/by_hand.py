@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final, final
 
 from nxt_twin.experiment.errors import StoppedError
-from nxt_twin.experiment.positioner.positioner import UNITS, WIDEST, Axis, Limits, within
+from nxt_twin.experiment.positioner.positioner import UNITS, Axis, Limits, OneAxis, within
 
 Ask = Callable[[str], str]
 """Shows a sentence to a person, waits, and gives what they answered."""
@@ -25,7 +25,7 @@ _ENDS: Final = ("q", "quit", "stop")
 
 
 @final
-class ByHand:
+class ByHand(OneAxis):
     """A positioner that prompts and waits.
 
     Args:
@@ -36,19 +36,8 @@ class ByHand:
     """
 
     def __init__(self, axis: Axis, ask: Ask, limits: Limits | None = None) -> None:
-        self._axis = axis
+        super().__init__(axis, limits)
         self._ask = ask
-        self._limits = limits or WIDEST[axis]
-
-    @property
-    def axis(self) -> Axis:
-        """What it moves."""
-        return self._axis
-
-    @property
-    def limits(self) -> Limits:
-        """Where it may go."""
-        return self._limits
 
     def move_to(self, value: float) -> float:
         """Ask until there is an answer that can be understood.
@@ -69,12 +58,6 @@ class ByHand:
             reached = _number(answer)
             if reached is not None and self._limits.lowest <= reached <= self._limits.highest:
                 return reached
-
-    def stop(self) -> None:
-        """Nothing moves by itself."""
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 def _number(answer: str) -> float | None:

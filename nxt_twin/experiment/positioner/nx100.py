@@ -9,7 +9,7 @@ from typing import Final, Literal, final
 from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.errors import PositionerError
 from nxt_twin.experiment.positioner.nx100_session import Nx100Session
-from nxt_twin.experiment.positioner.positioner import WIDEST, Axis, Limits, within
+from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
 
 Along = Literal["x", "y", "z", "rx", "ry", "rz"]
 
@@ -44,7 +44,7 @@ class RobotSetUp:
 
 
 @final
-class Nx100Robot:
+class Nx100Robot(OneAxis):
     """A robot that is given linear moves one at a time.
 
     Before it moves anything it makes sure that the controller is in remote mode, without alarm and error, and
@@ -69,11 +69,10 @@ class Nx100Robot:
         clock: Clock,
         limits: Limits | None = None,
     ) -> None:
+        super().__init__(axis, limits)
         self._session = session
         self._set_up = set_up
-        self._axis = axis
         self._clock = clock
-        self._limits = limits or WIDEST[axis]
         self._index = _ORDER.index(set_up.along)
         self._switched_on = False
         fastest = FASTEST_MM_PER_S if self._index < 3 else FASTEST_DEG_PER_S
@@ -86,16 +85,6 @@ class Nx100Robot:
         except PositionerError:
             session.close()
             raise
-
-    @property
-    def axis(self) -> Axis:
-        """What it moves."""
-        return self._axis
-
-    @property
-    def limits(self) -> Limits:
-        """Where it may go."""
-        return self._limits
 
     def move_to(self, value: float) -> float:
         """Send one linear move, wait until it has ended, and give where the robot says it is.

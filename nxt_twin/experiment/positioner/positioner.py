@@ -76,6 +76,35 @@ class Positioner(Protocol):
         ...
 
 
+class OneAxis:
+    """What all positioners have in common: the axis that they move, and between what limits.
+
+    Args:
+        axis: what is moved.
+        limits: where it may go; anywhere that no experiment goes beyond if None.
+    """
+
+    def __init__(self, axis: Axis, limits: Limits | None = None) -> None:
+        self._axis = axis
+        self._limits = limits or WIDEST[axis]
+
+    @property
+    def axis(self) -> Axis:
+        """What it moves."""
+        return self._axis
+
+    @property
+    def limits(self) -> Limits:
+        """Where it may go."""
+        return self._limits
+
+    def stop(self) -> None:
+        """Nothing moves by itself."""
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
 def within(limits: Limits, axis: Axis, value: float) -> float:
     """The value, if it may be gone to.
 

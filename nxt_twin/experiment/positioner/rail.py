@@ -9,7 +9,7 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import BrickError
 from nxt_twin.experiment.errors import PositionerError
-from nxt_twin.experiment.positioner.positioner import WIDEST, Axis, Limits, within
+from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
 
 _POLL_S: Final = 0.005
 _STUCK_S: Final = 0.6
@@ -49,7 +49,7 @@ class RailSetUp:
 
 
 @final
-class Rail:
+class Rail(OneAxis):
     """A carriage on a rail, moved by a motor of a brick that it shares with the experiment.
 
     Args:
@@ -73,6 +73,7 @@ class Rail:
         clock: Clock,
         limits: Limits | None = None,
     ) -> None:
+        super().__init__(axis, limits)
         if set_up.mm_per_deg == 0.0 or not _LEAST_POWER_PCT <= set_up.power_pct <= 100:
             what = f"mm_per_deg {set_up.mm_per_deg:g}, power_pct {set_up.power_pct}"
             mend = f"mm_per_deg is not 0, power_pct {_LEAST_POWER_PCT} to 100"
@@ -80,21 +81,9 @@ class Rail:
         self._brick = brick
         self._port = port
         self._set_up = set_up
-        self._axis = axis
         self._clock = clock
-        self._limits = limits or WIDEST[axis]
         self._run_on_deg = _FIRST_RUN_ON_DEG
         self._home_deg = self._home() if set_up.homing == "touch" else self._count()
-
-    @property
-    def axis(self) -> Axis:
-        """What it moves."""
-        return self._axis
-
-    @property
-    def limits(self) -> Limits:
-        """Where it may go."""
-        return self._limits
 
     def move_to(self, value: float) -> float:
         """Drive there, the last stretch always forward, and let the motor coast.

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Final, final
 
-from nxt_twin.experiment.positioner.positioner import WIDEST, Axis, Limits, within
+from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.course import constant
 from nxt_twin.mock.body.sensor import Analog, Touch
@@ -44,7 +44,7 @@ class Rig:
 
 
 @final
-class RigMover:
+class RigMover(OneAxis):
     """A positioner that sets a rig at once and exactly.
 
     Args:
@@ -54,30 +54,13 @@ class RigMover:
     """
 
     def __init__(self, rig: Rig, axis: Axis, limits: Limits | None = None) -> None:
+        super().__init__(axis, limits)
         self._rig = rig
-        self._axis = axis
-        self._limits = limits or WIDEST[axis]
-
-    @property
-    def axis(self) -> Axis:
-        """What it moves."""
-        return self._axis
-
-    @property
-    def limits(self) -> Limits:
-        """Where it may go."""
-        return self._limits
 
     def move_to(self, value: float) -> float:
         """Set it."""
         self._rig.set(self._axis, within(self._limits, self._axis, value))
         return value
-
-    def stop(self) -> None:
-        """Nothing moves by itself."""
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 @final
