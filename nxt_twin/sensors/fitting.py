@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar, final
 
 import numpy as np
-from scipy.optimize import minimize
 
 from nxt_twin.sensors.arrays import FloatArray
 from nxt_twin.sensors.errors import SensorError
@@ -122,13 +121,9 @@ def climb(
     begin = np.clip(x0, lower, upper)
     if x0.size == 0:
         return begin
-    box = list(zip(lower / scale, upper / scale, strict=True))
     cost = _cost(objective, free)
-    end = minimize(
-        cost, begin / scale, method="L-BFGS-B", bounds=box, options={"maxiter": most_steps, "ftol": 1e-9}
-    )
-    found = np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64)
-    return found if end.fun < cost(begin / scale) else begin
+    x, least = _minimised(cost, begin, free, method="L-BFGS-B", options={"maxiter": most_steps, "ftol": 1e-9})
+    return x if least < cost(begin / scale) else begin
 
 
 def _simplex_search(
@@ -137,15 +132,21 @@ def _simplex_search(
     lower, upper, scale = _bounds(free)
     if x0.size == 0:
         return x0
-    z = x0 / scale
-    end = minimize(
-        _cost(objective, free), z, method="Nelder-Mead", bounds=list(zip(lower / scale, upper / scale, strict=True)),
-        options={
-            "initial_simplex": _simplex(z, lower / scale, upper / scale),
-            "maxfev": 60 * z.size, "xatol": 1e-3, "fatol": 1e-3,
-        },
-    )  # fmt: skip
-    return np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64)
+    corners = _simplex(x0 / scale, lower / scale, upper / scale)
+    options = {"initial_simplex": corners, "maxfev": 60 * x0.size, "xatol": 1e-3, "fatol": 1e-3}
+    return _minimised(_cost(objective, free), x0, free, method="Nelder-Mead", options=options)[0]
+
+
+def _minimised(
+    cost: Callable[[FloatArray], float], begin: FloatArray, free: Sequence[Free], **how: object
+) -> tuple[FloatArray, float]:
+    """Where `cost` (of values over their scales) is least within the bounds, and how much it is there."""
+    from scipy.optimize import minimize  # slow to import, and a motor's diagnosis never comes here
+
+    lower, upper, scale = _bounds(free)
+    box = list(zip(lower / scale, upper / scale, strict=True))
+    end = minimize(cost, begin / scale, bounds=box, **how)
+    return np.asarray(np.clip(end.x * scale, lower, upper), dtype=np.float64), float(end.fun)
 
 
 def _cost(objective: Callable[[FloatArray], float], free: Sequence[Free]) -> Callable[[FloatArray], float]:
