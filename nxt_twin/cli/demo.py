@@ -3,34 +3,42 @@
 from __future__ import annotations
 
 import json as json_format
+import math
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, final
 
 import typer
 import yaml
 
 from nxt_twin.blind.secret import Secret, concealed, drawable, read_secret
-from nxt_twin.cli.live import View, live
+from nxt_twin.cli.live import hold
 from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.watching import View
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.twin.brick_twin import BrickTwin
+from nxt_twin.twin.records import Event, Tick
 
 _NOTHING = "nothing"
 _PLANT = "nxt_motor"
 _LEAVING_S = 5.0
+_SHOWN_S = 3.0
+"""How much longer one sees that the divergence is gone."""
 
 
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for all that the demo writes.")] = Path("build/demo"),
     seed: Annotated[int, typer.Option(min=0, help="Draws what is concealed.")] = 7,
-    seconds: Annotated[float, typer.Option(min=20.0, help="How long brick and twin run.")] = 50.0,
+    seconds: Annotated[
+        float,
+        typer.Option(min=20.0, help="How long brick and twin run at most; less if all is found sooner."),
+    ] = 60.0,
     conceal: Annotated[
         str | None, typer.Option(help="An effect's id, or 'nothing'; else one is drawn.", metavar="ID")
     ] = None,
@@ -48,12 +56,13 @@ def demo(
     with progress("demo") as tell:
         tell("compiling the model, which is kept for the next time")
         BrickTwin({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}).move(1e-3)
-    held = out / "live.json"
+    held, ending = out / "live.json", _Ending()
     with _mock(secret_file) as url, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
         print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")
-        live(
-            url=url, plant=_PLANT, ports="a", sensors="none", seconds=seconds, adopt=True, view=view, report=out,
+        hold(
+            url, plant=_PLANT, ports="a", sensors="none", seconds=seconds, adopt=True, view=view, report=out,
             out=out / "recording.csv", model_out=out / "adopted.yaml", save=_saved(out), json=str(held),
+            also=[ending], enough=ending.enough,
         )  # fmt: skip
     truth = read_secret(secret_file)
     told = json_format.loads(held.read_text(encoding="utf-8"))
@@ -79,6 +88,35 @@ def _conceal(wanted: str | None, seed: int, out: Path) -> Path:
     document = {"port": "a", "effects": effects, "size": "medium", "seed": seed}
     path.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
     return path
+
+
+@final
+class _Ending:
+    """Knows when all has been shown: what was found has been taken over, and the divergence is gone for a while."""
+
+    def __init__(self) -> None:
+        self._gone_s = math.inf
+        self._now_s = 0.0
+        self._adopted = False
+
+    def enough(self) -> bool:
+        """Whether it has."""
+        return self._now_s >= self._gone_s + _SHOWN_S
+
+    def tick(self, tick: Tick) -> None:
+        """Time passes."""
+        self._now_s = tick.received_s
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+        self._adopted = self._adopted or event.kind == "adopted"
+        if event.kind == "divergence":
+            self._gone_s = math.inf
+        elif event.kind == "calm" and self._adopted:
+            self._gone_s = event.time_s
+
+    def close(self) -> None:
+        """Nothing to finish."""
 
 
 @contextmanager

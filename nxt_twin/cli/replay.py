@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import json as json_format
 import math
-import sys
 from collections.abc import Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Literal, final
+from typing import Annotated, Any
 
 import typer
-import yaml
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import PacedClock, SystemClock
 from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
-from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.output import JsonOption, progress
 from nxt_twin.cli.wanted import wanted_ports
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.cli.watching import View, audience, conclude, watch
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import (
     SLOTS,
-    Port,
     Slot,
     light_column,
     sound_column,
@@ -39,19 +33,13 @@ from nxt_twin.twin.adopt import Adopter, AtOnce
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.polling import Plan
-from nxt_twin.twin.records import Event, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
 from nxt_twin.twin.session import Parts, Session
-from nxt_twin.twin.settings import Pace
-from nxt_twin.twin.sinks import Memory, Several
-from nxt_twin.twin.verdict import verdict
-
-View = Literal["spawn", "web", "none"]
+from nxt_twin.twin.settings import AT_ARRIVAL
 
 _DEFAULT_PLANT = "nxt_motor"
 _SENSOR_EVERY_S = 0.0
 """A sensor is asked in every poll, and answers when a new sample of it stands in the recording."""
-_AT_ARRIVAL = Pace(share=1.0, share_std=0.0)
 
 
 def replay(
@@ -87,39 +75,28 @@ def replay(
     if not watched:
         raise RecordingError("holds none of these motors", where=str(recording), mend="see --ports")
     slots = sensors_of(played)
-    memory = Memory()
-    sinks: list[Sink] = [memory] if json == "-" else [memory, _Teller()]
     channels = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
-    sinks += _dashboard(view, save, watched, channels, title=recording.name)
+    told = audience(
+        watched, channels, title=recording.name, view=view, save=save, quiet=json == "-", lossless=True
+    )
     executor: Executor = ThreadPoolExecutor(1, "diagnosis") if speed > 0.0 else AtOnce()
     plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
     parts = Parts(
         open_brick=lambda: Brick(brick, clock),
         clock=clock,
         twin=BrickTwin(dict.fromkeys(watched, plant), TwinOptions(bridge=plain_bridge)),
-        sink=Several(sinks),
+        sink=told.sink(),
         plan=Plan(sensors=slots, sensor_every_s=_SENSOR_EVERY_S, ultrasonic_every_s=_SENSOR_EVERY_S),
-        pace=_AT_ARRIVAL,
+        pace=AT_ARRIVAL,
         driver=RecordedCommands(brick, watched),
         adopter=Adopter(executor) if adopt else None,
     )
-    session = _play(parts, brick.duration_s)
-    if model_out is not None:
-        _write_models(parts.twin, model_out)
-    _conclude(session, memory, parts.adopter, json)
-
-
-def _play(parts: Parts, seconds: float) -> Session:
-    """Play it to its end, or until interrupted, which is an ordinary end."""
     session = Session(parts)
-    try:
-        with progress("replay"), suppress(KeyboardInterrupt):
-            session.run(seconds)
-    finally:
-        parts.sink.close()
-        if parts.adopter is not None:
-            parts.adopter.close()
-    return session
+    with progress("replay"):
+        watch(session, parts, brick.duration_s, told)
+    conclude(
+        session, parts, told, schema="nxt-twin/replay/1", title=recording.name, json=json, model_out=model_out
+    )
 
 
 def sensors_of(recording: Recording) -> dict[Slot, SensorKind]:
@@ -136,58 +113,3 @@ def sensors_of(recording: Recording) -> dict[Slot, SensorKind]:
             if name(slot) in recording.columns:
                 found.setdefault(slot, kind)
     return found
-
-
-def _write_models(twin: BrickTwin, model_out: Path) -> None:
-    for port, plant in twin.plants.items():
-        path = model_out.with_stem(f"{model_out.stem}-{port}") if len(twin.plants) > 1 else model_out
-        path.write_text(yaml.safe_dump(plant.to_config(), sort_keys=False), encoding="utf-8")
-
-
-def _conclude(session: Session, memory: Memory, adopter: Adopter | None, json: str | None) -> None:
-    said = verdict(memory.events, [port for port, each in session.monitors.items() if each.diverging])
-    if json:
-        diagnoses = [] if adopter is None else adopter.diagnoses
-        answer = {
-            "schema": "nxt-twin/replay/1",
-            "verdict": said.outcome,
-            "sentence": said.sentence,
-            "polls": session.polls,
-            "events": [asdict(event) for event in memory.events],
-            "diagnoses": [
-                {"port": port, **json_format.loads(to_json(diagnosis))} for port, diagnosis in diagnoses
-            ],
-        }
-        emit_json(json, json_format.dumps(answer, ensure_ascii=False))
-    if json != "-":
-        print(said.sentence)
-
-
-def _dashboard(
-    view: View, save: Path | None, ports: tuple[Port, ...], channels: list[str], *, title: str
-) -> list[Sink]:
-    if view == "none" and save is None:
-        return []
-    from nxt_twin.view.dashboard import open_dashboard
-
-    dashboard = open_dashboard(
-        view=view, save=save, ports=ports, channels=channels, title=title, lossless=True
-    )
-    if dashboard.url:
-        print(f"dashboard: {dashboard.url}", file=sys.stderr, flush=True)
-    return [dashboard]
-
-
-@final
-class _Teller:
-    """Says events on the terminal."""
-
-    def tick(self, tick: Tick) -> None:
-        """Nothing: the dashboard shows polls."""
-
-    def event(self, event: Event) -> None:
-        """One line."""
-        print(f"{event.time_s:8.1f} s  {event.words}", flush=True)
-
-    def close(self) -> None:
-        """Nothing to finish."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 from collections.abc import Iterator, Mapping
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 NOTHING: Final = "none"
 _KINDS: Final = ("touch", "sound", "light", "ultrasonic")
+_LOOPBACK: Final = re.compile(r"(127(\.\d+){3}|localhost|\[::1\]):")
 _SLOTS: Final = ("1", "2", "3", "4")
 
 
@@ -69,13 +71,14 @@ def chosen_url(url: str | None, clock: Clock) -> str:
 
 
 def get_leave(url: str, ports: tuple[Port, ...], *, yes: bool) -> None:
-    """Ask before motors of a real brick turn.
+    """Ask before motors of a real brick turn; one that this machine itself serves over TCP is made of software.
 
     Raises:
         typer.BadParameter: nobody is there to be asked.
         typer.Exit: the answer is no.
     """
-    if yes or url.partition(":")[0] == "mock":
+    scheme, _, address = url.partition(":")
+    if yes or scheme == "mock" or (scheme == "tcp" and _LOOPBACK.match(address)):
         return
     motors = ", ".join(port.upper() for port in ports)
     if not sys.stdin.isatty():

@@ -87,6 +87,9 @@ def _run(host: Host, endpoints: Sequence[Endpoint], stop: Callable[[], bool]) ->
         if stop():
             return True
         host.rest()
+        host.catch_up(
+            leaving=1
+        )  # after a stall: what came meanwhile was not there yet in the ticks that are late
         for endpoint in endpoints:
             endpoint.take_in()
         host.catch_up()

@@ -51,7 +51,9 @@ class AtOnce(Executor):
         future: Future[T] = Future()
         try:
             future.set_result(fn(*args, **kwargs))
-        except NxtTwinError as error:
+        except (
+            Exception
+        ) as error:  # as an executor with threads of its own does: whoever waits for it is told
             future.set_exception(error)
         return future
 
@@ -97,8 +99,8 @@ class Adopter:
         port, began_s, future = self._running
         self._running = None
         error = future.exception()
-        if isinstance(error, NxtTwinError):
-            return Finished(port, began_s, None, str(error))
+        if error is not None:
+            return Finished(port, began_s, None, _why(error))
         answer = future.result()
         self.diagnoses.append((port, answer.diagnosis))
         if not _better(answer.diagnosis):
@@ -109,6 +111,13 @@ class Adopter:
     def close(self) -> None:
         """Wait for nothing more."""
         self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _why(error: BaseException) -> str:
+    """What is said of a diagnosis that failed; whatever it failed of, the brick has to be watched on."""
+    if isinstance(error, NxtTwinError):
+        return str(error)
+    return f"the diagnosis failed, which is an error of this program ({type(error).__name__}: {error})"
 
 
 def _better(diagnosis: Diagnosis) -> bool:

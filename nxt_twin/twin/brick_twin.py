@@ -11,7 +11,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.recording import DriveMode
 from nxt_twin.twin.batch import Batch
-from nxt_twin.twin.bridge import Bridge, Hold, firmware_bridge
+from nxt_twin.twin.bridge import COAST, Bridge, Hold, firmware_bridge
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
 from nxt_twin.twin.motor import Evidence, MotorTwin
 from nxt_twin.twin.records import MotorState
@@ -20,6 +20,7 @@ from nxt_twin.twin.supply import Supply
 
 _SUPPLY_STEP_S = 0.005
 """How long the battery's voltage is held while the motors' current changes."""
+_SAG = Slot("battery_sag", "internal")
 _CELLS_OHM = 0.35
 """Six alkaline cells and the contacts between them; where a motor's plant has a sag of its own, it is 0."""
 
@@ -63,6 +64,8 @@ class BrickTwin:
         self.options = options or TwinOptions()
         self._plants = dict(plants)
         self._commands: dict[Port, tuple[int, DriveMode]] = dict.fromkeys(plants, (0, "coast"))
+        self._cells_ohm = _CELLS_OHM if self.options.cells_ohm is None else self.options.cells_ohm
+        self._held: dict[Port, Hold] = dict.fromkeys(plants, Hold(0.0, 0.0, COAST))
         self._supply = self._new_supply()
         self._motors = self._new_motors()
         self._batch = self._new_batch(now_s, now_s)
@@ -76,6 +79,13 @@ class BrickTwin:
     def plants(self) -> Mapping[Port, Plant]:
         """The model of each motor."""
         return self._plants
+
+    def plant_as_run(self, port: Port) -> Plant:
+        """The model of a motor with the battery that it is run with, as a diagnosis has to have it."""
+        plant = self._plants[port]
+        if _SAG.owner in plant.active or not self._cells_ohm:
+            return plant
+        return plant.with_effect(_SAG.owner, {_SAG.symbol: self._cells_ohm})
 
     @property
     def now_s(self) -> float:
@@ -91,14 +101,27 @@ class BrickTwin:
         """One motor's filters."""
         return self._motors[port]
 
-    def command(self, port: Port, power_pct: int, mode: DriveMode, at_s: float) -> tuple[Hold, ...]:
-        """From `at_s` on, a motor is driven so; what its bridge makes of it, nothing where that is in force already."""
+    def command(
+        self, port: Port, power_pct: int, mode: DriveMode, at_s: float, std_s: float = 0.0
+    ) -> tuple[Hold, ...]:
+        """From `at_s` on, a motor is driven so; what its bridge makes of it, nothing where that is in force already.
+
+        Args:
+            port: of the motor.
+            power_pct: commanded.
+            mode: commanded.
+            at_s: when it acts.
+            std_s: how well that moment is known.
+        """
         if self._commands[port] == (power_pct, mode):
             return ()
         before, _ = self._commands[port]
         self._commands[port] = (power_pct, mode)
         holds = self.options.bridge(power_pct, mode, before / 100.0)
         self._batch.command(port, at_s, holds)
+        if std_s > 0.0:
+            self._motors[port].expect(at_s, std_s, self._held[port], holds[-1], self.supply_v)
+        self._held[port] = holds[-1]
         return holds
 
     def commanded(self, port: Port) -> tuple[int, DriveMode]:
@@ -138,8 +161,14 @@ class BrickTwin:
         return self._motors[port].state(self._batch, *self._commands[port])
 
     def adopt(self, port: Port, plant: Plant, began_s: float) -> None:
-        """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is."""
+        """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
+
+        A battery's resistance that the motor's own model did not have before is that of all motors' battery.
+        """
         motors, batch = self._motors, self._batch
+        if _SAG.owner in plant.active and _SAG.owner not in self._plants[port].active:
+            self._cells_ohm = plant.values[_SAG]
+            plant = plant.without({_SAG.owner})
         self._plants[port] = plant
         self._supply = self._new_supply(self._supply.open_v)
         self._motors = self._new_motors()
@@ -155,9 +184,8 @@ class BrickTwin:
     def _new_supply(self, assumed_v: float | None = None) -> Supply:
         plants = self._plants.values()
         sagging = any("battery_sag" in plant.active for plant in plants)
-        cells_ohm = _CELLS_OHM if self.options.cells_ohm is None else self.options.cells_ohm
         given_v = max(plant.values[Slot(BASE_OWNER, "supply_v")] for plant in plants)
-        return Supply(given_v if assumed_v is None else assumed_v, 0.0 if sagging else cells_ohm)
+        return Supply(given_v if assumed_v is None else assumed_v, 0.0 if sagging else self._cells_ohm)
 
     def _new_motors(self) -> dict[Port, MotorTwin]:
         options, row, motors = self.options, 0, {}

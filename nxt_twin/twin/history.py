@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol, final
@@ -14,6 +15,7 @@ from nxt_twin.twin.bridge import COAST, Hold
 
 _COUNTS_MOST = 12_000
 _HOLDS_MOST = 6_000
+_PARTS_MOST = 100
 _NONE = float("nan")
 
 
@@ -42,6 +44,7 @@ class History:
         self._port = port
         self._held: deque[_Held] = deque(maxlen=_HOLDS_MOST)
         self._counted: deque[_Counted] = deque(maxlen=counts_most)
+        self._parted: deque[float] = deque(maxlen=_PARTS_MOST)
 
     def command(self, at_s: float, holds: Sequence[Hold]) -> None:
         """From `at_s` on the bridge does these."""
@@ -54,19 +57,41 @@ class History:
         if not self._counted or taken_s > self._counted[-1].time_s:
             self._counted.append(_Counted(taken_s, float(count), supply_v))
 
+    def part(self, at_s: float) -> None:
+        """Something happened at a moment that is not known well: what follows is better not tied to what was before."""
+        self._parted.append(at_s)
+
     def clear(self) -> None:
         """Forget what was counted: it is not to be compared with what comes."""
         self._counted.clear()
+        self._parted.clear()
 
     def seconds_since(self, from_s: float) -> float:
-        """How long a recording from then on would be, s."""
+        """How long a recording from then on would be, s; of one that is in parts, its longest, or half of it all."""
         if not self._counted:
             return 0.0
-        return self._counted[-1].time_s - max(from_s, self._counted[0].time_s)
+        began_s, ended_s = self._longest(from_s)
+        first_s, last_s = self._span(from_s)
+        return max(ended_s - began_s, 0.5 * (last_s - first_s))
+
+    def _span(self, from_s: float) -> tuple[float, float]:
+        return max(from_s, self._counted[0].time_s), self._counted[-1].time_s
+
+    def _longest(self, from_s: float) -> tuple[float, float]:
+        """The longest part."""
+        first_s, last_s = self._span(from_s)
+        ends = [first_s, *(at_s for at_s in self._parted if first_s < at_s < last_s), last_s]
+        return max(itertools.pairwise(ends), key=lambda part: part[1] - part[0])
 
     def recording(self, from_s: float) -> Recording:
-        """What was kept from `from_s` on; duties are those of the bridge, so not always whole percents."""
-        counted = [row for row in self._counted if row.time_s >= from_s]
+        """What was kept from `from_s` on, or its longest part if that is more than half of it.
+
+        Duties are those of the bridge, so not always whole percents.
+        """
+        (low_s, high_s), (first_s, last_s) = self._longest(from_s), self._span(from_s)
+        if high_s - low_s < 0.5 * (last_s - first_s):
+            low_s, high_s = first_s, last_s
+        counted = [row for row in self._counted if low_s <= row.time_s <= high_s]
         first_s, last_s = counted[0].time_s, counted[-1].time_s
         before = [row for row in self._held if row.time_s <= first_s]
         in_force = (

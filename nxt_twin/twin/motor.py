@@ -11,8 +11,10 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.recording.recording import DriveMode
 from nxt_twin.twin.batch import CURRENT, Batch
+from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
 from nxt_twin.twin.estimator import Weigher
+from nxt_twin.twin.jerk import Drive
 from nxt_twin.twin.records import Innovation, MotorState
 from nxt_twin.twin.settings import Noise, Watch
 from nxt_twin.twin.strand import Strand
@@ -74,6 +76,7 @@ class MotorTwin:
         self._believing, self._tracking = self._strands[:2]
         self._weighed = self._strands[2:]
         self._weigher = self._new_weigher()
+        self._drive = Drive(plant)
         self._reaped_s = 0.0
         self._weighed_s = 0.0
         self._rejected = 0
@@ -121,6 +124,12 @@ class MotorTwin:
             strand.place(batch, mean[0], mean[1], (covariance[0, 0], covariance[1, 1]))
         self._reaped_s = self._weighed_s = batch.now_s
         self._placed = other.placed
+
+    def expect(self, at_s: float, std_s: float, before: Hold, after: Hold, supply_v: float) -> None:
+        """A command takes the bridge from one state to another, at a moment known to `std_s`."""
+        jerk = self._drive.jerk(at_s, std_s, before, after, float(self._tracking.mean[1]), supply_v)
+        for strand in self._strands:
+            strand.expect(jerk)
 
     def read(self, batch: Batch, count: int, taken_std_s: float, stamp_s: float) -> Evidence:
         """Compare a count, read at the batch's moment, and learn from it.

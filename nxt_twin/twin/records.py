@@ -22,6 +22,8 @@ EventKind = Literal[
     "link_back",
     "effect_named",
     "adopted",
+    "undiagnosed",
+    "stalled",
     "stopped",
 ]
 

@@ -21,12 +21,19 @@ from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import Pace
+from nxt_twin.twin.timing import Moment, Stalls, Timing
 
 _MISSES_MOST = 3
 _ALONE_S = 0.1
 _WAITS_S = (0.5, 1.0, 2.0, 4.0, 5.0)
-_BEFORE_ONSET_S = 1.0
+_BEFORE_ONSET_S = 10.0
+"""So much from before the onset is diagnosed as well: what came on is told by what was before."""
 _LOW_AGAIN_V = 0.3
+_STALL_TOLD_EVERY_S = 10.0
+_FULL_RAD_S = 16.0
+_PART_RAD = 0.05
+"""A command whose moment is so badly known that, at full power's speed, the angle is in doubt by that much, parts what
+is diagnosed."""
 
 
 @final
@@ -44,6 +51,7 @@ class Parts:
         driver: commands the motors; None leaves that to somebody else, and the brick's word is taken for it.
         recorder: keeps the session.
         adopter: takes over what a diagnosis finds.
+        enough: says when it may end before its time.
     """
 
     open_brick: Callable[[], Brick]
@@ -55,11 +63,15 @@ class Parts:
     driver: Driver | None = None
     recorder: Recorder | None = None
     adopter: Adopter | None = None
+    enough: Callable[[], bool] = lambda: False
 
 
 @final
 class Session:
     """Polls, predicts, compares, learns, records and tells. Not for several threads at once.
+
+    In a poll the battery and a sensor come first, if due, then the motors; the row's stamp is that of the last reply.
+    Only then are the motors commanded: so a command acts after the counts that stand in its row (contract 1).
 
     The motors go on as last commanded while the link is lost, as the firmware does; on leaving, they coast.
 
@@ -69,6 +81,7 @@ class Session:
     Attributes:
         monitors: one for each motor.
         polls: how many there were.
+        stalls: how often a round trip took far longer than usual.
     """
 
     def __init__(self, parts: Parts) -> None:
@@ -83,6 +96,9 @@ class Session:
         self._battery_due_s = 0.0
         self._battery_low = False
         self._misses = 0
+        self._timing = Timing(parts.pace)
+        self._stall_told_s = -_STALL_TOLD_EVERY_S
+        self.stalls = Stalls()
         self.polls = 0
 
     @property
@@ -102,12 +118,15 @@ class Session:
             self._tell("started", f"watching motors {', '.join(p.upper() for p in self._twin.ports)}")
             while not self._over(seconds):
                 brick = self._through(brick, seconds)
-            self._tell("stopped", f"after {self.now_s:.1f} s and {self.polls} polls")
+            self._tell("stopped", "; ".join(filter(None, (self._length(), self.stalls.words()))))
         finally:
             brick.close()
 
+    def _length(self) -> str:
+        return f"after {self.now_s:.1f} s and {self.polls} polls"
+
     def _over(self, seconds: float | None) -> bool:
-        return seconds is not None and self.now_s >= seconds
+        return (seconds is not None and self.now_s >= seconds) or self._parts.enough()
 
     def _through(self, brick: Brick, seconds: float | None) -> Brick:
         """Poll until the link is lost or time is over; the brick to go on with."""
@@ -138,17 +157,21 @@ class Session:
     def _poll(self, brick: Brick, sensors: SensorPoll) -> None:
         sent_s = self.now_s
         row: dict[str, float] = {}
-        innovations: list[Innovation] = []
-        self._drive(brick, sent_s)
-        innovations += [self._motor(brick, port, row) for port in self._twin.ports]
-        innovations += self._sensor(sensors, row)
         battery_v = self._battery(brick, row)
-        received_s = self.now_s
+        of_sensors = self._sensor(sensors, row)
+        innovations = [self._motor(brick, port, row) for port in self._twin.ports]
+        received_s = row[TIME]
+        self._drive(brick, received_s)
+        for port in self._twin.ports:
+            power_pct, mode = self._twin.commanded(port)
+            row[power_column(port)] = float(power_pct)
+            row[mode_column(port)] = float(DRIVE_MODES.index(mode))
         states = tuple(self._twin.state(port) for port in self._twin.ports)
-        self._sink.tick(Tick(self.polls, sent_s, received_s, states, tuple(innovations), battery_v))
+        read = (*innovations, *of_sensors)
+        self._sink.tick(Tick(self.polls, sent_s, received_s, states, read, battery_v))
         self.polls += 1
         if self._parts.recorder is not None:
-            self._parts.recorder.row({TIME: received_s, **row})
+            self._parts.recorder.row(row)
         self._adopt()
 
     def _drive(self, brick: Brick, now_s: float) -> None:
@@ -158,28 +181,34 @@ class Session:
             if self._twin.commanded(port) == (power_pct, mode) and self.polls > 0:
                 continue
             reply = tell(brick, port, power_pct, mode)
-            acts_s, _ = self._taken(reply.sent_s, reply.received_s)
-            self._commanded(port, acts_s, power_pct, mode)
+            self._commanded(port, self._taken(reply.sent_s, reply.received_s), power_pct, mode)
 
-    def _commanded(self, port: Port, at_s: float, power_pct: int, mode: DriveMode) -> None:
-        self._history[port].command(at_s, self._twin.command(port, power_pct, mode, at_s))
+    def _commanded(self, port: Port, taken: Moment, power_pct: int, mode: DriveMode) -> None:
+        """The brick took a command up; it reaches the motor a little later."""
+        at_s = taken.at_s + self._parts.pace.command_lag_s
+        before, _ = self._twin.commanded(port)
+        holds = self._twin.command(port, power_pct, mode, at_s, taken.std_s)
+        self._history[port].command(at_s, holds)
+        doubt_rad = taken.std_s * abs(power_pct - before) / 100.0 * _FULL_RAD_S
+        if taken.late and doubt_rad > _PART_RAD:
+            self._history[port].part(at_s)
 
     def _motor(self, brick: Brick, port: Port, row: dict[str, float]) -> Innovation:
         reply = brick.motors.read(OUTPUTS[port])
-        taken_s, std_s = self._taken(reply.sent_s, reply.received_s)
-        count = reply.value.tacho_deg
+        taken = self._taken(reply.sent_s, reply.received_s)
+        at_s, count = taken.at_s - self._parts.pace.count_age_s, reply.value.tacho_deg
+        row[TIME] = reply.received_s - self._began_s
         if self._parts.driver is None or port not in self._parts.driver.ports:
             power_pct, mode = reported(reply.value)
             if (power_pct, mode) != self._twin.commanded(port):
-                self._commanded(port, min(taken_s, self._twin.now_s), power_pct, mode)
-        power_pct, mode = self._twin.commanded(port)
-        evidence = self._twin.read_tacho(port, taken_s, count, std_s)
+                self._commanded(port, taken._replace(at_s=min(at_s, self._twin.now_s)), power_pct, mode)
+        power_pct, _ = self._twin.commanded(port)
+        evidence = self._twin.read_tacho(port, at_s, count, taken.std_s)
         self._counts[port] = count
-        self._history[port].count(taken_s, count, self._twin.supply_v)
-        self._watch(port, taken_s, evidence, power_pct)
+        if not taken.late:
+            self._history[port].count(at_s, count, self._twin.supply_v)
+        self._watch(port, at_s, evidence, power_pct)
         row[tacho_column(port)] = float(count)
-        row[power_column(port)] = float(power_pct)
-        row[mode_column(port)] = float(DRIVE_MODES.index(mode))
         return evidence.innovation
 
     def _watch(self, port: Port, time_s: float, evidence: Evidence, power_pct: int) -> None:
@@ -197,9 +226,9 @@ class Session:
         if found is None:
             return []
         slot, reply = found
-        taken_s, _ = self._taken(reply.sent_s, reply.received_s)
+        taken = self._taken(reply.sent_s, reply.received_s)
         row[self._sensors[slot].column] = reply.value
-        innovation = self._sensors[slot].read(taken_s, reply.value)
+        innovation = self._sensors[slot].read(taken.at_s, reply.value)
         return [] if innovation is None else [innovation]
 
     def _battery(self, brick: Brick, row: dict[str, float]) -> float | None:
@@ -220,11 +249,24 @@ class Session:
             self._battery_low = False
         return voltage_v
 
-    def _taken(self, sent_s: float, received_s: float) -> tuple[float, float]:
-        """When, in the session's time, the brick did what it was asked, and how well that is known."""
-        trip_s = received_s - sent_s
-        at_s = sent_s + self._parts.pace.share * trip_s - self._began_s
-        return at_s, self._parts.pace.share_std * trip_s
+    def _taken(self, sent_s: float, received_s: float) -> Moment:
+        """When, in the session's time, the brick took up what it was asked."""
+        moment = self._timing.moment(sent_s - self._began_s, received_s - self._began_s)
+        if moment.stall_s:
+            self._stalled(moment)
+        return moment
+
+    def _stalled(self, moment: Moment) -> None:
+        """That the host stood still is nothing that a motor's model lacks: said, and left out of diagnoses."""
+        self.stalls.add(moment.stall_s)
+        if moment.at_s - self._stall_told_s < _STALL_TOLD_EVERY_S:
+            return
+        self._stall_told_s = moment.at_s
+        self._tell(
+            "stalled",
+            f"the host or the link stood still: an answer took {1e3 * moment.stall_s:.0f} ms longer than usual; "
+            "such readings stay out of diagnoses",
+        )
 
     def _reopen(self, seconds: float | None) -> Brick | None:
         """Try to reach the brick again, while the model goes on; None if time is over first."""
@@ -246,13 +288,13 @@ class Session:
         """Begin anew where the motors are: the brick may have been switched off, and counts from 0 then."""
         for port in self._twin.ports:
             reply = brick.motors.read(OUTPUTS[port])
-            taken_s, _ = self._taken(reply.sent_s, reply.received_s)
-            self._twin.move(taken_s)
+            taken = self._taken(reply.sent_s, reply.received_s)
+            self._twin.move(taken.at_s)
             power_pct, mode = reported(reply.value)
-            self._commanded(port, taken_s, power_pct, mode)
+            self._commanded(port, taken, power_pct, mode)
             self._twin.place(port, reply.value.tacho_deg)
             self._counts[port] = reply.value.tacho_deg
-            self.monitors[port].forget(taken_s)
+            self.monitors[port].forget(taken.at_s)
             self._history[port].clear()
         self._tell("link_back", "the link is back; counts and model are together again")
 
@@ -270,16 +312,17 @@ class Session:
         if adopter is None:
             return
         for port, monitor in self.monitors.items():
-            from_s = monitor.since_s - _BEFORE_ONSET_S
-            if monitor.diverging and adopter.wants(port, self._history[port].seconds_since(from_s)):
-                adopter.start(port, self._twin.plants[port], self._history[port].recording(from_s))
+            history, since_s = self._history[port], monitor.since_s
+            if monitor.diverging and adopter.wants(port, history.seconds_since(since_s)):
+                recording = history.recording(since_s - _BEFORE_ONSET_S)
+                adopter.start(port, self._twin.plant_as_run(port), recording)
         finished = adopter.finished()
         if finished is None:
             return
         port, now_s = finished.port, self.now_s
         if finished.answer is None:
             words = f"port {port.upper()}: {finished.why_not}; it goes on with the model that it has"
-            self._sink.event(Event(now_s, "divergence", words, port, onset_s=self.monitors[port].since_s))
+            self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=self.monitors[port].since_s))
             return
         self._twin.adopt(port, finished.answer.plant, finished.began_s)
         self.monitors[port].forget(now_s, proving=True)

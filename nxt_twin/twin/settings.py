@@ -31,14 +31,24 @@ class Noise:
 class Pace:
     """When, between a request and its reply, the brick does what was asked.
 
+    The firmware (LEGO, 1.29) answers with the count that its output module published in the pass before, and hands
+    commands to the motor bridges in every second pass; a pass takes 1 ms.
+
     Attributes:
-        share: of the round trip that has passed when a reading is taken or a command acts.
+        share: of the round trip that has passed when the brick takes the request up.
         share_std: its standard deviation.
+        count_age_s: how old a count is by then.
+        command_lag_s: how long, on average, a command takes from then on to reach the motor.
     """
 
     share: float = 0.5
     share_std: float = 0.15
+    count_age_s: float = 1e-3
+    command_lag_s: float = 0.5e-3
 
+
+AT_ARRIVAL = Pace(share=1.0, share_std=0.0, count_age_s=0.0, command_lag_s=0.0)
+"""Of a recording: what stands in a row is as of its stamp."""
 
 PACES = {"usb": Pace(), "mock": Pace(), "bt": Pace(0.3, 0.1), "serial": Pace(0.3, 0.1), "tcp": Pace(0.4, 0.2)}
 """By a URL's scheme. Over Bluetooth the radio switches directions after the reading was taken."""

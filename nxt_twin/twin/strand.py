@@ -11,6 +11,7 @@ from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Compared, Estimator
+from nxt_twin.twin.jerk import Jerk
 
 _TORQUE = 2
 _SHARED = 3
@@ -54,6 +55,7 @@ class Strand:
         self.estimator = Estimator(np.array([0.0, 0.0, 0.0, *number]), np.array(variances))
         self._column = None if candidate.slot is None else candidate.plant.layout.index[candidate.slot]
         self._spread = np.zeros(self.size)
+        self._jerks: list[Jerk] = []
         self._offsets = np.concatenate([np.zeros((1, self.size)), np.eye(self.size), -np.eye(self.size)])
 
     @property
@@ -119,6 +121,10 @@ class Strand:
             if self.candidate.name == "constant_load":
                 batch.set_own_load(self.rows)
 
+    def expect(self, jerk: Jerk) -> None:
+        """A command acts at a moment that is not known well."""
+        self._jerks.append(jerk)
+
     def reap(self, batch: Batch, since_s: float) -> None:
         """Make the filter's prediction out of where the rows have got to in `since_s`."""
         rows = batch.state[self.rows]
@@ -128,7 +134,11 @@ class Strand:
             moved = np.column_stack([moved, numbers])
         size = self.size
         transition = (moved[1 : size + 1] - moved[size + 1 :]).T / (2.0 * self._spread)
-        self.estimator.predict(moved[0], transition, self._process(transition, since_s))
+        process = self._process(transition, since_s)
+        for jerk in [jerk for jerk in self._jerks if jerk.at_s <= batch.now_s]:
+            self._jerks.remove(jerk)
+            process[:2, :2] += jerk.spread(batch.now_s - jerk.at_s)
+        self.estimator.predict(moved[0], transition, process)
 
     def _process(self, transition: FloatArray, since_s: float) -> FloatArray:
         process = np.zeros((self.size, self.size))

@@ -68,3 +68,12 @@ def test_what_cannot_be_reached_is_status_1():
     assert outcome.status == 1
     assert outcome.err.startswith("nxt-twin: ")
     assert run("live", "mock:", "--program", "no-such-program").status == 1
+
+
+def test_a_session_without_a_single_poll_has_failed_and_says_so(tmp_path):
+    out = tmp_path / "none.csv"
+    outcome = run("live", "mock:", "--ports", "a", "--seconds", "1e-6", "--out", out)
+    assert outcome.status == 1
+    assert "not a single poll" in outcome.err
+    assert not out.exists()
+    assert list(tmp_path.iterdir()) == []

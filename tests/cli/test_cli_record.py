@@ -152,7 +152,7 @@ def test_what_is_concealed_is_told_when_asked(tmp_path):
         ("record", "mock:", "--out", "r.csv", "--ports", "d"),
         ("record", "mock:", "--out", "r.csv", "--sensors", "5:touch"),
         ("record", "no-url", "--out", "r.csv", "--seconds", "1"),
-        ("drive", "gentle_steps", "tcp:127.0.0.1:1"),
+        ("drive", "gentle_steps", "tcp:192.0.2.1:1"),
         ("replay",),
     ],
 )

@@ -2,10 +2,14 @@
 
 from concurrent.futures import Future
 
+import pytest
+from twin_feed import nxt_motor
 from twin_rig import Rig, run, world_with
 
 from nxt_twin.errors import DiagnosisError
+from nxt_twin.physics.layout import Slot
 from nxt_twin.twin.adopt import Adopter, AtOnce
+from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.verdict import verdict
 
 
@@ -25,22 +29,48 @@ def test_a_load_is_found_adopted_and_the_divergence_vanishes(tmp_path):
 
 
 class _Failing:
+    def __init__(self, error):
+        self._error = error
+
     def submit(self, *_, **__):
         future = Future()
-        future.set_exception(DiagnosisError("too little moves"))
+        future.set_exception(self._error)
         return future
 
     def shutdown(self, **_):
         pass
 
 
-def test_a_diagnosis_that_fails_leaves_the_model_alone(tmp_path):
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (DiagnosisError("too little moves"), "too little moves"),
+        (ZeroDivisionError("by nothing"), "an error of this program (ZeroDivisionError: by nothing)"),
+    ],
+)
+def test_a_diagnosis_that_fails_leaves_model_and_session_alone(tmp_path, error, words):
     rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": 0.05}}))
-    outcome = run(rig, 5.0, adopter=Adopter(_Failing(), enough_s=2.0))
+    outcome = run(rig, 5.0, adopter=Adopter(_Failing(error), enough_s=2.0))
     assert "adopted" not in outcome.kinds()
-    assert any("too little moves" in event.words for event in outcome.memory.events)
-    said = verdict(outcome.memory.events, ["a"])
-    assert said.outcome == "diverges"
+    assert outcome.kinds()[-1] == "stopped"
+    assert words in outcome.first("undiagnosed").words
+    assert "\n" not in outcome.first("undiagnosed").words
+    assert verdict(outcome.memory.events, ["a"]).outcome == "diverges"
+
+
+def test_who_does_it_at_once_hands_errors_on_as_a_thread_would():
+    future = AtOnce().submit(int, "none")
+    assert isinstance(future.exception(), ValueError)
+
+
+def test_a_twin_is_diagnosed_with_the_battery_that_it_is_run_with():
+    twin = BrickTwin({"a": nxt_motor(), "b": nxt_motor()}, TwinOptions(candidates=(), cells_ohm=0.4))
+    sag = Slot("battery_sag", "internal")
+    as_run = twin.plant_as_run("a")
+    assert as_run.values[sag] == 0.4
+    twin.adopt("a", as_run.with_effect("battery_sag", {"internal": 0.9}), 0.0)
+    assert "battery_sag" not in twin.plants["a"].active  # it is the battery's, which all motors share
+    assert twin.plant_as_run("b").values[sag] == 0.9
 
 
 def test_a_session_in_which_all_held_says_so():

@@ -47,6 +47,22 @@ def test_recorded_rows_have_the_contracts_columns_in_order_of_time():
     assert {"a_power_pct", "a_mode", "a_tacho_deg"} <= outcome.rows[0].keys()
 
 
+def test_a_command_acts_after_the_counts_of_its_row():
+    """Contract 1: the count is read before this row's command acts."""
+    rows = run(Rig(), 2.0).rows
+    first = next(n for n, row in enumerate(rows) if row["a_power_pct"] != 0.0)
+    assert rows[first]["a_tacho_deg"] == rows[0]["a_tacho_deg"]
+    assert rows[first]["time_s"] >= 0.5  # the program rests for so long
+    assert rows[-1]["a_tacho_deg"] != rows[0]["a_tacho_deg"]
+
+
+def test_a_session_may_end_before_its_time():
+    memory = Memory()
+    outcome = run(Rig(), 5.0, sinks=[memory], enough=lambda: memory.count >= 100)
+    assert outcome.session.polls == 100
+    assert outcome.kinds()[-1] == "stopped"
+
+
 def test_more_friction_is_called_and_told_in_words(tmp_path):
     rig = Rig(world_with(tmp_path, coulomb_friction_nm=0.05))
     outcome = run(rig, 6.0)

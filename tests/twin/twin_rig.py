@@ -39,7 +39,9 @@ class CuttableLink:
 
     def receive(self, timeout_s):
         self._check()
-        return self._link.receive(timeout_s)
+        reply = self._link.receive(timeout_s)
+        self._rig.stall()
+        return reply
 
     def close(self):
         self._link.close()
@@ -55,15 +57,22 @@ class CuttableLink:
 class Rig:
     """A mock brick, the clock it follows, and when its link is down."""
 
-    def __init__(self, world=None, profile="usb", cuts=()):
+    def __init__(self, world=None, profile="usb", cuts=(), stalls_s=()):
         self.clock = VirtualClock()
         self.host = Host(switch_on(world), self.clock)
         self.profile = profile
         self._cuts = cuts
+        self._stalls_s = list(stalls_s)
         self.opened = 0
 
     def is_cut(self):
         return any(low <= self.clock.now_s() < high for low, high in self._cuts)
+
+    def stall(self):
+        """The host stands still between a reply's arrival and its stamp, when it is time for that."""
+        if self._stalls_s and self.clock.now_s() >= self._stalls_s[0]:
+            self._stalls_s.pop(0)
+            self.clock.sleep(0.12)
 
     def open(self):
         if self.is_cut():

@@ -1,0 +1,79 @@
+"""What it does to a motion that a command acted at a moment that is not known well."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, final
+
+import numpy as np
+
+from nxt_twin.physics.base.dc_motor import drive
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.plant import Plant
+from nxt_twin.recording.recording import FloatArray
+from nxt_twin.twin.batch import STEP_S
+from nxt_twin.twin.bridge import Hold
+from nxt_twin.twin.candidates import delay_s
+
+
+@final
+class Jerk(NamedTuple):
+    """A change of the motor's drive, dated badly.
+
+    Attributes:
+        at_s: when it should have happened.
+        speed_std: of the speed just after it, rad/s, because it came sooner or later.
+        fades_s: how long that takes to fade.
+    """
+
+    at_s: float
+    speed_std: float
+    fades_s: float
+
+    def spread(self, since_s: float) -> FloatArray:
+        """Covariance of angle and speed, rad and rad/s, so long after it; shape (2, 2)."""
+        left = math.exp(-since_s / self.fades_s)
+        reach = self.speed_std * np.array([self.fades_s * (1.0 - left), left])
+        return np.outer(reach, reach)
+
+
+@final
+class Drive:
+    """How hard commands drive a plant.
+
+    Args:
+        plant: a dc motor.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self._resistance, self._torque_constant, self._back_emf, self._inertia = (
+            plant.values[Slot(BASE_OWNER, symbol)]
+            for symbol in ("resistance", "torque_constant", "back_emf", "inertia")
+        )
+        self._fades_s = self._inertia * self._resistance / (self._torque_constant * self._back_emf)
+        self._delay_s = delay_s(plant)
+
+    def jerk(
+        self, at_s: float, std_s: float, before: Hold, after: Hold, speed: float, supply_v: float
+    ) -> Jerk:
+        """What comes of a command that acts at a moment known to `std_s`, while the motor turns at `speed`."""
+        change = self._torque(after, speed, supply_v) - self._torque(before, speed, supply_v)
+        return Jerk(at_s + self._delay_s, std_s * abs(change) / self._inertia, self._fades_s)
+
+    def _torque(self, hold: Hold, speed: float, supply_v: float) -> float:
+        """The torque of a quick winding, N·m."""
+        pull, damping = drive(
+            hold.duty,
+            hold.mode,
+            supply_v,
+            self._resistance,
+            0.0,
+            self._torque_constant,
+            self._back_emf,
+            0.0,
+            math.inf,
+            speed,
+            0.0,
+            STEP_S,
+        )
+        return pull - damping * speed
