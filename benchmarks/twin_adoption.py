@@ -85,7 +85,9 @@ class Watched:
 
     @property
     def verdict(self) -> str:
-        """How near the name came."""
+        """How near the name came; more of what the model has is named by re-fitting it, and by that alone."""
+        if self.effect in _MORE:
+            return "exact" if self.adopted_s is not None and not self.named else "missed"
         if set(self.named) == {self.effect}:
             return "exact"
         return "among" if self.effect in {*self.named, *self.near} else "missed"

@@ -2,8 +2,9 @@
 
     python tools/dashboard_picture.py [--chromium PROGRAM] [--seconds S]
 
-A mock brick whose motor on A carries a weight that the model does not know is watched for a while. What the twin
-says goes to the dashboard as in any session; a browser without a window loads it and is photographed.
+A mock brick whose motor on A carries a weight that the model does not know is watched for a while, and what a
+diagnosis finds is taken over, as with --adopt. What the twin says goes to the dashboard as in any session; a browser
+without a window loads it and is photographed.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin.adopt import Adopter, AtOnce
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.polling import Plan
@@ -57,7 +59,7 @@ def main() -> None:
     """Write docs/pictures/dashboard-*.png and print what the session said."""
     words = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
-    words.add_argument("--seconds", type=float, default=17.0)
+    words.add_argument("--seconds", type=float, default=23.5)
     chosen = words.parse_args()
     if chosen.chromium is None:
         sys.exit("there is no Chromium on this machine; name one with --chromium")
@@ -89,7 +91,7 @@ def _session(seconds: float) -> tuple[Memory, Keeper, str]:
             pace=PACES["usb"],
             driver=ProgramDriver(excitation(PORTS)),
             recorder=None,
-            adopter=None,
+            adopter=Adopter(AtOnce()),
         )
         session = Session(parts)
         session.run(seconds)

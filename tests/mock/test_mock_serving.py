@@ -14,9 +14,11 @@ from mock_rig import BLUETOOTH
 import firmware_protocol as fp
 from firmware_protocol import usb as nxt_usb
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.mock import run
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import ServeError, WorldError
 from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.firmware.hardware import TICK_S
 from nxt_twin.mock.run import Served, parse_address, serve
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
@@ -316,3 +318,20 @@ def test_a_wrong_world_is_refused_with_the_key_that_is_wrong(tmp_path, text, com
 def test_a_world_error_is_one_of_the_tools_errors():
     assert issubclass(WorldError, NxtTwinError)
     assert issubclass(ServeError, NxtTwinError)
+
+
+def test_after_a_stall_nothing_is_answered_from_before_it_was_asked(host):
+    """A server that stood still makes up for its ticks first; what came meanwhile was not there in them."""
+    clock, lags_s = host.clock, []
+
+    class Watching:
+        def take_in(self):
+            lags_s.append(clock.now_s() - host.next_tick_s)
+
+        def hand_out(self):
+            if len(lags_s) == 5:
+                clock.sleep(0.25)
+
+    run._run(host, [Watching()], lambda: len(lags_s) >= 10)
+    assert max(lags_s) < TICK_S
+    assert host.next_tick_s > clock.now_s()

@@ -28,9 +28,9 @@ def blueprint(ports: Sequence[Port], channels: Sequence[str], tab: int = 0) -> A
     tabs = [_motor_tab(port) for port in ports]
     if channels:
         tabs.append(_sensor_tab(channels))
-    side = rrb.Vertical(_robot(), _log(), _link(), row_shares=[4.2, 2.6, 3.2], name="robot, events, link")
+    side = rrb.Vertical(_robot(), _log(), _link(), row_shares=[3.6, 3.4, 3.0], name="robot, events, link")
     front = rrb.Tabs(*tabs, active_tab=tab) if len(tabs) > 1 else (tabs[0] if tabs else None)
-    whole = side if front is None else rrb.Horizontal(side, front, column_shares=[3.3, 6.7])
+    whole = side if front is None else rrb.Horizontal(side, front, column_shares=[3.9, 6.1])
     return rrb.Blueprint(
         whole,
         rrb.TopPanel(state="collapsed"),
