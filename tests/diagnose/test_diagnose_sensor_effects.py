@@ -47,6 +47,7 @@ def test_nothing_is_found_where_nothing_is_missing(kind, seed):
     ("kind", "surprise"),
     [
         ("ultrasonic_sensor", "unknown_bent_scale"),
+        ("ultrasonic_sensor", "unknown_drift"),
         ("light_sensor", "unknown_wavy_gradient"),
         ("touch_sensor", "unknown_creep"),
     ],

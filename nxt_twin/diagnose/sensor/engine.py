@@ -48,8 +48,8 @@ LARGE_SIZE = 0.5
 MOST_LEFT_IF_LARGE = 0.1
 BY_CHANCE = 1e-5
 """When what is left is more than noise: bins along something foretell it by so many nats, it is so large beside the
-noise, and chance would do it so rarely. Where effects were found it must also be that part of all there was, or, if it
-is as large as half the noise, the lesser part."""
+noise, and chance would do it so rarely. Where effects were found and it goes with what some effect acts along, it must
+also be that part of all there was, or, if it is as large as half the noise, the lesser part."""
 
 _PARAMETERS: Mapping[str, type[UltrasonicParameters] | type[LightParameters] | type[TouchParameters]] = {
     "ultrasonic_sensor": UltrasonicParameters,
@@ -221,6 +221,8 @@ def _verdict(evidence: _Evidence) -> Verdict:
     if not structured:
         return "explained"
     most = max(structured, key=lambda left: left.nats)
+    if most.along.removeprefix("spread of ") in evidence.workshop.problem.untouched:
+        return "unexplained"
     allowed = MOST_LEFT_IF_LARGE if most.size > LARGE_SIZE else MOST_LEFT
     return "unexplained" if most.nats > allowed * (most.nats + _gained(evidence)) else "explained"
 

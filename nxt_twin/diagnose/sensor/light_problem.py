@@ -70,6 +70,11 @@ class LightProblem:
         several = {"recording": self.item_run.astype(np.float64)} if len(self.runs) > 1 else {}
         return {"position_mm": self._position, "elapsed_time_s": self.item_time_s, **several}
 
+    @property
+    def untouched(self) -> frozenset[str]:
+        """Light may flicker in time, and be another in each recording."""
+        return frozenset()
+
     @cached_property
     def regimes(self) -> Mapping[str, Mask]:
         """High and low readings (dark is high: the reading falls with light on some sensors), late ones."""

@@ -67,6 +67,10 @@ class Problem(Protocol):
         """By name, quantities that what is left may depend on; shape (items,) each."""
 
     @property
+    def untouched(self) -> frozenset[str]:
+        """Those of them along which no effect of this sensor acts."""
+
+    @property
     def regimes(self) -> Mapping[str, Mask]:
         """By name, the items in which an effect may gather."""
 

@@ -75,6 +75,11 @@ class TouchProblem:
         several = {"recording": self.item_run.astype(np.float64)} if len(self.runs) > 1 else {}
         return {"elapsed_time_s": self.item_time_s, "pressing": self._strokes.closes, **several}
 
+    @property
+    def untouched(self) -> frozenset[str]:
+        """Nothing of this sensor goes with time."""
+        return frozenset({"elapsed_time_s", "recording"})
+
     @cached_property
     def regimes(self) -> Mapping[str, Mask]:
         """Pressing and releasing, late strokes."""

@@ -89,6 +89,11 @@ class UltrasonicProblem:
             **(turned if np.ptp(self._truths.incidence_deg) > _LEAST_ANGLES_DEG else {}),
         }
 
+    @property
+    def untouched(self) -> frozenset[str]:
+        """Nothing of this sensor goes with time."""
+        return frozenset({"elapsed_time_s", "recording"})
+
     @cached_property
     def regimes(self) -> Mapping[str, Mask]:
         """Near and far, square on and oblique, with and without echo."""
