@@ -106,7 +106,13 @@ def _free_run(signals: Signals, x: FloatArray, term: Term | None) -> FloatArray:
             return float(state[1]), float(push + extra)
 
         found = solve_ivp(
-            rates, (start, end), state, method="LSODA", t_eval=[*time_s[due], end], rtol=1e-5, atol=1e-6
+            rates,
+            (start, end),
+            state,
+            method="LSODA",
+            t_eval=np.union1d(time_s[due], [end]),
+            rtol=1e-5,
+            atol=1e-6,
         )
         angle[due] = found.y[0, : int(due.sum())]
         state = found.y[:, -1]

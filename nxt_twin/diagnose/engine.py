@@ -74,8 +74,8 @@ def _best_baseline(workshop: Workshop, baseline: Structure, final: Structure) ->
     The likeliest noise of a model that lacks much can swallow so much that its parameters mean nothing; under
     the noise of the improved plant they have to carry the motion.
     """
-    own = workshop.fit_everything(baseline.plant, baseline.noise)
-    sober = workshop.fit_on_everything(workshop.problem.plant, final.noise)
+    own = workshop.roughly_everything(baseline.plant, baseline.noise, rounds=2)
+    sober = workshop.roughly_everything(workshop.problem.plant, final.noise, rounds=0)
     return min(own, sober, key=lambda structure: structure.free_run_rms[0])
 
 

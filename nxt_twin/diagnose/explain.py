@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
+import numpy as np
+
 from nxt_twin.diagnose.screen import Prospect, screen
 from nxt_twin.diagnose.structure import (
     DRAFT_STEP_S,
@@ -46,8 +48,10 @@ _START_ITERATIONS = 2
 _QUICK_ITERATIONS = 4
 _SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
+_LEADING = 2
+_SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
-_RIVALS_SETTLED = 2
+_RIVALS_SETTLED = 1
 _RIVAL_REACH_NATS = 40.0
 _EXCHANGES = 4
 _SOBER = 0.3
@@ -178,9 +182,9 @@ class _Search:
             if e.id in known
         ]
         fresh = [e for e in allowed if e.id not in known]
+        equal = self._draft_cost(best, bare.noise)
         for rank, (other, draft) in enumerate(self._drafts(bare, fresh, _RIVALS_DRAFTED)):
-            behind = draft.fitted.cost + draft.fitted.prior_cost - _cost(best)
-            if rank < _RIVALS_SETTLED or behind < _RIVAL_REACH_NATS:
+            if (rank < _RIVALS_SETTLED and not known) or draft.cost - equal < _RIVAL_REACH_NATS:
                 trial = self._settle(draft.fitted.plant, bare.noise)
                 beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
                 rivals.append(Rival(other, beaten_by, trial))
@@ -191,12 +195,14 @@ class _Search:
         drafts = self._drafts(best, self._candidates(best.plant), _DRAFTED)
         if not drafts:
             return []
-        cost = self._draft_cost(best)
-        reach = _IN_REACH * (cost - drafts[0][1].cost)
+        cost = self._draft_cost(best, best.noise)
+        leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
             (effect, draft)
             for rank, (effect, draft) in enumerate(drafts)
-            if rank < _SHORT_LIST or (effect.states and cost - draft.cost > reach)
+            if rank < _LEADING
+            or (rank < _SHORT_LIST and cost - draft.cost > _SETTLED_SHARE * leading)
+            or (effect.states and cost - draft.cost > _IN_REACH * leading)
         ]
         settled = [(effect, self._settle(draft.fitted.plant, best.noise)) for effect, draft in within]
         lowest = min(_cost(trial) for _, trial in settled)
@@ -219,16 +225,30 @@ class _Search:
             return trial
         sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
         prospects = screen(self._workshop, best, [effect])[:_STARTS_FOLLOWED]
-        for prospect in prospects:
-            draft = self._workshop.draft(prospect.plant, sober, iterations=_SLOW_ITERATIONS)
-            trial = self._settle(draft.fitted.plant, sober)
-        return trial
+        drafts = [self._workshop.draft(p.plant, sober, iterations=_SLOW_ITERATIONS) for p in prospects]
+        leading = min(drafts, key=lambda draft: draft.cost)
+        return self._settle(leading.fitted.plant, sober)
 
     def _worth_it(self, weight: Weight, best: Structure) -> bool:
-        """Whether an effect is to be added to `best`: it must also gain more than the form of those in it may lack."""
-        explained = _cost(self._baseline) - _cost(best)
+        """Whether an effect is to be added to `best`: it must also gain more than the form of those in it may lack.
+
+        A fault of the recording has no form that could be wrong: what it explains does not count.
+        """
+        explained = _cost(self._faults_only(best)) - _cost(best)
         needed = max(GAIN_NATS, _FORM_SHARE * explained)
         return weight.gain > needed and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
+
+    def _faults_only(self, best: Structure) -> Structure:
+        """The baseline with just those of `best`'s effects that are faults of the recording."""
+        physics = [
+            e.id for e in best.plant.effects if not e.fault and e.id not in self._baseline.plant.active
+        ]
+        bare = best.plant
+        for effect_id in physics:
+            bare = _simpler(bare, effect_id, self._workshop.problem.plant)
+        if bare.active == best.plant.active:
+            return best
+        return self._settled.get(bare.active) or self._settle(bare, best.noise)
 
     def _drafts(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
         """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
@@ -246,16 +266,24 @@ class _Search:
         """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
         further = _SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
         enough = _STARTS_SHARE * prospects[0].gain
-        plants = [p.plant for p in prospects[:_STARTS_FOLLOWED] if p.gain > enough]
+        plants = self._nearer([p for p in prospects[:_STARTS_FOLLOWED] if p.gain > enough], noise)
         if len(plants) > 1:
             trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
             best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
             plants = [best.fitted.plant]
         return self._workshop.draft(plants[0], noise, iterations=further)
 
-    def _draft_cost(self, structure: Structure) -> float:
+    def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
+        """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
+        scale = self._workshop.problem.scale
+        pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
+        costs = self._workshop.draft_costs([plant for pair in pairs for plant in pair], noise)
+        return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]
+
+    def _draft_cost(self, structure: Structure, noise: Noise) -> float:
+        """As `Draft.cost`, of a structure as it stands, under other noise."""
         step_s = step_for(structure.plant, DRAFT_STEP_S)
-        fitted, check = self._workshop.draft_cost(structure.plant, structure.noise, step_s)
+        fitted, check = self._workshop.draft_cost(structure.plant, noise, step_s)
         return fitted + structure.fitted.prior_cost + check
 
     def _candidates(self, plant: Plant) -> list[Effect]:

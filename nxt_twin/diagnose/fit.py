@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
@@ -21,6 +20,7 @@ BoolArray = NDArray[np.bool_]
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
+_TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
 
 
 @final
@@ -116,30 +116,38 @@ def fit(
 ) -> Fitted:
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
 
+    Slopes are measured at the start and wherever a step gives less than they promised, and brought along otherwise.
     Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
     search = _Search(simulator, plant, tuple(variables), target)
     x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
-    hessian, gradient, objective = search.normal_equations(x, central=False)
-    for left in range(iterations if variables else 0, 0, -1):
+    slopes = search.slopes(x)
+    objective = search.objective_of(x, slopes)
+    left = iterations if variables else 0
+    while left > 0:
+        hessian, gradient = search.normal_equations(x, slopes)
         free = search.free(x, gradient)
-        if 0.5 * gradient @ _step(hessian, gradient, free, 0.0) > -0.5 * patience_nats:
+        steps = np.array([_step(hessian, gradient, free, damping) for damping in _DAMPINGS])
+        promised = -0.5 * float(gradient @ steps[0])
+        gain, exact = 0.0, slopes.exact
+        if promised >= patience_nats:
+            left -= 1
+            trials: FloatArray = np.clip(x + steps * search.scale, search.lower, search.upper)
+            results = search.run(trials)
+            objectives = search.objectives(trials, results)
+            best = int(np.nanargmin(objectives))
+            gain = objective - float(objectives[best])
+            if gain > 0.0:
+                slopes = search.followed(slopes, trials[best] - x, [_one(result, best) for result in results])
+                x, objective = trials[best], float(objectives[best])
+        if gain < patience_nats and exact:
             break
-        steps = [_step(hessian, gradient, free, damping) for damping in _DAMPINGS]
-        trials: FloatArray = np.clip(x + np.array(steps) * search.scale, search.lower, search.upper)
-        objectives = search.objective(trials)
-        best = int(np.nanargmin(objectives))
-        gain = objective - objectives[best]
-        if gain > 0.0:
-            x, objective = trials[best], float(objectives[best])
-        if gain < patience_nats or left == 1:
-            break
-        hessian, gradient, _ = search.normal_equations(x, central=False)
+        if gain < max(patience_nats, _TRUSTED * promised) and left > 0:
+            slopes = search.slopes(x)
     cost = objective - search.prior_cost(x)
     x = search.centred(x)
-    if covariance:
-        hessian, _, _ = search.normal_equations(x, central=True)
+    hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
     return Fitted(
         moved(plant, variables, x),
@@ -164,6 +172,23 @@ def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: f
     damped = inside + damping * np.diag(np.maximum(np.diag(inside), 1e-12))
     step[free] = np.linalg.lstsq(damped, -gradient[free], rcond=1e-12)[0]
     return step
+
+
+@final
+@dataclass(frozen=True)
+class _Slopes:
+    """How predictions move with the variables, around one point.
+
+    Attributes:
+        predicted: change of the counted readings' predictions for each variable, divided by its scale, by job, shape
+            (variables, readings).
+        results: the runs at the point itself.
+        exact: whether the slopes are differences at this point rather than older ones brought along.
+    """
+
+    predicted: tuple[FloatArray, ...]
+    results: tuple[Result, ...]
+    exact: bool
 
 
 @final
@@ -198,13 +223,9 @@ class _Search:
         active = np.repeat(self._active[None], x.shape[0], axis=0)
         return self._simulator.run(values, active, self._target.jobs)
 
-    def cost(self, x: FloatArray) -> FloatArray:
-        cost: FloatArray = self._target.cost(self.run(x))
-        return cost
-
-    def objective(self, x: FloatArray) -> FloatArray:
+    def objectives(self, x: FloatArray, results: Sequence[Result]) -> FloatArray:
         prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
-        return np.asarray(self.cost(x) + prior)
+        return np.asarray(self._target.cost(results) + prior)
 
     def prior_cost(self, x: FloatArray) -> float:
         return float(0.5 * (((x - self._centre) / self._spread) ** 2).sum())
@@ -219,11 +240,8 @@ class _Search:
         held = ((x <= self.lower) & (gradient > 0.0)) | ((x >= self.upper) & (gradient < 0.0))
         return np.asarray(~held)
 
-    def normal_equations(self, x: FloatArray, *, central: bool) -> tuple[FloatArray, FloatArray, float]:
-        """Gauss-Newton Hessian and gradient of the objective in scaled variables, and the objective.
-
-        By one-sided differences, which do for a step, or by central ones, which a covariance needs.
-        """
+    def slopes(self, x: FloatArray, *, central: bool = False) -> _Slopes:
+        """By one-sided differences, which do for a step, or by central ones, which a covariance needs."""
         size = x.size
         step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
         ahead = np.where(x + step <= self.upper, x + step, np.maximum(x - step, self.lower))
@@ -233,21 +251,47 @@ class _Search:
         if central:
             sets[size + np.arange(size), np.arange(size)] = behind
         width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
-        hessian = np.zeros((size, size))
-        gradient = np.zeros(size)
-        objective = self.prior_cost(x)
-        for job, result, mask in zip(self._target.jobs, self.run(sets), self._counted, strict=True):
-            inverse = (
-                np.sqrt(self._target.evidence * result.weight[-1, mask]) / job.observer.innovation_std[mask]
-            )
+        found, results = [], self.run(sets)
+        for result, mask in zip(results, self._counted, strict=True):
             below = result.predicted[size : 2 * size, mask] if central else result.predicted[-1, mask]
-            slope = np.nan_to_num((result.predicted[:size, mask] - below) * inverse / width[:, None])
-            slope = told_apart(slope, self._likeness * x / self.scale)
-            residual = (job.signals.measured[mask] - result.predicted[-1, mask]) * inverse
-            hessian += slope @ slope.T
-            gradient -= slope @ np.nan_to_num(residual)
-            objective += self._target.evidence * float(result.cost[-1, mask].sum())
+            found.append(np.nan_to_num((result.predicted[:size, mask] - below) / width[:, None]))
+        last = [_one(result, sets.shape[0] - 1) for result in results]
+        return _Slopes(tuple(found), tuple(last), exact=True)
+
+    def followed(self, slopes: _Slopes, move: FloatArray, results: Sequence[Result]) -> _Slopes:
+        """The slopes after a `move` of the variables, made to agree with what it did (Broyden's update)."""
+        scaled = move / self.scale
+        along = scaled / max(float(scaled @ scaled), 1e-300)
+        found = []
+        for slope, before, after, mask in zip(
+            slopes.predicted, slopes.results, results, self._counted, strict=True
+        ):
+            missed = after.predicted[0, mask] - before.predicted[0, mask] - scaled @ slope
+            found.append(slope + along[:, None] * np.nan_to_num(missed))
+        return _Slopes(tuple(found), tuple(results), exact=False)
+
+    def objective_of(self, x: FloatArray, slopes: _Slopes) -> float:
+        return float(self.objectives(x[None], slopes.results)[0])
+
+    def normal_equations(self, x: FloatArray, slopes: _Slopes) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Newton Hessian and gradient of the objective in scaled variables."""
         tightness = (self.scale / self._spread) ** 2
-        hessian += np.diag(tightness)
-        gradient += tightness * (x - self._centre) / self.scale
-        return hessian, gradient, math.inf if math.isnan(objective) else objective
+        hessian = np.diag(tightness)
+        gradient = tightness * (x - self._centre) / self.scale
+        for job, slope, result, mask in zip(
+            self._target.jobs, slopes.predicted, slopes.results, self._counted, strict=True
+        ):
+            inverse = (
+                np.sqrt(self._target.evidence * result.weight[0, mask]) / job.observer.innovation_std[mask]
+            )
+            weighted = told_apart(slope, self._likeness * x / self.scale) * inverse
+            residual = (job.signals.measured[mask] - result.predicted[0, mask]) * inverse
+            hessian += weighted @ weighted.T
+            gradient -= weighted @ np.nan_to_num(residual)
+        return hessian, gradient
+
+
+def _one(result: Result, row: int) -> Result:
+    """One parameter set's part of a result."""
+    part = slice(row, row + 1)
+    return Result(result.predicted[part], result.weight[part], result.cost[part])

@@ -21,6 +21,7 @@ DISTURBANCE_TIME_S = 0.15
 _SMALLEST = 1e-4
 _STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
 _WIDEST_STAR = 0.7  # in logarithms
+_NARROWER_STAR = 0.25
 _MOST_STARS = 8
 _SHRINKING = 0.5
 _FINEST_STAR = 0.1
@@ -61,11 +62,14 @@ def with_noise(target: Target, noise: Noise) -> Target:
     return replace(target, jobs=jobs)
 
 
-def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> tuple[Noise, float]:
-    """The likeliest noise under `plant`, searched from `start`, and its negative log-likelihood.
+def estimate(
+    simulator: Simulator, plant: Plant, target: Target, start: Noise, *, near: bool = False
+) -> tuple[Noise, float]:
+    """The likeliest noise under `plant`, searched from `start`, and how much likelier than that it is, nats.
 
     In the logarithms of both deviations the likelihood is nearly a paraboloid: a star of points is weighed at once,
-    the paraboloid through them gives the next centre, and the star shrinks as it comes to rest.
+    the paraboloid through them gives the next centre, and the star shrinks as it comes to rest. A start that is `near`
+    already gets a narrower star.
     """
     floor = reading_floor([job.signals for job in target.jobs])
     lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
@@ -77,11 +81,14 @@ def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -
 
     centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
     cost = math.inf
-    reach = _WIDEST_STAR
-    for _ in range(_MOST_STARS):
+    start_cost = math.inf
+    reach = _NARROWER_STAR if near else _WIDEST_STAR
+    for number in range(_MOST_STARS):
         points = np.maximum(centre + reach * _STAR, lowest)
         costs = _costs(simulator, plant, target, [noise_at(point) for point in points])
         nearest = int(np.argmin(costs))
+        if number == 0:
+            start_cost = float(costs[0])
         if costs[nearest] < cost:
             best, cost = points[nearest], float(costs[nearest])
         step, promised = _to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
@@ -92,7 +99,7 @@ def estimate(simulator: Simulator, plant: Plant, target: Target, start: Noise) -
             np.abs(step).max() < 1.0
         ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
-    return noise_at(best), cost
+    return noise_at(best), start_cost - cost
 
 
 def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:

@@ -13,6 +13,7 @@ from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, Workshop, step_
 from nxt_twin.diagnose.variables import starts_of, variables_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Result
 from nxt_twin.recording.recording import FloatArray
@@ -26,11 +27,24 @@ _DIFFERENCE = 2e-3
 @final
 @dataclass(frozen=True)
 class Prospect:
-    """An effect added to a plant at one of its starts, and the gain that it promises, nats."""
+    """An effect added to a plant at one of its starts, the gain that it promises, nats, and stretched by how much."""
 
     effect: Effect
     plant: Plant
     gain: float
+    stretch: float
+
+    def stretched(self, scale: Scale) -> Plant:
+        """The plant with the effect's main parameter stretched, as far as its bounds allow."""
+        main = self.effect.parameters[0]
+        bounds = main.in_frame(self.plant.layout.frame).scaled(scale)
+        slot = Slot(self.effect.id, main.symbol)
+        value = float(
+            np.clip(
+                self.stretch * self.plant.values[slot], bounds.lower * bounds.si, bounds.upper * bounds.si
+            )
+        )
+        return self.plant.with_values({slot: value})
 
 
 def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) -> list[Prospect]:
@@ -51,7 +65,7 @@ def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) 
         some = [(effect, plant) for effect, plant in plants if step_for(plant, DRAFT_STEP_S) == step_s]
         nuisance = _Nuisance(workshop, structure, workshop.tuned(structure.noise, step_s))
         gains = nuisance.gains([plant for _, plant in some])
-        found += [Prospect(effect, plant, gain) for (effect, plant), gain in zip(some, gains, strict=True)]
+        found += [Prospect(*one, *promise) for one, promise in zip(some, gains, strict=True)]
     return sorted(found, key=lambda prospect: -prospect.gain)
 
 
@@ -65,7 +79,12 @@ class _Nuisance:
         plant = structure.plant
         variables = variables_of(plant, workshop.problem.plant, workshop.problem.scale)
         values, active = _shifted(plant, variables)
-        self._results = self._simulator.run(values, active, target.jobs)
+        self._active = plant.active
+        self._outliers = [
+            n for n, e in enumerate(plant.layout.effects) if "outlier" in e.terms and e.id in plant.active
+        ]
+        weighed = self._simulator.run(values[-1:], active[-1:], target.jobs)
+        self._results = self._simulator.run(values, self._believing(active), target.jobs)
         self._cost = float(target.cost([_last(result) for result in self._results])[0])
         self._masks: list[BoolArray] = []
         self._inverse: list[FloatArray] = []
@@ -73,10 +92,10 @@ class _Nuisance:
         self._slopes: list[FloatArray] = []
         hessian = np.diag([(v.scale / v.spread) ** 2 for v in variables])
         gradient = np.zeros(len(variables))
-        for job, mask, result in zip(target.jobs, target.counted, self._results, strict=True):
+        for job, mask, result, own in zip(target.jobs, target.counted, self._results, weighed, strict=True):
             seen = mask & np.isfinite(job.signals.measured) & ~job.start.at
-            inverse = np.sqrt(target.evidence * result.weight[-1, seen]) / job.observer.innovation_std[seen]
-            residual = (job.signals.measured[seen] - result.predicted[-1, seen]) * inverse
+            inverse = np.sqrt(target.evidence * own.weight[0, seen]) / job.observer.innovation_std[seen]
+            residual = (job.signals.measured[seen] - own.predicted[0, seen]) * inverse
             slopes = np.nan_to_num((result.predicted[:-1, seen] - result.predicted[-1, seen]) * inverse)
             slopes /= _DIFFERENCE
             hessian += slopes @ slopes.T
@@ -88,20 +107,32 @@ class _Nuisance:
         self._solve = np.linalg.pinv(hessian, hermitian=True)
         self._gradient = gradient
 
-    def gains(self, plants: Sequence[Plant]) -> list[float]:
-        """What each of the plants promises, nats."""
+    def gains(self, plants: Sequence[Plant]) -> list[tuple[float, float]]:
+        """What each of the plants promises, nats, and stretched by how much."""
         rows = sum(job.signals.time_s.size for job in self._target.jobs)
         size = max(1, _MOST_READINGS_A_BATCH // rows)
-        found: list[float] = []
+        found: list[tuple[float, float]] = []
         for low in range(0, len(plants), size):
             found += self._gains_of_batch(plants[low : low + size])
         return found
 
-    def _gains_of_batch(self, plants: Sequence[Plant]) -> list[float]:
+    def _believing(self, active: BoolArray) -> BoolArray:
+        """`active` without the structure's own model of outliers.
+
+        A start that is far off would take every reading for an outlier, and would never be set right again.
+        """
+        believing = active.copy()
+        believing[:, self._outliers] = False
+        return believing
+
+    def _has_outliers_of_its_own(self, plant: Plant) -> bool:
+        return any("outlier" in e.terms and e.id not in self._active for e in plant.effects)
+
+    def _gains_of_batch(self, plants: Sequence[Plant]) -> list[tuple[float, float]]:
         vectors = [plant.vectors() for plant in plants]
         values = np.array([values for values, _ in vectors])
         active = np.array([active for _, active in vectors])
-        results = self._simulator.run(values, active, self._target.jobs)
+        results = self._simulator.run(values, self._believing(active), self._target.jobs)
         along = np.zeros((len(plants), self._gradient.size))  # signature · slopes
         fit, power = (
             np.zeros(len(plants)),
@@ -123,8 +154,12 @@ class _Nuisance:
         power -= np.einsum("ij,jk,ik->i", along, self._solve, along)
         stretch = np.clip(fit / np.maximum(power, 1e-9), 0.0, _LARGEST_STRETCH)
         linear = stretch * fit - 0.5 * stretch**2 * power
-        outright = self._cost - self._target.cost(results)  # faults change likelihoods and not predictions
-        return [float(gain) for gain in np.maximum(linear, np.nan_to_num(outright, neginf=-1e9))]
+        outright = np.nan_to_num(self._cost - self._target.cost(results), neginf=-1e9)
+        doubting = np.array([self._has_outliers_of_its_own(plant) for plant in plants])
+        gains = np.where(
+            doubting, np.maximum(linear, outright), linear
+        )  # likelihoods changed, not predictions
+        return [(float(gain), float(by)) for gain, by in zip(gains, stretch, strict=True)]
 
 
 def _shifted(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, BoolArray]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -18,6 +19,7 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
+from nxt_twin.recording.recording import FloatArray
 
 DRAFT_STEP_S = 4e-3
 SETTLED_STEP_S = 2e-3
@@ -25,7 +27,8 @@ SETTLED_STEP_S = 2e-3
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
 
 _SHARE_ROUNDS = 3
-_SETTLE_ROUNDS = 5
+_SHARE_RESTS = 0.03
+_SETTLE_ROUNDS = 4
 _RESTING_NATS = 1.0
 _DRAFT_PATIENCE_NATS = 1.0
 _SETTLED_PATIENCE_NATS = 0.2
@@ -140,16 +143,20 @@ class Workshop:
         return self._judged(fitted, noise, step_s)
 
     def fit_everything(self, plant: Plant, noise: Noise) -> Structure:
-        """Fit `plant` on every reading that is not held out, under the noise that suits it."""
-        target = self.problem.everything()
-        for _ in range(2):
+        """Fit `plant` on every reading that is not held out, under the noise that suits it, to the last digit."""
+        near = self.roughly_everything(plant, noise, rounds=2)
+        tuned = with_noise(self.problem.everything(), near.noise)
+        return self._judged(self._fitted(tuned, near.plant, 15, None), near.noise, STEP_S)
+
+    def roughly_everything(self, plant: Plant, noise: Noise, *, rounds: int) -> Structure:
+        """The same as for settling; in no `rounds` of suiting it, under just this noise."""
+        step_s = step_for(plant, SETTLED_STEP_S)
+        target = _with_step(self.problem.everything(), step_s)
+        for _ in range(rounds):
             plant = self._fitted(with_noise(target, noise), plant, 15, _SETTLED_PATIENCE_NATS).plant
             noise, _ = estimate(self.simulator, plant, target, noise)
-        return self._fit_exactly(target, plant, noise, 15)
-
-    def fit_on_everything(self, plant: Plant, noise: Noise) -> Structure:
-        """Fit `plant` on every reading that is not held out, under just this noise."""
-        return self._fit_exactly(self.problem.everything(), plant, noise, 25)
+        fitted = self._fitted(with_noise(target, noise), plant, 25, _SETTLED_PATIENCE_NATS)
+        return self._judged(fitted, noise, step_s)
 
     def settle(self, structure: Structure) -> Structure:
         """The structure under the noise that suits it best: noise and parameters in turn until both rest."""
@@ -158,14 +165,19 @@ class Workshop:
     def settled(self, plant: Plant, noise: Noise) -> Structure:
         """`plant` under the noise that suits it best, both searched from what is given."""
         step_s = step_for(plant, SETTLED_STEP_S)
-        target = self._target(step_s)
+        target = self._target(step_for(plant, DRAFT_STEP_S))  # a likelihood that is flat at its best needs no more
+        noise, _ = estimate(self.simulator, plant, target, noise)
+        fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
         for _ in range(_SETTLE_ROUNDS):
-            noise, before = estimate(self.simulator, plant, target, noise)
-            tuned = self.tuned(noise, step_s)
-            fitted = self._fitted(tuned, plant, 12, _SETTLED_PATIENCE_NATS)
-            plant, polled = self._polled(tuned, fitted)
-            if polled < _POLLED_NATS and before - fitted.cost < _RESTING_NATS:
-                break
+            likelier, gain = estimate(self.simulator, fitted.plant, target, noise, near=True)
+            plant = fitted.plant
+            if gain > _RESTING_NATS:
+                noise = likelier
+            else:
+                plant, gain = self._polled(self.tuned(noise, step_s), fitted)
+                if gain < _POLLED_NATS:
+                    break
+            fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
         return self._judged(fitted, noise, step_s)
 
     def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
@@ -183,6 +195,13 @@ class Workshop:
         checking = replace(target, counted=self.problem.check)
         return float(target.cost(results)[0]), float(checking.cost(results)[0])
 
+    def draft_costs(self, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+        """Costs of plants with the same effects as they stand, on the target's readings, by the steps of a draft."""
+        vectors = [plant.vectors() for plant in plants]
+        target = self.tuned(noise, step_for(plants[0], DRAFT_STEP_S))
+        values, active = (np.array(part) for part in zip(*vectors, strict=True))
+        return target.cost(self.simulator.run(values, active, target.jobs))
+
     def tuned(self, noise: Noise, step_s: float) -> Target:
         """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
         key = (step_s, noise)
@@ -194,13 +213,8 @@ class Workshop:
 
     def _target(self, step_s: float) -> Target:
         if step_s not in self._targets:
-            jobs = tuple(replace(job, step_s=step_s) for job in self.problem.target.jobs)
-            self._targets[step_s] = replace(self.problem.target, jobs=jobs)
+            self._targets[step_s] = _with_step(self.problem.target, step_s)
         return self._targets[step_s]
-
-    def _fit_exactly(self, target: Target, plant: Plant, noise: Noise, iterations: int) -> Structure:
-        fitted = self._fitted(with_noise(target, noise), plant, iterations, None)
-        return self._judged(fitted, noise, STEP_S)
 
     def _fitted(self, tuned: Target, plant: Plant, iterations: int, patience_nats: float | None) -> Fitted:
         """Variables and shares in turn; without a patience to the end, with the covariance."""
@@ -214,7 +228,9 @@ class Workshop:
                 patience_nats=_EXACT_PATIENCE_NATS if patience_nats is None else patience_nats,
                 covariance=patience_nats is None,
             )
-            plant = self._with_shares(fitted.plant, tuned)
+            before, plant = plant, self._with_shares(fitted.plant, tuned)
+            if _shares_rest(before, plant):
+                break
         return replace(fitted, plant=plant)
 
     def _judged(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
@@ -281,6 +297,10 @@ class Workshop:
         return plant.with_values(new)
 
 
+def _with_step(target: Target, step_s: float) -> Target:
+    return replace(target, jobs=tuple(replace(job, step_s=step_s) for job in target.jobs))
+
+
 def step_for(plant: Plant, coarse_s: float) -> float:
     """`coarse_s`, or half of it where an effect has a mechanical state of its own, which may be stiff."""
     stiff = any(is_mechanical(effect) for effect in plant.effects)
@@ -300,6 +320,11 @@ def _with_total_inertia(plant: Plant, slot: Slot, factor: float) -> Plant:
     if slot.symbol == "load_inertia" and plant.values[body] > (factor - 1.0) * value:
         new[body] = plant.values[body] - (factor - 1.0) * value
     return plant.with_values(new)
+
+
+def _shares_rest(before: Plant, after: Plant) -> bool:
+    slots = [Slot(e.id, e.parameters[0].symbol) for e in after.effects if "outlier" in e.terms]
+    return all(abs(after.values[s] - before.values[s]) < _SHARE_RESTS * before.values[s] for s in slots)
 
 
 def _shares(plant: Plant) -> int:

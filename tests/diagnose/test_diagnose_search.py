@@ -63,8 +63,14 @@ def test_small_batches_promise_the_same(lacking, monkeypatch):
 
 def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
     plant, target, start = lacking.baseline.plant, lacking.problem.target, lacking.baseline.noise
-    _, cost = estimate(lacking.simulator, plant, target, start)
     values, active = plant.vectors()
+
+    def cost_under(noise):
+        tuned = with_noise(target, noise)
+        return tuned.cost(lacking.simulator.run(values[None], active[None], tuned.jobs))[0]
+
+    likeliest, gain = estimate(lacking.simulator, plant, target, start)
+    assert cost_under(start) - gain == pytest.approx(cost_under(likeliest), abs=1e-6)
     for reading in np.geomspace(0.8, 3.0, 6):
         for disturbance in np.geomspace(0.2, 5.0, 9):
             noise = replace(
@@ -72,9 +78,7 @@ def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
                 reading_std=max(start.reading_std, reading * start.reading_std),
                 disturbance_std=disturbance * start.disturbance_std,
             )
-            tuned = with_noise(target, noise)
-            other = tuned.cost(lacking.simulator.run(values[None], active[None], tuned.jobs))[0]
-            assert cost < other + 1.0
+            assert cost_under(likeliest) < cost_under(noise) + 1.0
 
 
 def test_mechanical_states_take_finer_steps(lacking):

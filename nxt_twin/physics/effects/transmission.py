@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.parameter import ANGLE, INERTIA, STIFFNESS, Parameter
+from nxt_twin.physics.parameter import ANGLE, INERTIA, NUMBER, STIFFNESS, Parameter
 
 _CONTACT_RATE_PER_S = 500.0  # how stiff the flanks of a gap are: a contact settles in about 2 ms
-_SHAFT_DAMPING_RATIO = 0.03
 
 
 def _reaction(
@@ -116,22 +115,37 @@ BACKLASH = Effect(
 
 
 def _shaft(
-    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+    twist: float,
+    twist_load_speed: float,
+    stiffness: float,
+    load_inertia: float,
+    damping_ratio: float,
+    step_s: float,
 ) -> tuple[float, float]:
-    damping = 2.0 * _SHAFT_DAMPING_RATIO * math.sqrt(stiffness * load_inertia)
+    damping = 2.0 * damping_ratio * math.sqrt(stiffness * load_inertia)
     return _reaction(twist, twist_load_speed, stiffness, damping, load_inertia, step_s)
 
 
 def _shaft_torque(
-    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+    twist: float,
+    twist_load_speed: float,
+    stiffness: float,
+    load_inertia: float,
+    damping_ratio: float,
+    step_s: float,
 ) -> float:
-    return -_shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)[0]
+    return -_shaft(twist, twist_load_speed, stiffness, load_inertia, damping_ratio, step_s)[0]
 
 
 def _shaft_damping(
-    twist: float, twist_load_speed: float, stiffness: float, load_inertia: float, step_s: float
+    twist: float,
+    twist_load_speed: float,
+    stiffness: float,
+    load_inertia: float,
+    damping_ratio: float,
+    step_s: float,
 ) -> float:
-    return _shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)[1]
+    return _shaft(twist, twist_load_speed, stiffness, load_inertia, damping_ratio, step_s)[1]
 
 
 def _shaft_advance(
@@ -141,9 +155,10 @@ def _shaft_advance(
     after: float,
     stiffness: float,
     load_inertia: float,
+    damping_ratio: float,
     step_s: float,
 ) -> tuple[float, float]:
-    held, growth = _shaft(twist, twist_load_speed, stiffness, load_inertia, step_s)
+    held, growth = _shaft(twist, twist_load_speed, stiffness, load_inertia, damping_ratio, step_s)
     mean = 0.5 * (before + after)
     load_after = twist_load_speed + step_s * (held + growth * mean) / load_inertia
     return twist + step_s * (mean - 0.5 * (twist_load_speed + load_after)), load_after
@@ -152,7 +167,7 @@ def _shaft_advance(
 SHAFT_COMPLIANCE = Effect(
     id="shaft_compliance",
     name="shaft compliance (two masses)",
-    equation="τ = k·(θ - θL) + c·(ω - ωL), c at 3 % of critical",
+    equation="τ = k·(θ - θL) + c·(ω - ωL), c = 2·D·√(k·JL)",
     source="two masses on a torsion spring, as in any text on drives",
     equation_of="torque_balance",
     shows=("after_command", "reversal"),
@@ -169,6 +184,17 @@ SHAFT_COMPLIANCE = Effect(
             elsewhere={"linear": ("stiffness_n_per_m", "N/m")},
         ),
         _LOAD_INERTIA,
+        Parameter(
+            "shaft_damping_ratio",
+            "damping_ratio",
+            "1",
+            NUMBER,
+            (0.03,),
+            1e-3,
+            1.0,
+            spread=2.0,
+            otherwise=0.03,  # what steel and plastic shafts mostly lose
+        ),
     ),
     terms={"torque": _shaft_torque, "damping": _shaft_damping, "advance": _shaft_advance},
     states=("twist", "twist_load_speed"),
