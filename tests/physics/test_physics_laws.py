@@ -60,8 +60,19 @@ LAWS = {
         lambda m: m.drive() - (5e-3 if m.sign > 0 else 1e-3) * m.speed - m.sign * TC,
     ),
     "stiction": (
-        {"breakaway_torque_nm": 0.08, "stribeck_speed_rad_s": 2.0},
-        lambda m: m.plain() - m.sign * (0.08 - TC) * math.exp(-((m.speed / 2.0) ** 2)),
+        {
+            "breakaway_torque_nm": 0.08,
+            "stribeck_speed_rad_s": 2.0,
+            "stribeck_exponent": 1.3,
+            "bristle_deg": 0.5,
+        },
+        lambda m: (
+            m.drive()
+            - B * m.speed
+            - m.sign
+            * (TC + (0.08 - TC) * math.exp(-((abs(m.speed) / 2.0) ** 1.3)))
+            * (1.0 - math.exp(-abs(m.angle) / math.radians(0.5)))
+        ),
     ),
     "load_dependent_friction": (
         {"friction_per_torque": 0.3},

@@ -42,11 +42,11 @@ BUILT_IN: tuple[Effect, ...] = (
     CURRENT_LIMIT,
     ASYMMETRIC_FRICTION,
     ASYMMETRIC_VISCOUS_FRICTION,
+    PRESLIDING,  # before stiction, whose bristles then have nothing left to bear
     STICTION,
     LOAD_DEPENDENT_FRICTION,
     FRICTION_WARMUP,
     ANGLE_DEPENDENT_FRICTION,
-    PRESLIDING,
     QUADRATIC_DRAG,
     CONSTANT_LOAD,
     GRAVITY_LOAD,

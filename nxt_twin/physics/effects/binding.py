@@ -5,22 +5,8 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects.bristles import bent, bristle_torque
 from nxt_twin.physics.parameter import ANGLE, NUMBER, TORQUE, Parameter
-
-
-def _bristles(
-    level: float, direction: float, speed: float, bend: float, reach: float, step_s: float
-) -> tuple[float, float]:
-    """The bristles' torque at rest, and its growth with the step's mean speed by half a step's bend."""
-    heading = math.copysign(1.0, speed) if speed != 0.0 else direction
-    return level * bend, 0.5 * step_s * level / reach * (1.0 - bend * heading)
-
-
-def _bend(bend: float, before: float, after: float, reach: float, step_s: float) -> float:
-    moved = 0.5 * (before + after) * step_s
-    left = math.exp(-abs(moved) / reach)
-    return bend * left + math.copysign(1.0 - left, moved)
-
 
 PRESLIDING = Effect(
     id="presliding",
@@ -44,7 +30,7 @@ PRESLIDING = Effect(
             law=0.1,  # Dahl's exponent from 1 to 2, at the same stiffness, reads as a reach up to a fifth shorter
         ),
     ),
-    terms={"hold": _bristles, "advance": _bend},
+    terms={"hold": bristle_torque, "advance": bent},
     states=("bend",),
     confusable_with={
         "backlash": "a pause without drive after a push tells: bent bristles spring back, play stays where it is",
@@ -77,6 +63,7 @@ ANGLE_DEPENDENT_FRICTION = Effect(
             (0.03,),
             0.0,
             3.0,
+            law=0.05,  # the height of a bump hangs on its shape
         ),
         Parameter("cycles_per_turn", "cycles", "1", NUMBER, (1.0, 2.0, 3.0, 4.0, 6.0), 0.5, 60.0),
         Parameter(

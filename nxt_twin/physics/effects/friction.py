@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
+from nxt_twin.physics.effects.bristles import bent, bristle_torque
+from nxt_twin.physics.parameter import ANGLE, DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
 
 
 def _coulomb(level: float, coulomb: float) -> float:
@@ -168,8 +169,8 @@ def _stribeck(
 STICTION = Effect(
     id="stiction",
     name="Stribeck stiction",
-    equation="|τ| = Tc + (Ts - Tc)·exp(-(|ω|/ωs)^δ), Ts at rest",
-    source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, who list exponents δ from 0.5 to 2",
+    equation="|τ| = Tc + (Ts - Tc)·exp(-(|ω|/ωs)^δ), Ts at rest, borne by bristles that first bend by r",
+    source="Canudas de Wit et al. 1995; exponents δ from 0.5 to 2 in Armstrong-Hélouvry et al. 1994, a survey",
     equation_of="torque_balance",
     shows=("low_speed", "reversal"),
     parameters=(
@@ -182,6 +183,7 @@ STICTION = Effect(
             0.0,
             3.0,
             elsewhere={"linear": ("breakaway_force_n", "N")},
+            law=0.05,  # how the bristles bend decides how much of the peak is left where the motion turns back
         ),
         Parameter(
             "stribeck_speed_rad_s",
@@ -193,7 +195,7 @@ STICTION = Effect(
             10.0,
             spread=1.0,
             elsewhere={"linear": ("stribeck_speed_m_s", "m/s")},
-            law=0.2,  # some laws name the speed at which the excess has halved, others that at which 1/e is left
+            law=0.15,  # some laws name the speed at which the excess has halved, others that at which 1/e is left
         ),
         Parameter(
             "stribeck_exponent",
@@ -202,12 +204,26 @@ STICTION = Effect(
             NUMBER,
             (1.5,),
             0.5,
-            3.0,
+            2.0,
             spread=0.3,
             otherwise=2.0,
         ),
+        Parameter(
+            "bristle_deg",
+            "reach",
+            "deg",
+            ANGLE,
+            (0.1,),
+            0.01,
+            1.0,
+            fixed=0.5,
+            si=math.pi / 180.0,
+            elsewhere={"linear": ("bristle_mm", "mm", 1e-3)},
+            otherwise=0.02,
+        ),
     ),
-    terms={"friction": _stribeck},
+    terms={"friction": _stribeck, "hold": bristle_torque, "advance": bent},
+    states=("bend",),
     confusable_with={"coulomb_friction": "slow ramps through zero, both ways, show the drop after breakaway"},
 )
 
@@ -233,6 +249,7 @@ LOAD_DEPENDENT_FRICTION = Effect(
             0.0,
             0.9,
             elsewhere={"linear": ("friction_per_force", "1")},
+            law=0.05,  # a train between drive and load may carry somewhat more than the larger of the two
         ),
     ),
     terms={"friction": _load_dependent},
