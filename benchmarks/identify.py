@@ -26,6 +26,20 @@ LEAST_PCT: Final = 90.0
 MOST_PCT: Final = 98.0
 
 
+class Repeated(NamedTuple):
+    """What a repetition gave.
+
+    Attributes:
+        outcomes: by parameter.
+        warned: whether it said that physics is missing.
+        cost_s: processor time.
+    """
+
+    outcomes: dict[str, Outcome]
+    warned: bool
+    cost_s: float
+
+
 class Outcome(NamedTuple):
     """One parameter in one repetition.
 
@@ -75,10 +89,14 @@ def table(name: str, seeds: range, workers: int | None = None) -> Iterator[str]:
     else:
         with ProcessPoolExecutor(count) as pool:
             results = list(pool.map(_repeat, [name] * len(seeds), seeds, chunksize=5))
-    cost_s = sum(cost for _, cost in results)
-    yield f"{name}: {len(results)} repetitions, {cost_s:.0f} s of processor time"
-    for parameter in results[0][0]:
-        found = [outcomes[parameter] for outcomes, _ in results]
+    cost_s = sum(result.cost_s for result in results)
+    warned = sum(result.warned for result in results)
+    yield (
+        f"{name}: {len(results)} repetitions, {warned} with the warning that physics is missing;"
+        f" {cost_s:.0f} s of processor time"
+    )
+    for parameter in results[0].outcomes:
+        found = [result.outcomes[parameter] for result in results]
         pct = 100.0 * float(np.mean([each.covered for each in found]))
         off = np.array([each.off for each in found])
         width = float(np.median([each.half_width for each in found]))
@@ -89,8 +107,7 @@ def table(name: str, seeds: range, workers: int | None = None) -> Iterator[str]:
         )
 
 
-def _repeat(name: str, seed: int) -> tuple[dict[str, Outcome], float]:
-    """Each parameter's outcome, and the processor time it all took, s."""
+def _repeat(name: str, seed: int) -> Repeated:
     begin_s = time.process_time()
     identified, truth = STUDIES[name](seed)
     found = {}
@@ -98,7 +115,8 @@ def _repeat(name: str, seed: int) -> tuple[dict[str, Outcome], float]:
         value = identified.value(parameter)
         off = (value.value - true) / value.std
         found[parameter] = Outcome(value.covers(true), off, 0.5 * (value.high - value.low))
-    return found, time.process_time() - begin_s
+    warned = any("physics is missing" in note for note in identified.notes)
+    return Repeated(found, warned, time.process_time() - begin_s)
 
 
 if __name__ == "__main__":

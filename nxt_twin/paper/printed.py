@@ -8,6 +8,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.recording.recording import FloatArray
+from nxt_twin.sensors import touch_tables
 
 
 def _array(*values: float) -> FloatArray:
@@ -57,34 +58,11 @@ class TouchTable:
     deviations: FloatArray | None = None
 
 
-def _rows(*rows: str) -> FloatArray:
-    """Rows of eight readings; `a*n` stands for n readings of a."""
-    table = []
-    for row in rows:
-        cells: list[float] = []
-        for word in row.split():
-            value, _, times = word.partition("*")
-            cells += [float(value)] * int(times or 1)
-        table.append(_array(*cells))
-    samples: FloatArray = np.vstack(table)
-    samples.flags.writeable = False
-    return samples
-
-
 FORCE_ON: Final = TouchTable(
     number="III",
     unit="g",
     pressing=True,
-    samples=_rows(
-        "57*8",
-        "62*2 63*6",
-        "71*8",
-        "66 67*7",
-        "62*4 63 62 63 62",
-        "71*8",
-        "50 49 49 50 49 50*3",
-        "52*5 53 52*2",
-    ),
+    samples=touch_tables.PRESS_FORCE_G,
     means=_array(57, 62.6, 71, 66.9, 62.3, 71, 49.6, 52.1),
     deviations=_array(0, 0.38, 0, 0.33, 0.43, 0, 0.48, 0.33),
 )
@@ -92,7 +70,7 @@ FORCE_OFF: Final = TouchTable(
     number="IV",
     unit="g",
     pressing=False,
-    samples=_rows("53*8", "60*8", "67*7 68", "66*8", "58*6 57 58", "67*7 68", "48*2 46 48*5", "52*8"),
+    samples=touch_tables.RELEASE_FORCE_G,
     means=_array(53, 60, 67.1, 66, 57.9, 67.1, 48.8, 52),
     deviations=_array(0, 0, 0.11, 0, 0.11, 0.11, 0.44, 0),
 )
@@ -100,15 +78,13 @@ TRAVEL_ON: Final = TouchTable(
     number="V",
     unit="mm",
     pressing=True,
-    samples=_rows("2.11*8", "2.22*8", "2.22*8", "2.02*8", "2.11*8", "2.22*8", "2.00*8", "2.21*4 2.31 2.21*3"),
+    samples=touch_tables.PRESS_TRAVEL_MM,
 )
 TRAVEL_OFF: Final = TouchTable(
     number="VI",
     unit="mm",
     pressing=False,
-    samples=_rows(
-        "1.80*8", "2.01*8", "1.91*8", "1.81*8", "1.80*8", "2.02 2.00*5 1.91 2.00", "1.70*8", "2.00*8"
-    ),
+    samples=touch_tables.RELEASE_TRAVEL_MM,
 )
 
 TRAVEL_DEVIATION_MM: Final = 1.6e-3

@@ -9,62 +9,21 @@ closes, with the scatter of a sensor's own switchings as its quadratic mean.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import final
 
 import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.sensors.arrays import FloatArray
 from nxt_twin.sensors.touch import TouchParameters
-
-PRESS_FORCE_G: Final = (
-    (57, 57, 57, 57, 57, 57, 57, 57),
-    (62, 62, 63, 63, 63, 63, 63, 63),
-    (71, 71, 71, 71, 71, 71, 71, 71),
-    (66, 67, 67, 67, 67, 67, 67, 67),
-    (62, 62, 62, 62, 63, 62, 63, 62),
-    (71, 71, 71, 71, 71, 71, 71, 71),
-    (50, 49, 49, 50, 49, 50, 50, 50),
-    (52, 52, 52, 52, 52, 53, 52, 52),
+from nxt_twin.sensors.touch_tables import (
+    PRESS_FORCE_G,
+    PRESS_TRAVEL_MM,
+    RELEASE_FORCE_G,
+    RELEASE_TRAVEL_MM,
 )
-"""Table III: force off to on, g; one row a sensor."""
 
-RELEASE_FORCE_G: Final = (
-    (53, 53, 53, 53, 53, 53, 53, 53),
-    (60, 60, 60, 60, 60, 60, 60, 60),
-    (67, 67, 67, 67, 67, 67, 67, 68),
-    (66, 66, 66, 66, 66, 66, 66, 66),
-    (58, 58, 58, 58, 58, 58, 57, 58),
-    (67, 67, 67, 67, 67, 67, 67, 68),
-    (48, 48, 46, 48, 48, 48, 48, 48),
-    (52, 52, 52, 52, 52, 52, 52, 52),
-)
-"""Table IV: force on to off, g."""
-
-PRESS_TRAVEL_MM: Final = (
-    (2.11,) * 8,
-    (2.22,) * 8,
-    (2.22,) * 8,
-    (2.02,) * 8,
-    (2.11,) * 8,
-    (2.22,) * 8,
-    (2.00,) * 8,
-    (2.21, 2.21, 2.21, 2.21, 2.31, 2.21, 2.21, 2.21),
-)
-"""Table V: travel off to on, mm."""
-
-RELEASE_TRAVEL_MM: Final = (
-    (1.80,) * 8,
-    (2.01,) * 8,
-    (1.91,) * 8,
-    (1.81,) * 8,
-    (1.80,) * 8,
-    (2.02, 2.00, 2.00, 2.00, 2.00, 2.00, 1.91, 2.00),
-    (1.70,) * 8,
-    (2.00,) * 8,
-)
-"""Table VI: travel on to off, mm."""
-
+_TABLES = (PRESS_FORCE_G, RELEASE_FORCE_G, PRESS_TRAVEL_MM, RELEASE_TRAVEL_MM)
 _RESOLUTION_G = 1.0
 
 
@@ -95,9 +54,8 @@ class TouchPopulation:
 
 def measured_units() -> tuple[TouchParameters, ...]:
     """The paper's eight sensors, each with the means and the scatter of its own switchings."""
-    tables = [np.array(table, dtype=np.float64) for table in _TABLES]
     units = []
-    for press_g, release_g, press_mm, release_mm in zip(*tables, strict=True):
+    for press_g, release_g, press_mm, release_mm in zip(*_TABLES, strict=True):
         noise_g = float(np.sqrt(0.5 * (press_g.var() + release_g.var()) + _RESOLUTION_G**2 / 12.0))
         noise_mm = float(np.sqrt(0.5 * (press_mm.var() + release_mm.var()) + 1e-4 / 12.0))
         gap_g, gap_mm = press_g.mean() - release_g.mean(), press_mm.mean() - release_mm.mean()
@@ -136,6 +94,3 @@ def _sensor(
         press_travel_mm=float(release_mm + gap_mm),
         release_travel_mm=float(release_mm),
     )
-
-
-_TABLES = (PRESS_FORCE_G, RELEASE_FORCE_G, PRESS_TRAVEL_MM, RELEASE_TRAVEL_MM)
