@@ -21,7 +21,7 @@ from benchmarks.identify_studies import STUDIES
 
 FIRST_SEED: Final = 41_000
 REPETITIONS: Final = 200
-REPETITIONS_OF_OTHERS: Final = 50
+REPETITIONS_OF_OTHERS: Final = 25
 LEAST_PCT: Final = 90.0
 MOST_PCT: Final = 98.0
 

@@ -314,10 +314,10 @@ def _gradient(seed: int) -> tuple[Identified, Truth]:
 
 
 def _touch(axis: str) -> Repetition:
-    unit = 1.0 if axis == "force_g" else 0.02
+    unit, kind = (1.0, 16) if axis == "force_g" else (0.02, 18)
 
     def repeat(seed: int) -> tuple[Identified, Truth]:
-        random = np.random.default_rng([seed, 16])
+        random = np.random.default_rng([seed, kind])
         press = unit * random.uniform(55.0, 70.0)
         release = press - unit * random.uniform(3.0, 6.0)
         # As the paper's sensors: from far less than a step to about one.

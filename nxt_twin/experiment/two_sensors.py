@@ -88,7 +88,8 @@ def _shadow(places: FloatArray, heard: FloatArray, total: FloatArray, name: str)
         what = "no reading has an echo" if heard.sum() == 0.0 else f"{places.size} places are of no use"
         raise ExperimentError(what, where=name, mend="check the sensor and the range of the strip's places")
     step = float(np.median(np.diff(places)))
-    edges = np.arange(places[0] - 0.5 * step, places[-1] + 0.5 * step, step / _FINE)
+    # Never at a place itself: an edge there would count as beyond it, and all edges be late by half a fine step.
+    edges = np.arange(places[0] - 0.5 * step, places[-1] + 0.5 * step, step / _FINE) + 0.5 * step / _FINE
     # How many of the places lie below an edge, and what was read there; an interval is a difference.
     below = np.searchsorted(places, edges)
     heard_below = np.concatenate([[0.0], np.cumsum(heard)])[below]
