@@ -17,6 +17,7 @@ from numpy.random import Generator
 
 from nxt_twin.diagnose.fit import values_of
 from nxt_twin.diagnose.inputs import Pattern, family
+from nxt_twin.diagnose.likeness import told_apart
 from nxt_twin.diagnose.linear import moves, with_slot_values
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.structure import Structure
@@ -254,13 +255,15 @@ def _seconds(curve: FloatArray | None) -> tuple[float, float]:
 def _drawn(structure: Structure, rng: Generator) -> Plant:
     """The structure's plant with its parameters drawn from what the recordings leave open.
 
-    No direction moves by more than a little: along what only an anchor fixes, the rival would follow, but not in the
-    straight line that its slopes foretell.
+    Not between motors that move all alike, of which the rival has as many; and no direction moves by more than a
+    little, for a rival would not follow further in the straight line that its slopes foretell.
     """
     variables = structure.fitted.variables
+    along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)
     scale = np.array([v.scale for v in variables])
     covariance = structure.fitted.covariance / np.outer(scale, scale)
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     stds = np.minimum(np.sqrt(np.maximum(values, 0.0)), _LARGEST_MOVE)
-    offset = scale * (vectors @ (stds * rng.standard_normal(values.size)))
+    drawn = vectors @ (stds * rng.standard_normal(values.size))
+    offset = scale * told_apart(drawn[:, None], along)[:, 0]
     return with_slot_values(structure.plant, variables, values_of(structure.plant, variables) + offset)

@@ -89,10 +89,9 @@ def test_the_json_carries_doubt_intervals_and_the_program(loaded):
     assert low < inertia["to"] < high
     assert inertia["rests_on"] == ["resistance_ohm", "torque_constant_nm_per_a"]
     assert content["refit"]["torque_constant_nm_per_a"]["rests_on"] == []
-    ratio = content["refit"]["coulomb_friction_nm"]["ratio"]
-    assert ratio["of"] == "inertia_kg_m2"
-    coulomb = content["refit"]["coulomb_friction_nm"]
-    assert ratio["std"] / ratio["value"] < coulomb["std"] / coulomb["to"]
+    torque = next(cell for cell in content["effects"][0]["params"].values() if cell["unit"] == "N·m")
+    assert torque["ratio"]["of"] == "inertia_kg_m2"
+    assert torque["ratio"]["std"] / torque["ratio"]["value"] < torque["std"] / torque["value"]
     assert 0.0 <= content["false_alarm_rate"]["rate"] <= content["false_alarm_rate"]["upper_95"] <= 1.0
     experiment = content["next_experiment"]
     if experiment is not None:
