@@ -33,6 +33,8 @@ PUSHES_NM: Final = (0.02, 0.03, 0.05)
 _LEVELS: Final = (50.0, -60.0, 35.0, -45.0, 70.0, -30.0, 55.0, -80.0)
 _HELD_S: Final = 1.1
 _AIM_S: Final = 0.3
+_NOTICED: Final = ("divergence", "stall")
+"""A motor that runs into a stop is said to be blocked, and its model is not doubted."""
 
 
 class Called(NamedTuple):
@@ -86,7 +88,8 @@ def pushes(seeds: int) -> Iterator[str]:
 
 
 def _called(recording: Recording, plant: Plant, link: Link, seed: int, event_s: float) -> Called:
-    found = [each for each in feed(recording, plant, link, seed).of("divergence") if each.time_s >= event_s]
+    fed = feed(recording, plant, link, seed)
+    found = [each for each in fed.events if each.kind in _NOTICED and each.time_s >= event_s]
     if not found:
         return Called(np.nan, np.nan)
     onset_s = found[0].onset_s

@@ -20,6 +20,7 @@ from nxt_twin.recording.columns import Port
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.records import Event, Sink, Tick
 from nxt_twin.twin.session import Parts, Session
+from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.verdict import verdict
 
@@ -191,6 +192,7 @@ def _document(session: Session, parts: Parts, told: Audience) -> dict[str, Any]:
     diagnoses = [] if parts.adopter is None else parts.adopter.diagnoses
     return {
         "polls": session.polls,
+        "stated_false_alarms_per_hour": FALSE_ALARMS_PER_HOUR,
         "stalls": {"count": session.stalls.count, "longest_s": session.stalls.longest_s},
         "motors": {
             port: {"diverging": monitor.diverging, "trouble": monitor.trouble}

@@ -189,8 +189,8 @@ class BrickTwin:
 
     def _new_motors(self) -> dict[Port, MotorTwin]:
         options, row, motors = self.options, 0, {}
-        for port, plant in self._plants.items():
-            motor = MotorTwin(port, plant, options.noise, options.watch, row, options.candidates)
+        for turn, (port, plant) in enumerate(self._plants.items()):
+            motor = MotorTwin(port, plant, options.noise, options.watch, row, options.candidates, turn)
             motors[port] = motor
             row += len(motor.rows)
         return motors

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import NamedTuple, final
 
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.columns import Port, tacho_column
+from nxt_twin.recording.columns import PORTS, Port, tacho_column
 from nxt_twin.recording.recording import DriveMode
 from nxt_twin.twin.batch import CURRENT, Batch
 from nxt_twin.twin.bridge import Hold
@@ -56,10 +56,18 @@ class MotorTwin:
         watch: when readings are believed.
         first_row: of its rows in the batch.
         ids: effects to weigh; none to weigh nothing.
+        turn: which of three motors it is; they take turns in weighing, so that no poll has to wait for all.
     """
 
     def __init__(
-        self, port: Port, plant: Plant, noise: Noise, watch: Watch, first_row: int, ids: Sequence[str]
+        self,
+        port: Port,
+        plant: Plant,
+        noise: Noise,
+        watch: Watch,
+        first_row: int,
+        ids: Sequence[str],
+        turn: int = 0,
     ) -> None:
         self.port = port
         self.plant = plant
@@ -79,6 +87,8 @@ class MotorTwin:
         self._drive = Drive(plant)
         self._reaped_s = 0.0
         self._weighed_s = 0.0
+        self._wait_s = turn * _WEIGH_EVERY_S / len(PORTS)
+        self._due_s = 0.0
         self._rejected = 0
         self._count: int | None = None
         self._placed = False
@@ -112,6 +122,7 @@ class MotorTwin:
         for strand in self._strands:
             strand.place(batch, angle, speed, variances)
         self._reaped_s = self._weighed_s = batch.now_s
+        self._due_s = batch.now_s + self._wait_s
         self._weigher = self._new_weigher()
         self._rejected = 0
         self._placed = True
@@ -123,6 +134,7 @@ class MotorTwin:
             mean, covariance = other._tracking.mean, other._tracking.estimator.covariance
             strand.place(batch, mean[0], mean[1], (covariance[0, 0], covariance[1, 1]))
         self._reaped_s = self._weighed_s = batch.now_s
+        self._due_s = batch.now_s + self._wait_s
         self._placed = other.placed
 
     def expect(self, at_s: float, std_s: float, before: Hold, after: Hold, supply_v: float) -> None:
@@ -142,7 +154,7 @@ class MotorTwin:
         """
         if not self._placed:
             self.place(batch, count)
-        weighing = bool(self._weighed) and batch.now_s - self._weighed_s >= _WEIGH_EVERY_S
+        weighing = bool(self._weighed) and batch.now_s >= self._due_s
         taking = self._strands if weighing else self._strands[:2]
         for n, strand in enumerate(taking):
             strand.reap(batch, batch.now_s - (self._reaped_s if n < 2 else self._weighed_s))
@@ -240,6 +252,7 @@ class MotorTwin:
 
     def _weigh(self, reading: float, variance: float, *, accepted: bool) -> None:
         since_s, self._weighed_s = self._reaped_s - self._weighed_s, self._reaped_s
+        self._due_s = self._reaped_s + _WEIGH_EVERY_S
         if self._weigher is None or not accepted:
             return
         logs = [strand.update(reading, variance).log_likelihood for strand in self._weighed]

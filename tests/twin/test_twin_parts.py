@@ -11,6 +11,7 @@ from nxt_twin.errors import PlantError
 from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.batch import Batch
+from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import FLOAT, Hold, firmware_bridge, plain_bridge
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates, delay_s
 from nxt_twin.twin.driver import ProgramDriver, excitation
@@ -263,3 +264,18 @@ def test_a_switch_surprises_when_it_changes():
 
 def test_steady_programs_are_of_one_command():
     assert ProgramDriver(steady(30)).at(1.0, {})["a"] == (30, "drive")
+
+
+def test_motors_take_turns_in_weighing_effects():
+    """Else every fourth poll over USB would last longer than the link itself."""
+    twin = BrickTwin(dict.fromkeys("abc", nxt_motor()), TwinOptions(candidates=("constant_load",)))
+    before = dict.fromkeys("abc", 0.0)
+    turns = []
+    for n in range(60):
+        for port in "abc":
+            twin.read_tacho(port, 0.01 + 0.008 * n, 0)
+        now = {port: twin.motor(port)._weighed_s for port in "abc"}
+        turns.append([port for port in "abc" if now[port] != before[port]])
+        before = now
+    assert max(map(len, turns[4:])) == 1
+    assert {port for turn in turns[4:] for port in turn} == set("abc")

@@ -28,6 +28,8 @@ _LEVELS: Final[dict[EventKind, str]] = {
     "disconnected": "ERROR",
     "low_battery": "WARN",
     "link_lost": "ERROR",
+    "stalled": "WARN",
+    "undiagnosed": "WARN",
 }
 
 _Curves = Sequence[tuple[str, colours.Colour, float]]
