@@ -176,7 +176,7 @@ class BrickTwin:
         for each, motor in self._motors.items():
             duty, mode = batch.in_force(each)
             self._batch.set_in_force(each, duty, mode)
-            motor.follow(motors[each], self._batch)
+            motor.follow(motors[each], batch, self._batch)
 
     def _drawn_a(self) -> float:
         return sum(self._batch.drawn_a(motor.row) for motor in self._motors.values())

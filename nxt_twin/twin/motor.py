@@ -10,7 +10,7 @@ from typing import NamedTuple, final
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import PORTS, Port, tacho_column
 from nxt_twin.recording.recording import DriveMode
-from nxt_twin.twin.batch import CURRENT, Batch
+from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
 from nxt_twin.twin.estimator import Weigher
@@ -127,12 +127,13 @@ class MotorTwin:
         self._rejected = 0
         self._placed = True
 
-    def follow(self, other: MotorTwin, batch: Batch) -> None:
-        """Go on where another twin of the same motor is."""
+    def follow(self, other: MotorTwin, was: Batch, batch: Batch) -> None:
+        """Go on where another twin of the same motor has got to in the batch that there was."""
+        angle, speed = was.state[other.row, ANGLE], was.state[other.row, SPEED]
+        covariance = other._tracking.estimator.covariance
         for strand in self._strands:
             batch.state[strand.rows] = 0.0
-            mean, covariance = other._tracking.mean, other._tracking.estimator.covariance
-            strand.place(batch, mean[0], mean[1], (covariance[0, 0], covariance[1, 1]))
+            strand.place(batch, float(angle), float(speed), (covariance[0, 0], covariance[1, 1]))
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._placed = other.placed

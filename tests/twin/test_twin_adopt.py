@@ -73,5 +73,22 @@ def test_a_twin_is_diagnosed_with_the_battery_that_it_is_run_with():
     assert twin.plant_as_run("b").values[sag] == 0.9
 
 
+def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
+    """Also where time has passed since the last count: the other motors were read meanwhile."""
+    twin = BrickTwin({"a": nxt_motor()}, TwinOptions(candidates=("constant_load",)))
+    twin.read_tacho("a", 0.0, 0)
+    twin.command("a", 80, "drive", 0.0)
+    for n in range(1, 40):
+        twin.move(0.01 * n)
+        twin.read_tacho("a", 0.01 * n, int(twin.state("a").angle_deg // 1))
+    twin.move(0.405)
+    before = twin.state("a")
+    assert before.speed_deg_per_s > 500.0
+    twin.adopt("a", nxt_motor(), 0.0)
+    after = twin.state("a")
+    assert after.angle_deg == pytest.approx(before.angle_deg, abs=1e-6)
+    assert after.speed_deg_per_s == pytest.approx(before.speed_deg_per_s, rel=1e-9)
+
+
 def test_a_session_in_which_all_held_says_so():
     assert verdict([], []).outcome == "holds"
