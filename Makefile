@@ -26,7 +26,7 @@ proof-blind: $(VENV)/ready-run
 	$(BIN)/nxt-twin blind bench build/blind --seed 1 --jobs 2
 
 proof-identify: $(VENV)/ready-run
-	$(BIN)/python -m benchmarks identify
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks identify
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py
