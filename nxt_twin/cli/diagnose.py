@@ -17,7 +17,6 @@ from nxt_twin.diagnose.to_json import to_json
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_as_case
 from nxt_twin.recording.program import write_program
-from nxt_twin.view.report import write_report
 
 
 def diagnose(
@@ -57,7 +56,7 @@ def diagnose(
             told = _write_experiment(experiment_out, answer.diagnosis, many=many)
             if told and json != "-":
                 print(told)
-        page = write_report(answer.diagnosis, report) if report else None
+        page = _write_report(answer.diagnosis, report) if report else None
         if json != "-":
             show(answer.diagnosis, page)
     if failed:
@@ -105,6 +104,13 @@ def _show_doubt(diagnosis: Diagnosis) -> None:
     if diagnosis.false_alarm_rate:
         alarms = diagnosis.false_alarm_rate
         print(f"  false alarms in clean recordings like these: below {100.0 * alarms.upper_95:.1f} %")
+
+
+def _write_report(diagnosis: Diagnosis, folder: Path) -> Path:
+    # Only here: what draws takes longer to import than most of the rest together.
+    from nxt_twin.view.report import write_report
+
+    return write_report(diagnosis, folder)
 
 
 def _labels(paths: list[Path]) -> list[str | None]:

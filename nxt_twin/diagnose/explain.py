@@ -58,6 +58,7 @@ _SOBER = 0.3
 _LEFT_OUT_NATS = 3.0
 _FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
 _CLEAR = 1.3
+_ABOVE = 1.1
 
 
 @final
@@ -156,11 +157,17 @@ class _Search:
             for effect_id in sorted(best.plant.active - self._baseline.plant.active):
                 simpler = self._without(best, effect_id)
                 weight = weigh(simpler, best)
-                if not _keeps_its_place(weight) and (weakest is None or weight.total < weakest[0]):
+                kept = _keeps_its_place(weight, KEEP_NATS + self._belief_in_what_returns(simpler, best))
+                if not kept and (weakest is None or weight.total < weakest[0]):
                     weakest = (weight.total, simpler)
             if weakest is None:
                 return best
             best = weakest[1]
+
+    def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
+        """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
+        back = simpler.plant.active - best.plant.active - self._baseline.plant.active
+        return sum(_belief(best.plant.layout.effect(effect_id)) for effect_id in back)
 
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best`, the weightiest first."""
@@ -232,23 +239,22 @@ class _Search:
     def _worth_it(self, weight: Weight, best: Structure) -> bool:
         """Whether an effect is to be added to `best`: it must also gain more than the form of those in it may lack.
 
-        A fault of the recording has no form that could be wrong: what it explains does not count.
+        What readings that count for little explain does not count: there is no form in them that could be wrong.
         """
-        explained = _cost(self._faults_only(best)) - _cost(best)
+        explained = _cost(self._doubting(best)) - _cost(best)
         needed = max(GAIN_NATS, _FORM_SHARE * explained)
         return weight.gain > needed and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
 
-    def _faults_only(self, best: Structure) -> Structure:
-        """The baseline with just those of `best`'s effects that are faults of the recording."""
-        physics = [
-            e.id for e in best.plant.effects if not e.fault and e.id not in self._baseline.plant.active
-        ]
-        bare = best.plant
-        for effect_id in physics:
-            bare = _simpler(bare, effect_id, self._workshop.problem.plant)
-        if bare.active == best.plant.active:
-            return best
-        return self._settled.get(bare.active) or self._settle(bare, best.noise)
+    def _doubting(self, best: Structure) -> Structure:
+        """The baseline with just those of `best`'s effects that doubt readings."""
+        plant = self._baseline.plant
+        for effect in best.plant.effects:
+            if "outlier" in effect.terms and effect.id not in plant.active:
+                shares = {p.symbol: best.plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters}
+                plant = plant.with_effect(effect.id, shares)
+        if plant.active == self._baseline.plant.active:
+            return self._baseline
+        return self._settled.get(plant.active) or self._settle(plant, best.noise)
 
     def _drafts(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
         """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
@@ -332,8 +338,8 @@ def _belief(effect: Effect) -> float:
     return _LEFT_OUT_NATS if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
 
 
-def _keeps_its_place(weight: Weight) -> bool:
-    return weight.total > KEEP_NATS and weight.check_gain > 0.0 and _runs_no_worse(weight)
+def _keeps_its_place(weight: Weight, needed: float) -> bool:
+    return weight.total > needed and weight.check_gain > 0.0 and _runs_no_worse(weight)
 
 
 def _runs_no_worse(weight: Weight) -> bool:
@@ -341,10 +347,12 @@ def _runs_no_worse(weight: Weight) -> bool:
 
 
 def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
-    """Whether the effect's main parameter is clear of the least value that it may have, where that is not zero."""
+    """Whether the effect's main parameter is clear of the least value with which it makes a difference."""
     main = effect.parameters[0]
-    lower = main.in_frame(plant.layout.frame).scaled(scale)
-    return lower.lower <= 0.0 or plant.values[Slot(effect.id, main.symbol)] > _CLEAR * lower.lower * lower.si
+    value = plant.values[Slot(effect.id, main.symbol)]
+    bounds = main.in_frame(plant.layout.frame).scaled(scale)
+    nothing = plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
+    return value > _CLEAR * bounds.lower * bounds.si and (nothing <= 0.0 or value > _ABOVE * nothing)
 
 
 def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:

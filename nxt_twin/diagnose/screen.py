@@ -35,15 +35,13 @@ class Prospect:
     stretch: float
 
     def stretched(self, scale: Scale) -> Plant:
-        """The plant with the effect's main parameter stretched, as far as its bounds allow."""
+        """The plant with the effect's main parameter stretched from where it begins to count, within its bounds."""
         main = self.effect.parameters[0]
         bounds = main.in_frame(self.plant.layout.frame).scaled(scale)
         slot = Slot(self.effect.id, main.symbol)
-        value = float(
-            np.clip(
-                self.stretch * self.plant.values[slot], bounds.lower * bounds.si, bounds.upper * bounds.si
-            )
-        )
+        nothing = self.plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
+        value = nothing + self.stretch * (self.plant.values[slot] - nothing)
+        value = float(np.clip(value, bounds.lower * bounds.si, bounds.upper * bounds.si))
         return self.plant.with_values({slot: value})
 
 

@@ -165,7 +165,9 @@ class Workshop:
     def settled(self, plant: Plant, noise: Noise) -> Structure:
         """`plant` under the noise that suits it best, both searched from what is given."""
         step_s = step_for(plant, SETTLED_STEP_S)
-        target = self._target(step_for(plant, DRAFT_STEP_S))  # a likelihood that is flat at its best needs no more
+        target = self._target(
+            step_for(plant, DRAFT_STEP_S)
+        )  # a likelihood that is flat at its best needs no more
         noise, _ = estimate(self.simulator, plant, target, noise)
         fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
         for _ in range(_SETTLE_ROUNDS):

@@ -78,6 +78,7 @@ class Parameter:
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
         law: how far laws of the same name differ about it, one standard deviation as a fraction of the value: what
             no recording tells of a truth that follows another of them.
+        above: owner and symbol of the parameter that it has to exceed to make a difference.
     """
 
     name: str
@@ -97,6 +98,7 @@ class Parameter:
     otherwise: float | None = None
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
     law: float = 0.0
+    above: tuple[str, str] | None = None
 
     @property
     def likeness(self) -> float:

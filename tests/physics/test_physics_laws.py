@@ -60,18 +60,9 @@ LAWS = {
         lambda m: m.drive() - (5e-3 if m.sign > 0 else 1e-3) * m.speed - m.sign * TC,
     ),
     "stiction": (
-        {
-            "breakaway_torque_nm": 0.08,
-            "stribeck_speed_rad_s": 2.0,
-            "stribeck_exponent": 1.3,
-            "bristle_deg": 0.5,
-        },
+        {"breakaway_torque_nm": 0.08, "stribeck_speed_rad_s": 2.0, "stribeck_exponent": 1.3},
         lambda m: (
-            m.drive()
-            - B * m.speed
-            - m.sign
-            * (TC + (0.08 - TC) * math.exp(-((abs(m.speed) / 2.0) ** 1.3)))
-            * (1.0 - math.exp(-abs(m.angle) / math.radians(0.5)))
+            m.drive() - B * m.speed - m.sign * (TC + (0.08 - TC) * math.exp(-((abs(m.speed) / 2.0) ** 1.3)))
         ),
     ),
     "load_dependent_friction": (

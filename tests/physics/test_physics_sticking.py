@@ -37,8 +37,7 @@ def test_stiction_holds_what_it_lets_run_once_it_has_started(motor_simulator):
     between = 6.0 * BREAKAWAY_DUTY
     held = motion(motor_simulator, plant, commanded([(0.0, between)], seconds=2.0))
     kicked = motion(motor_simulator, plant, commanded([(0.0, 0.5), (0.1, between)], seconds=4.0))
-    assert 0.0 < held["angle"].max() < np.radians(0.3)  # the bristles bend, and no more
-    assert np.abs(held["speed"][-10:]).max() < 1e-6
+    assert np.all(held["angle"] == 0.0)
     assert kicked["speed"][-1] > 1.0
 
 

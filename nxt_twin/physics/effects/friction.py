@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.effects.bristles import bent, bristle_torque
-from nxt_twin.physics.parameter import ANGLE, DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
+from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
 
 
 def _coulomb(level: float, coulomb: float) -> float:
@@ -169,8 +168,8 @@ def _stribeck(
 STICTION = Effect(
     id="stiction",
     name="Stribeck stiction",
-    equation="|τ| = Tc + (Ts - Tc)·exp(-(|ω|/ωs)^δ), Ts at rest, borne by bristles that first bend by r",
-    source="Canudas de Wit et al. 1995; exponents δ from 0.5 to 2 in Armstrong-Hélouvry et al. 1994, a survey",
+    equation="|τ| = Tc + (Ts - Tc)·exp(-(|ω|/ωs)^δ), Ts at rest",
+    source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, a survey, with exponents δ from 0.5 to 2",
     equation_of="torque_balance",
     shows=("low_speed", "reversal"),
     parameters=(
@@ -183,7 +182,8 @@ STICTION = Effect(
             0.0,
             3.0,
             elsewhere={"linear": ("breakaway_force_n", "N")},
-            law=0.05,  # how the bristles bend decides how much of the peak is left where the motion turns back
+            law=0.05,  # how contacts bend decides how much of the peak is left where the motion turns back
+            above=("coulomb_friction", "coulomb"),
         ),
         Parameter(
             "stribeck_speed_rad_s",
@@ -208,22 +208,8 @@ STICTION = Effect(
             spread=0.3,
             otherwise=2.0,
         ),
-        Parameter(
-            "bristle_deg",
-            "reach",
-            "deg",
-            ANGLE,
-            (0.1,),
-            0.01,
-            1.0,
-            fixed=0.5,
-            si=math.pi / 180.0,
-            elsewhere={"linear": ("bristle_mm", "mm", 1e-3)},
-            otherwise=0.02,
-        ),
     ),
-    terms={"friction": _stribeck, "hold": bristle_torque, "advance": bent},
-    states=("bend",),
+    terms={"friction": _stribeck},
     confusable_with={"coulomb_friction": "slow ramps through zero, both ways, show the drop after breakaway"},
 )
 
