@@ -16,7 +16,7 @@ from scipy.signal import savgol_filter
 from nxt_twin.physics.signals import Signals
 from nxt_twin.recording.recording import FloatArray
 
-_PART_S = 3.0
+_MOST_EVALUATIONS = 8
 _EDGE_RAD_S = 0.05  # within which the plain model smooths dry friction, as a user of a solver has to
 _THRESHOLDS = (0.3, 1.0, 3.0, 10.0)  # rad/s², of a term's ordinary contribution
 
@@ -54,7 +54,7 @@ class Peer(NamedTuple):
 def one_by_one(recordings: Sequence[Signals]) -> Peer:
     """Each candidate added to the plain motor and fitted by `least_squares` over `solve_ivp`, the best named.
 
-    Only the first seconds of each recording are fitted, from rest, and few evaluations are allowed: the words say so.
+    Whole recordings in free run from rest, and few evaluations: the words say so.
     """
     began = time.perf_counter()
     costs = {"": _fitted_cost(recordings, None)}
@@ -62,13 +62,10 @@ def one_by_one(recordings: Sequence[Signals]) -> Peer:
         costs[name] = _fitted_cost(recordings, term)
     taken_s = time.perf_counter() - began
     best = min(CANDIDATES, key=lambda name: costs[name])
-    seconds = sum(float(s.time_s[-1] - s.time_s[0]) for s in recordings)
-    whole_s = taken_s * seconds / (_PART_S * len(recordings))
     return Peer(
         (best,) if costs[best] < 0.9 * costs[""] else (),
         taken_s,
-        f"{len(CANDIDATES)} candidates on the first {_PART_S:g} s of each recording; by proportion (not run) "
-        f"all {seconds:.0f} s would take {whole_s:.0f} s",
+        f"{len(CANDIDATES)} candidates, whole recordings, {_MOST_EVALUATIONS} steps each at most",
     )
 
 
@@ -77,20 +74,20 @@ def _fitted_cost(recordings: Sequence[Signals], term: Term | None) -> float:
         runs = [_free_run(signals, x, term) for signals in recordings]
         return np.concatenate([run - want for run, want in zip(runs, measured, strict=True)])
 
-    measured = [_first(signals)[1] for signals in recordings]
+    measured = [_read(signals)[1] for signals in recordings]
     start = np.array([50.0, 25.0, 7.0, *([0.1] if term else [])])
-    return float(least_squares(errors, start, x_scale=np.maximum(start, 1.0), max_nfev=8).cost)
+    return float(least_squares(errors, start, x_scale=np.maximum(start, 1.0), max_nfev=_MOST_EVALUATIONS).cost)
 
 
-def _first(signals: Signals) -> tuple[FloatArray, FloatArray]:
+def _read(signals: Signals) -> tuple[FloatArray, FloatArray]:
     """Times and angles, since the beginning."""
-    known = np.isfinite(signals.measured) & (signals.time_s - signals.time_s[0] <= _PART_S)
+    known = np.isfinite(signals.measured)
     return signals.time_s[known], signals.measured[known] - signals.measured[known][0]
 
 
 def _free_run(signals: Signals, x: FloatArray, term: Term | None) -> FloatArray:
     """Angles at the readings, from rest, one call of the solver a command."""
-    time_s, _ = _first(signals)
+    time_s, _ = _read(signals)
     ends = np.append(signals.command_time_s[1:], np.inf)
     volts = signals.command * signals.command_supply_v
     angle, state = np.zeros(time_s.size), np.zeros(2)
