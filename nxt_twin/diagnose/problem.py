@@ -29,6 +29,7 @@ _READINGS_PER_TIME_CONSTANT = 8.0
 _PHASES = 2  # where few readings are left, a thinned recording is fitted from each of so many first readings
 _FEW_READINGS = 2000
 _FEWEST_READINGS = 50
+_LARGEST_READING = 1e9
 
 
 @final
@@ -94,6 +95,8 @@ def problem_of(
     plant = plant_from_config(config, read[0].input_kind)
     supplied = [with_supply(signals, plant) for signals in read]
     fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]
+    for signals in read:
+        _refuse_no_motion(signals)
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart and len(fitted) >= 3:
@@ -124,6 +127,19 @@ def problem_of(
         signals=tuple(fitted),
         window_s=window_s,
     )
+
+
+def _refuse_no_motion(signals: Signals) -> None:
+    """Refuse what no simulation could follow."""
+    if signals.time_s[-1] <= signals.time_s[0]:
+        raise DiagnosisError("its stamps never advance", where=signals.name, mend="record it anew")
+    largest = float(np.nanmax(np.abs(signals.measured), initial=0.0))
+    if largest > _LARGEST_READING:
+        raise DiagnosisError(
+            f"reads up to {largest:.0e} in SI units, which no motor does",
+            where=signals.name,
+            mend="check its unit",
+        )
 
 
 def _whole(signals: Signals, window_s: float) -> HeldOut:

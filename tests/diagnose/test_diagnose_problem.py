@@ -70,3 +70,14 @@ def test_a_recording_in_which_nothing_moves_is_refused():
     )
     with pytest.raises(DiagnosisError, match="nothing moves"):
         problem_of("case", PLANT, [still], [], None)
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "said"),
+    [("time_s", np.zeros(100), "never advance"), ("output", np.arange(100.0) * 1e300, "no motor does")],
+)
+def test_a_recording_that_no_simulation_could_follow_is_refused(column, values, said):
+    columns = {"time_s": np.arange(100.0), "input": np.ones(100), "output": np.arange(100.0)}
+    odd = Recording("a", {**columns, column: values}, KINDS)
+    with pytest.raises(DiagnosisError, match=said):
+        problem_of("case", PLANT, [odd], [], None)
