@@ -127,6 +127,10 @@ def _better(diagnosis: Diagnosis) -> bool:
     return bool(diagnosis.effects) and diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
 
 
+def _plain(effect_id: str) -> str:
+    return effect_id.replace("_", " ")
+
+
 def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
     """What a diagnosis says, as events."""
     diagnosis, channel = answer.diagnosis, tacho_column(port)
@@ -135,14 +139,14 @@ def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
         Event(
             time_s,
             "effect_named",
-            f"{where} {effect.name} (probability {effect.probability:.2f})",
+            f"{where} {_plain(effect.id)} (probability {effect.probability:.2f})",
             port,
             channel,
             strength=effect.probability,
         )
         for effect in diagnosis.effects
     ]
-    ids = ", ".join(effect.id.replace("_", " ") for effect in diagnosis.effects)
+    ids = ", ".join(_plain(effect.id) for effect in diagnosis.effects)
     what = f"the model now has {ids}" if ids else "the model's numbers were off and are re-fitted"
     if diagnosis.verdict == "unexplained":
         what += "; more is missing that no known effect accounts for"
