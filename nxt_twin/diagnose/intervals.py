@@ -16,7 +16,7 @@ _FEWEST_BLOCKS = 12
 _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
 _SUPPLY_MOVE = 1e-3
 FROZEN_DOUBT = 0.15  # of a given inductance
-_FROZEN_MOVE = 0.2  # of the doubt
+_FROZEN_MOVE = 0.05
 _MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
 _ZERO_DOUBT = 1.0 / math.sqrt(
     3.0
@@ -43,7 +43,7 @@ def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
     spread = _larger(inverse, sandwich)
     untold = [
         (_SUPPLY_DOUBT / _SUPPLY_MOVE, _supply_signature(simulator, linear)),
-        (1.0 / _FROZEN_MOVE, _frozen(simulator, linear)),
+        (FROZEN_DOUBT / _FROZEN_MOVE, _frozen(simulator, linear)),
         (_ZERO_DOUBT, _zero_signature(simulator, linear)),
     ]
     shifts = np.concatenate([size * linear.absorbed(signature) for size, signature in untold])
@@ -79,17 +79,13 @@ def _zero_signature(simulator: Simulator, linear: Linear) -> FloatArray:
 
 
 def _frozen(simulator: Simulator, linear: Linear) -> FloatArray:
-    """What each parameter that the fit leaves alone would do to the readings, for so small a share of its doubt."""
+    """What each parameter that the fit leaves alone would do to the readings if it were a little larger."""
     plant = linear.structure.plant
     shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
-    doubts = {
-        slot: parameter.fixed or FROZEN_DOUBT
-        for slot, parameter in plant.layout.parameters.items()
-        if (parameter.frozen or parameter.fixed) and slot in plant.values and slot.owner not in shares
-    }
     moved = [
-        plant.with_values({slot: (1.0 + _FROZEN_MOVE * doubt) * plant.values[slot]})
-        for slot, doubt in doubts.items()
+        plant.with_values({slot: (1.0 + _FROZEN_MOVE) * plant.values[slot]})
+        for slot, parameter in plant.layout.parameters.items()
+        if parameter.frozen and slot in plant.values and slot.owner not in shares
     ]
     return deviations(simulator, linear, moved)
 

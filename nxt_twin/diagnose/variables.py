@@ -52,7 +52,7 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     alike = plant.layout.frame == "motor" and driven in VOLTAGES
     found = []
     for slot, parameter in plant.layout.parameters.items():
-        if slot not in plant.values or slot.owner in shares or parameter.tied_to or parameter.fixed:
+        if slot not in plant.values or slot.owner in shares or parameter.tied_to:
             continue
         if slot not in baseline.values or not parameter.frozen:
             found.append(_variable(slot, parameter.scaled(scale), baseline, alike=alike))

@@ -70,8 +70,6 @@ class Parameter:
         doubt: the same round a value that a plant file gives.
         si: factor from `unit` to SI.
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
-        fixed: where it is not 0, no fit moves it, whoever brings it in, since readings are too coarse for it; the
-            doubt about it, one standard deviation as a fraction of the value.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
         otherwise: value, in `unit`, where a plant file leaves it out; None if it must not.
@@ -92,7 +90,6 @@ class Parameter:
     doubt: float = math.inf
     si: float = 1.0
     frozen: bool = False
-    fixed: float = 0.0
     tied_to: str | None = None
     elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
     otherwise: float | None = None

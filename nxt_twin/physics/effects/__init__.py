@@ -42,7 +42,7 @@ BUILT_IN: tuple[Effect, ...] = (
     CURRENT_LIMIT,
     ASYMMETRIC_FRICTION,
     ASYMMETRIC_VISCOUS_FRICTION,
-    PRESLIDING,  # before stiction, whose bristles then have nothing left to bear
+    PRESLIDING,
     STICTION,
     LOAD_DEPENDENT_FRICTION,
     FRICTION_WARMUP,

@@ -182,7 +182,7 @@ STICTION = Effect(
             0.0,
             3.0,
             elsewhere={"linear": ("breakaway_force_n", "N")},
-            law=0.05,  # how contacts bend decides how much of the peak is left where the motion turns back
+            law=0.2,  # contacts that bend first hide a part of the peak where the motion turns back quickly
             above=("coulomb_friction", "coulomb"),
         ),
         Parameter(
@@ -195,7 +195,7 @@ STICTION = Effect(
             10.0,
             spread=1.0,
             elsewhere={"linear": ("stribeck_speed_m_s", "m/s")},
-            law=0.15,  # some laws name the speed at which the excess has halved, others that at which 1/e is left
+            law=0.2,  # some laws name the speed at which the excess has halved, others that at which 1/e is left
         ),
         Parameter(
             "stribeck_exponent",
