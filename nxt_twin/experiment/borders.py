@@ -94,7 +94,7 @@ def near_offset(
         parameters: line and noise.
         distance_mm: of the target where an echo was heard, shape (readings,).
         readings: cm, shape (readings,).
-        highest_mm: the offset ends below this.
+        highest_mm: the offset ends below this; at least two places are.
     """
     near = np.flatnonzero(distance_mm < highest_mm)
     near = near[np.argsort(distance_mm[near], kind="stable")]
@@ -103,10 +103,15 @@ def near_offset(
     without = ultrasonic.probability(plain, seen, truth)
     moved = (replace(plain, zero_mm=plain.zero_mm + float(offset)) for offset in _OFFSETS)
     shifted = np.array([ultrasonic.probability(each, seen, truth) for each in moved])
-    mixed = (1.0 - _SHARES[:, None, None]) * without + _SHARES[:, None, None] * shifted
-    gain = np.log(np.maximum(mixed, _LEAST)) - np.log(np.maximum(without, _LEAST))
     places, count = np.unique(truth.distance_mm, return_counts=True)
-    return NearOffset(places, np.cumsum(gain, axis=2)[:, :, np.cumsum(count)[:-1] - 1])
+    last = np.cumsum(count)[:-1] - 1
+    lacking = np.log(np.maximum(without, _LEAST))
+
+    def gained(share: float) -> FloatArray:
+        mixed = (1.0 - share) * without + share * shifted
+        return np.cumsum(np.log(np.maximum(mixed, _LEAST)) - lacking, axis=1)[:, last]
+
+    return NearOffset(places, np.stack([gained(share) for share in _SHARES]))
 
 
 def _between(places: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
@@ -115,7 +120,7 @@ def _between(places: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     Where gaps differ in width, each is tried as often as it is wide.
     """
     gaps = np.diff(places)
-    count = np.maximum(np.rint(_IN_A_GAP * gaps / gaps.min()).astype(np.int64), 1)
+    count = np.maximum(np.rint(_IN_A_GAP * gaps / np.median(gaps)).astype(np.int64), 1)
     gap = np.repeat(np.arange(gaps.size), count)
     within = np.concatenate([(np.arange(n) + 0.5) / n for n in count])
     return places[gap] + within * gaps[gap], gap

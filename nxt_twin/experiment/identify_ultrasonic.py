@@ -33,9 +33,9 @@ _NEAR_MM: Final = 250.0
 _FAR_MM: Final = 400.0
 """Where the paper's near offset ends, and where a line is safe from it in any sensor."""
 _BLIND_MM: Final = 100.0
-_FEWEST_NEAR: Final = 10
+_FEWEST_NEAR: Final = 3
 _WORTH_NATS: Final = 6.0
-"""Readings nearer than the paper's border, and what they have to gain, for a near offset to be looked for."""
+"""Places nearer than the paper's border, and what readings have to gain, for a near offset to be looked for."""
 _BEAM: Final = {
     "max_angle_deg": (0.0, 120.0, "deg"),
     "best_distance_mm": (30.0, 2400.0, "mm"),
@@ -91,7 +91,7 @@ def _start(
         scale, zero = np.polyfit(distance_mm[far], 10.0 * readings[far], 1)
         left = 10.0 * readings[far] - scale * distance_mm[far] - zero
         start = replace(start, scale=float(scale), zero_mm=float(zero), noise_mm=float(np.std(left)))
-        if np.count_nonzero(heard & (distance_mm < _NEAR_MM)) > _FEWEST_NEAR:
+        if np.unique(distance_mm[heard & (distance_mm < _NEAR_MM)]).size > _FEWEST_NEAR:
             near = near_offset(start, distance_mm[heard], readings[heard], _FAR_MM)
             if near.gained.max() > _WORTH_NATS:
                 start, free = near.likeliest(start), (*_LINE, *_NEAR)

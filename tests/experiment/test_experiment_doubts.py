@@ -70,3 +70,11 @@ def test_no_near_offset_gains_next_to_nothing() -> None:
     rng = np.random.default_rng(4)
     near = near_offset(UltrasonicParameters(noise_mm=2.0), PLACES, near_readings(0.0, 250.0, rng), 400.0)
     assert near.gained.max() < 6.0
+
+
+def test_places_that_nearly_coincide_cost_nothing_more() -> None:
+    places = np.sort(np.concatenate([PLACES, PLACES + 1e-3]))
+    readings = np.where(places < 45.0, NO_ECHO, np.rint(places / 10.0))
+    border = blind_border(UltrasonicParameters(), places, readings)
+    assert border.low == pytest.approx(44.0, abs=0.7)
+    assert border.high == pytest.approx(52.0, abs=0.7)
