@@ -12,6 +12,7 @@ from nxt_twin.diagnose.explain import candidates, explain
 from nxt_twin.diagnose.noise import estimate, first_guess, with_noise
 from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for, weigh
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
 
 
@@ -115,3 +116,16 @@ def test_nothing_is_found_where_nothing_lacks_and_it_costs_little():
     explanation = explain(bench.workshop, bench.baseline, lambda _: None)
     assert explanation.found == ()
     assert bench.steps - before < 25e6
+
+
+def test_what_doubts_readings_does_not_hide_what_else_is_missing():
+    bench = Bench(("stale_samples", "stiction"), seed=143)
+    doubting = bench.workshop.settled(
+        bench.baseline.plant.with_effect("stale_samples", {"stale_fraction": 0.05}), bench.baseline.noise
+    )
+    effect = doubting.plant.layout.effect("stiction")
+    best = screen(bench.workshop, doubting, [effect])[0]
+    coulomb = doubting.plant.values[Slot("coulomb_friction", "coulomb")]
+    assert best.gain > 10.0
+    stretched = best.stretched(bench.problem.scale)
+    assert stretched.values[Slot("stiction", "breakaway")] > coulomb
