@@ -352,6 +352,7 @@ def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
     value = plant.values[Slot(effect.id, main.symbol)]
     bounds = main.in_frame(plant.layout.frame).scaled(scale)
     nothing = plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
+    nothing = max(nothing, main.least(scale.recordings) if main.least else 0.0)
     return value > _CLEAR * bounds.lower * bounds.si and (nothing <= 0.0 or value > _ABOVE * nothing)
 
 

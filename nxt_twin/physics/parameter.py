@@ -76,6 +76,7 @@ class Parameter:
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
         law: how far laws of the same name differ about it, one standard deviation as a fraction of the value: what
             no recording tells of a truth that follows another of them.
+        least: SI value up to which it is within what the recordings themselves leave open.
         above: owner and symbol of the parameter that it has to exceed to make a difference.
     """
 
@@ -95,6 +96,7 @@ class Parameter:
     otherwise: float | None = None
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
     law: float = 0.0
+    least: Callable[[Sequence[Signals]], float] | None = None
     above: tuple[str, str] | None = None
 
     @property

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import NUMBER, Parameter
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
+
+_UNREAD_V = 0.07
 
 
 def _sag(duty: float, internal: float) -> float:
@@ -117,6 +124,11 @@ def _drained(supply_v: float, elapsed_s: float, drain: float) -> float:
     return supply_v - drain * elapsed_s
 
 
+def _unread_drain(recordings: Sequence[Signals]) -> float:
+    """The supply is a line through readings, which load and rest move by some counts of 13.9 mV within a recording."""
+    return _UNREAD_V / max(float(signals.time_s[-1] - signals.time_s[0]) for signals in recordings)
+
+
 BATTERY_DRAIN = Effect(
     id="battery_drain",
     name="battery drain",
@@ -124,7 +136,9 @@ BATTERY_DRAIN = Effect(
     source="the flat middle of a discharge curve, as a straight line",
     equation_of="electrical",
     shows=("elapsed_time", "high_speed"),
-    parameters=(Parameter("drain_v_per_s", "drain", "V/s", NUMBER, (0.03, 0.1), 0.0, 2.0),),
+    parameters=(
+        Parameter("drain_v_per_s", "drain", "V/s", NUMBER, (0.03, 0.1), 0.0, 2.0, least=_unread_drain),
+    ),
     terms={"supply": _drained},
     confusable_with={
         "winding_heating": "a rest tells: a winding cools in it, a battery stays low; or read the battery often",
