@@ -76,7 +76,9 @@ def _fitted_cost(recordings: Sequence[Signals], term: Term | None) -> float:
 
     measured = [_read(signals)[1] for signals in recordings]
     start = np.array([50.0, 25.0, 7.0, *([0.1] if term else [])])
-    return float(least_squares(errors, start, x_scale=np.maximum(start, 1.0), max_nfev=_MOST_EVALUATIONS).cost)
+    return float(
+        least_squares(errors, start, x_scale=np.maximum(start, 1.0), max_nfev=_MOST_EVALUATIONS).cost
+    )
 
 
 def _read(signals: Signals) -> tuple[FloatArray, FloatArray]:
