@@ -17,7 +17,7 @@ _SQRT_TAU = math.sqrt(2.0 * math.pi)
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def _timing(values, active, out_time_s, target_s):
-    lane = 0
+{unpack}
     delay_s = 0.0
 {delay}
     pace = 1.0
@@ -27,7 +27,7 @@ def _timing(values, active, out_time_s, target_s):
         stamp_s = target - out_time_s[0]
 {lag}
         target_s[k] = target
-    return delay_s, pace, {any_lag}
+    return delay_s, pace, any_lag
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
@@ -56,7 +56,6 @@ def _schedule(
             span[n, 3] = t - began_s
             span[n, 4] = command[j] if j >= 0 else 0.0
             span[n, 5] = command_supply_v[j] if j >= 0 else command_supply_v[0]
-            span[n, 6] = 2.0 * pace / piece_s
             steps[n, 0] = pieces
             steps[n, 1] = command_mode[j] if j >= 0 else command_mode[0]
             n += 1
@@ -66,94 +65,89 @@ def _schedule(
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run(
-    values, active, some, state, span, steps, first,
+    values, active, span, steps, first,
     measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed,
     observe_speed, session_s, predicted, weight, cost, trace,
 ):
-    lanes = values.shape[0]
+{unpack}
+    rows = measured.shape[0]
     home = restart_angle[0]
-    for lane in range(lanes):
-        for column in range(state.shape[1]):
-            state[lane, column] = 0.0
-{some}
-    for k in range(measured.shape[0]):
+    angle = 0.0
+    speed = 0.0
+    current = 0.0
+    disturbance = 0.0
+    duty = 0.0
+    drive_torque = 0.0
+    last_reading = 0.0
+    inertia = base__inertia
+{states_zero_outer}
+    for k in range(rows):
         for n in range(first[k], first[k + 1]):
             piece_s = span[n, 0]
             step_s = span[n, 1]
             fading = span[n, 2]
             held = span[n, 4]
             open_circuit_v = span[n, 5]
-            double_rate = span[n, 6]
             mode = steps[n, 1]
+            momentum = 2.0 * inertia / step_s
             for piece in range(steps[n, 0]):
                 elapsed_s = span[n, 3] + piece * piece_s
-                for lane in range(lanes):
-{load}
-{load_run}
 {step}
-{store}
-{store_run}
         reading = measured[k]
-        for lane in range(lanes):
-{load_outer}
-{load_run_outer}
-            if restart[k]:
-                angle = restart_angle[k]
-                speed = restart_speed[k]
-                current = 0.0
-                disturbance = 0.0
-                last_reading = speed if observe_speed else angle
+        if restart[k]:
+            angle = restart_angle[k]
+            speed = restart_speed[k]
+            current = 0.0
+            disturbance = 0.0
+            last_reading = speed if observe_speed else angle
 {states_restart}
-                if {any_reading}:
-                    for _ in range({settling}):
-                        shift = 0.0
-                        speed_shift = 0.0
+            if any_reading:
+                for _ in range({settling}):
+                    shift = 0.0
+                    speed_shift = 0.0
 {settle}
-                        angle = restart_angle[k] - shift
-                        speed = restart_speed[k] - speed_shift
-            predicted_reading = speed if observe_speed else angle
-            if {any_reading}:
-                shift = 0.0
-                speed_shift = 0.0
+                    angle = restart_angle[k] - shift
+                    speed = restart_speed[k] - speed_shift
+        predicted_reading = speed if observe_speed else angle
+        if any_reading:
+            shift = 0.0
+            speed_shift = 0.0
 {reading}
-                predicted_reading += speed_shift if observe_speed else shift
-            predicted[lane, k] = predicted_reading
-            weight[lane, k] = 0.0
-            cost[lane, k] = 0.0
-            if reading == reading and not restart[k]:
-                innovation = reading - predicted_reading
-                std = reading_std[k]
-                fresh = 1.0
-                if std > 0.0:
-                    ratio = innovation / std
-                    share = 1.0
-                    outlier = 0.0
+            predicted_reading += speed_shift if observe_speed else shift
+        predicted[k] = predicted_reading
+        weight[k] = 0.0
+        cost[k] = 0.0
+        if reading == reading and not restart[k]:
+            innovation = reading - predicted_reading
+            std = reading_std[k]
+            fresh = 1.0
+            if std > 0.0:
+                ratio = innovation / std
+                share = 1.0
+                outlier = 0.0
 {outlier}
-                    if share < 1.0:
-                        density = share * math.exp(-0.5 * ratio * ratio - log_scale[k])
-                        total = density + outlier + 1e-300
-                        fresh = density / total
-                        cost[lane, k] = -math.log(total)
-                    else:
-                        cost[lane, k] = 0.5 * ratio * ratio + log_scale[k]
-                weight[lane, k] = fresh
-                angle += gains[k, 0] * fresh * innovation
-                speed += gains[k, 1] * fresh * innovation
-                disturbance += gains[k, 2] * fresh * innovation
-                last_reading = reading
-{store_outer}
-            state[lane, {disturbance}] = disturbance
-            state[lane, {last_reading}] = last_reading
-            if trace.shape[0] > 0:
-                shift = 0.0
-                speed_shift = 0.0
+                if share < 1.0:
+                    density = share * math.exp(-0.5 * ratio * ratio - log_scale[k])
+                    total = density + outlier + 1e-300
+                    fresh = density / total
+                    cost[k] = -math.log(total)
+                else:
+                    cost[k] = 0.5 * ratio * ratio + log_scale[k]
+            weight[k] = fresh
+            angle += gains[k, 0] * fresh * innovation
+            speed += gains[k, 1] * fresh * innovation
+            disturbance += gains[k, 2] * fresh * innovation
+            last_reading = reading
+        if trace.shape[0] > 0:
+            shift = 0.0
+            speed_shift = 0.0
 {reading}
-                trace[k, 0] = angle + shift
-                trace[k, 1] = speed + speed_shift
-                trace[k, 2] = current
-                trace[k, 3] = state[lane, {duty}]
-                trace[k, 4] = disturbance
-                trace[k, 5] = state[lane, {drive_torque}]
+            trace[k, 0] = angle + shift
+            trace[k, 1] = speed + speed_shift
+            trace[k, 2] = current
+            trace[k, 3] = duty
+            trace[k, 4] = disturbance
+            trace[k, 5] = drive_torque
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
@@ -163,36 +157,28 @@ def run_many(
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
 ):
     rows = out_time_s.shape[0]
+    target_s = np.empty(rows)
+    span = np.empty((rows + command_time_s.shape[0], 6))
+    steps = np.empty((rows + command_time_s.shape[0], 2), np.int64)
+    first = np.empty(rows + 1, np.int64)
     log_scale = np.zeros(rows)
     for k in range(rows):
         if reading_std[k] > 0.0:
             log_scale[k] = math.log(reading_std[k] * _SQRT_TAU)
-    target_s = np.empty(rows)
-    span = np.empty((rows + command_time_s.shape[0], 7))
-    steps = np.empty((rows + command_time_s.shape[0], 2), np.int64)
-    first = np.empty(rows + 1, np.int64)
-    some = np.empty(({lanes}, {stages}), np.bool_)
-    state = np.empty(({lanes}, {columns}))
-    low = 0
-    while low < values.shape[0]:
-        delay_s, pace, lagged = _timing(values[low : low + 1], active[low : low + 1], out_time_s, target_s)
-        _schedule(
-            target_s, out_time_s[0], delay_s, pace, step_max_s, command_time_s, command, command_mode,
-            command_supply_v, disturbance_rate, span, steps, first,
-        )
-        high = low + 1
-        while not lagged and high < values.shape[0] and _timing(
-            values[high : high + 1], active[high : high + 1], out_time_s, target_s
-        ) == (delay_s, pace, False):
-            high += 1
-        while low < high:
-            end = min(low + {lanes}, high)
-            run(
-                values[low:end], active[low:end], some, state, span, steps, first,
-                measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed,
-                observe_speed, session_s, predicted[low:end], weight[low:end], cost[low:end], trace,
+    delay_s, pace, lagged = math.nan, math.nan, False
+    for i in range(values.shape[0]):
+        before = (delay_s, pace, lagged)
+        delay_s, pace, lagged = _timing(values[i], active[i], out_time_s, target_s)
+        if lagged or before != (delay_s, pace, False):
+            _schedule(
+                target_s, out_time_s[0], delay_s, pace, step_max_s, command_time_s, command, command_mode,
+                command_supply_v, disturbance_rate, span, steps, first,
             )
-            low = end
+        run(
+            values[i], active[i], span, steps, first,
+            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed,
+            observe_speed, session_s, predicted[i], weight[i], cost[i], trace,
+        )
 '''
 
 STEP = """\
@@ -200,10 +186,10 @@ duty = held
 {duty}
 supply_v = open_circuit_v
 {supply}
-inertia = {own_inertia}
-if {any_inertia}:
+if any_inertia:
+    inertia = base__inertia
 {inertia}
-momentum = double_rate * inertia
+    momentum = 2.0 * inertia / step_s
 resistance = {resistance}
 {resistance_terms}
 inductance = 0.0
@@ -245,31 +231,42 @@ disturbance *= fading
 STEPPING = """
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def step_many(values, active, state, commands, modes, open_circuit_v, elapsed_s, step_s):
+def step_many(values_of_all, active_of_all, state, commands, modes, open_circuit_v, elapsed_s, step_s):
     session_s = 0.0
     home = 0.0
     disturbance = 0.0
     fading = 0.0
-    double_rate = 2.0 / step_s
-    some = np.empty((1, {stages}), np.bool_)
-    for lane in range(values.shape[0]):
-{some}
-        held = commands[lane]
-        mode = modes[lane]
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        inertia = base__inertia
+        momentum = 2.0 * inertia / step_s
+        held = commands[i]
+        mode = modes[i]
+        angle = state[i, 0]
+        speed = state[i, 1]
+        current = state[i, 2]
 {load}
 {step}
+        state[i, 0] = angle
+        state[i, 1] = speed
+        state[i, 2] = current
 {store}
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def read_many(values, active, state, shown):
-    some = np.empty((1, {stages}), np.bool_)
-    for lane in range(values.shape[0]):
-{some}
-{load}
+def read_many(values_of_all, active_of_all, state, shown):
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        angle = state[i, 0]
+        speed = state[i, 1]
         shift = 0.0
         speed_shift = 0.0
+{load}
 {reading}
-        shown[lane, 0] = angle + shift
-        shown[lane, 1] = speed + speed_shift
+        shown[i, 0] = angle + shift
+        shown[i, 1] = speed + speed_shift
 """
