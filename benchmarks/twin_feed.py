@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, final
 
@@ -13,6 +14,7 @@ from nxt_twin.blind.case import ConcealedCase
 from nxt_twin.blind.polling import Link
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 from nxt_twin.physics.plant import Plant, plant_from_config
+from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.recording import DRIVE_MODES, Recording
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
@@ -80,7 +82,11 @@ class Trips:
 
 def true_plant(case: ConcealedCase) -> Plant:
     """The motor of a case as it is, without what is concealed in it."""
-    base = case.answer["base"]
+    return plant_of(case.answer["base"])
+
+
+def plant_of(base: Mapping[str, float]) -> Plant:
+    """The plant of a true motor's numbers, by contract 2's keys."""
     keys = load_plant_config("nxt_motor").keys() & base.keys()
     return plant_from_config({**{key: base[key] for key in keys}, "kind": "dc_motor"}, "power_pct")
 
@@ -89,42 +95,88 @@ def feed(
     recording: Recording, plant: Plant, link: Link, seed: int, options: TwinOptions | None = None
 ) -> Fed:
     """Hand a recording with true stamps to a twin and its monitor, as one motor alone is polled over a link."""
-    columns, trips = recording.columns, Trips(np.random.default_rng(seed), link)
+    return feed_all({"a": recording}, {"a": plant}, link, seed, options)["a"]
+
+
+def feed_all(
+    recordings: Mapping[Port, Recording],
+    plants: Mapping[Port, Plant],
+    link: Link,
+    seed: int,
+    options: TwinOptions | None = None,
+    *,
+    sensors: bool = False,
+) -> dict[Port, Fed]:
+    """The same of several motors on one battery, polled in turn; with `sensors`, one is read in each poll as well.
+
+    Each recording has the columns of port a, whichever motor it is of.
+    """
+    trips = Trips(np.random.default_rng(seed), link)
     options = options or TwinOptions(bridge=plain_bridge, cells_ohm=0.0)
-    twin = BrickTwin({"a": plant}, options, now_s=float(recording.time_s[0]))
-    monitor, fed, nats = MotorMonitor("a", options.watch), Fed(), 0.0
-    for row, time_s, polled in _rows(recording, trips):
+    began_s = min(float(recording.time_s[0]) for recording in recordings.values())
+    twin = BrickTwin(plants, options, now_s=began_s)
+    watched = {port: _Watched(port, twin) for port in recordings}
+    for time_s, port, row, polled in _rows(recordings, trips, sensors=sensors):
+        columns = recordings[port].columns
         if np.isfinite(columns["battery_v"][row]):
             twin.read_battery(float(columns["battery_v"][row]))
-        power, mode = int(columns["a_power_pct"][row]), _mode(recording, row)
         if polled:
             off_s, std_s, _ = trips.draw()
-            evidence = twin.read_tacho("a", time_s + off_s, int(columns["a_tacho_deg"][row]), std_s)
-            effects = twin.motor("a").probabilities
-            nats = max(0.0, nats + evidence.nats)
-            fed.most_nats = max(fed.most_nats, nats)
-            fed.least_nothing = min(fed.least_nothing, effects.get("nothing", 1.0))
-            fed.squares.append(evidence.innovation.normalised_square)
-            fed.effects = effects
-            told, _ = twin.commanded("a")
-            for event in monitor.take(time_s, evidence, told, effects):
-                fed.events.append(event)
-                if event.kind == "divergence":
-                    nats = 0.0
-                    twin.forget_evidence("a")
+            watched[port].read(time_s, time_s + off_s, std_s, int(columns["a_tacho_deg"][row]))
         off_s, std_s, _ = trips.draw(_TICK_S)
-        twin.command("a", power, DRIVE_MODES[mode], time_s + off_s, std_s)
-    return fed
+        mode = DRIVE_MODES[_mode(recordings[port], row)]
+        twin.command(port, int(columns["a_power_pct"][row]), mode, time_s + off_s, std_s)
+    return {port: each.fed for port, each in watched.items()}
 
 
-def _rows(recording: Recording, trips: Trips) -> Iterator[tuple[int, float, bool]]:
-    """Each row and its time, and whether the link is free again to read a count in it."""
+@final
+class _Watched:
+    """One motor of a twin, its monitor, and what became of it."""
+
+    def __init__(self, port: Port, twin: BrickTwin) -> None:
+        self._port = port
+        self._twin = twin
+        self._monitor = MotorMonitor(port, twin.options.watch)
+        self._nats = 0.0
+        self.fed = Fed()
+
+    def read(self, time_s: float, taken_s: float, taken_std_s: float, count: int) -> None:
+        """Hand on a count."""
+        evidence = self._twin.read_tacho(self._port, taken_s, count, taken_std_s)
+        effects, fed = self._twin.motor(self._port).probabilities, self.fed
+        self._nats = max(0.0, self._nats + evidence.nats)
+        fed.most_nats = max(fed.most_nats, self._nats)
+        fed.least_nothing = min(fed.least_nothing, effects.get("nothing", 1.0))
+        fed.squares.append(evidence.innovation.normalised_square)
+        fed.effects = effects
+        told, _ = self._twin.commanded(self._port)
+        for event in self._monitor.take(time_s, evidence, told, effects):
+            fed.events.append(event)
+            if event.kind == "divergence":
+                self._nats = 0.0
+                self._twin.forget_evidence(self._port)
+
+
+def _rows(
+    recordings: Mapping[Port, Recording], trips: Trips, *, sensors: bool
+) -> Iterator[tuple[float, Port, int, bool]]:
+    """Each row's time, motor and number, and whether the link is free again and it is that motor's turn."""
+    merged = sorted(
+        (time_s, port, row)
+        for port, recording in recordings.items()
+        for row, time_s in enumerate(recording.time_s.tolist())
+    )
+    turns = itertools.cycle(recordings)
+    turn, last = next(turns), list(recordings)[-1]
     free_s = -1.0
-    for row, time_s in enumerate(recording.time_s.tolist()):
-        polled = time_s >= free_s
+    for time_s, port, row in merged:
+        polled = port == turn and time_s >= free_s
         if polled:
             free_s = time_s + trips.draw()[2]
-        yield row, time_s, polled
+            if sensors and port == last:
+                free_s += trips.draw()[2]
+            turn = next(turns)
+        yield time_s, port, row, polled
 
 
 def _mode(recording: Recording, row: int) -> int:

@@ -34,7 +34,8 @@ class _Line(NamedTuple):
 class Batch:
     """Rows of plants, each on a port, from one moment to the next.
 
-    Every row carries a torque that its plant does not have, and that fades.
+    Every row carries a torque that its plant does not have, and that fades; it acts with its mean over the time of a
+    call of `advance`, or from command to command.
 
     Args:
         plants: one a row, all of one layout.
@@ -124,11 +125,12 @@ class Batch:
         duration_s = to_s - self.now_s
         count = max(1, math.ceil(duration_s / STEP_S - 1e-6))
         step_s = duration_s / count
-        fade = math.exp(-step_s / self._torque_time_s)
-        step_many, load, torque = self._kernel.step_many, self.values[:, self._load], self.torque
-        elapsed_s = self.now_s - self._began_s
+        left = math.exp(-duration_s / self._torque_time_s)
+        mean_left = (1.0 - left) * self._torque_time_s / duration_s
+        self.values[:, self._load] = self._own_load + mean_left * self.torque
+        self.torque *= left
+        step_many, elapsed_s = self._kernel.step_many, self.now_s - self._began_s
         for n in range(count):
-            np.add(self._own_load, torque, out=load)
             step_many(
                 self.values,
                 self._active,
@@ -139,7 +141,6 @@ class Batch:
                 elapsed_s + n * step_s,
                 step_s,
             )
-            torque *= fade
         self.now_s = to_s
 
     def _take_due(self) -> None:

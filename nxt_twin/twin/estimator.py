@@ -16,7 +16,7 @@ from nxt_twin.recording.recording import FloatArray
 
 _LOG_TAU = math.log(2.0 * math.pi)
 _LEAST_LIKELIHOOD = 1e-30
-_MIX_EVERY_S = 0.1
+_MIX_EVERY_S = 0.25
 
 
 class Compared(NamedTuple):
@@ -92,38 +92,37 @@ class Estimator:
 
 @final
 class _Model:
-    """An estimator as filterpy's multiple models want it: only what all have in common mixes."""
+    """An estimator as filterpy's multiple models want it: only what all have in common mixes.
+
+    They ask for it often, so it is taken out of the estimator before, and given back after.
+    """
 
     def __init__(self, estimator: Estimator, shared: int) -> None:
         self._estimator = estimator
         self._shared = shared
         self.likelihood = 1.0
+        self.take()
 
-    @property
-    def x(self) -> FloatArray:
-        return self._estimator.mean[: self._shared].reshape(-1, 1).copy()
+    def take(self) -> None:
+        """Have what the estimator has."""
+        shared = self._shared
+        self.x = self._estimator.mean[:shared].reshape(-1, 1).copy()
+        self.P = self._estimator.covariance[:shared, :shared].copy()
 
-    @x.setter
-    def x(self, mixed: FloatArray) -> None:
-        mean = self._estimator.mean.copy()
-        mean[: self._shared] = mixed[:, 0]
-        self._estimator.set(mean, self._estimator.covariance)
+    def give(self) -> None:
+        """Give back what was mixed.
 
-    @property
-    def P(self) -> FloatArray:  # noqa: N802 - filterpy's name
-        return self._estimator.covariance[: self._shared, : self._shared].copy()
-
-    @P.setter
-    def P(self, mixed: FloatArray) -> None:  # noqa: N802
-        """The rest keeps its variance; what it had to do with the shared part is scaled, so that all stays whole."""
-        whole = self._estimator.covariance.copy()
+        The rest keeps its variance; what it had to do with the shared part is scaled, so that all stays whole.
+        """
+        mean, whole = self._estimator.mean.copy(), self._estimator.covariance.copy()
         shared = self._shared
         before = np.maximum(np.diag(whole)[:shared], 1e-18)
-        scale = np.sqrt(np.minimum(np.diag(mixed) / before, 1.0))
-        whole[:shared, :shared] = mixed
+        scale = np.sqrt(np.minimum(np.diag(self.P) / before, 1.0))
+        mean[:shared] = self.x[:, 0]
+        whole[:shared, :shared] = self.P
         whole[:shared, shared:] *= scale[:, None]
         whole[shared:, :shared] = whole[:shared, shared:].T
-        self._estimator.set(self._estimator.mean, whole)
+        self._estimator.set(mean, whole)
 
     def predict(self, _: object) -> None:
         """Time passes elsewhere."""
@@ -169,9 +168,13 @@ class Weigher:
         if self._since_s < _MIX_EVERY_S:
             return
         relative = np.exp(np.maximum(self._logs - self._logs.max(), math.log(_LEAST_LIKELIHOOD)))
+        for model in self._models:
+            model.take()
         self._imm.M = self._stay(self._since_s)
         self._imm.update({id(model): float(r) for model, r in zip(self._models, relative, strict=True)})
         self._imm.predict()
+        for model in self._models:
+            model.give()
         self._since_s = 0.0
         self._logs[:] = 0.0
 

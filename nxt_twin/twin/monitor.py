@@ -12,7 +12,7 @@ from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.records import Event, EventKind
 from nxt_twin.twin.settings import Watch
 from nxt_twin.twin.standstill import Standstill
-from nxt_twin.twin.tally import Doubt, Regimes, Tally
+from nxt_twin.twin.tally import Doubt, Regimes, Strays, Tally
 
 _MOVING_RAD_S = 0.5
 _BRIEF_S = 1.0
@@ -39,6 +39,7 @@ class MotorMonitor:
         self._watch = watch
         self._tally = Tally()
         self._doubt = Doubt(watch)
+        self._strays = Strays(watch)
         self._regimes = Regimes()
         self._standstill = Standstill(watch)
         self._last_s: float | None = None
@@ -68,11 +69,14 @@ class MotorMonitor:
         regime = self._regimes.of(time_s, evidence.speed, power_pct)
         self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
         doubted = self._doubt.take(time_s, effects.get(NOTHING, 1.0))
+        strayed = self._strays.take(time_s, believed=evidence.innovation.accepted)
         held = self._standstill.pending
         if self._tally.nats >= self._watch.alarm_nats and not held:
             yield from self._alarm(time_s)
         elif doubted and not held:
             yield from self._alarm_by_name(time_s, effects)
+        elif strayed and not held:
+            yield from self._alarm_by_readings(time_s)
         elif self.diverging or self._proving:
             yield from self._recover(time_s, moving_s)
         if self.diverging:
@@ -82,6 +86,7 @@ class MotorMonitor:
         """Begin anew: the brick was away, or the model is another, which has to prove itself."""
         self._tally.clear(time_s)
         self._doubt.clear(time_s)
+        self._strays.clear()
         self.diverging = False
         self._proving = proving
         self._well_s = 0.0
@@ -117,6 +122,21 @@ class MotorMonitor:
         words = f"{self._who}: the motor does not turn as its model since {self.since_s:.1f} s"
         strength = -math.log(max(effects[NOTHING], 1e-30))
         yield self._event(time_s, "divergence", words, self.since_s, strength)
+
+    def _alarm_by_readings(self, time_s: float) -> Iterator[Event]:
+        """Single readings are far off, again and again, and those between them are not."""
+        strays = self._strays
+        self._well_s = 0.0
+        self._pushed_s = time_s
+        if not self.diverging:
+            self.diverging, self._proving, self._named = True, False, None
+            self.since_s = strays.since_s
+            words = (
+                f"{self._who}: {strays.count} readings since {self.since_s:.1f} s fit no motion of the motor: "
+                "stale, or not the encoder's"
+            )
+            yield self._event(time_s, "divergence", words, self.since_s, float(strays.count))
+        strays.clear()
 
     def _recover(self, time_s: float, moving_s: float) -> Iterator[Event]:
         self._well_s += moving_s

@@ -115,12 +115,12 @@ class MotorTwin:
         """Whether it knows where the motor is."""
         return self._placed
 
-    def place(self, batch: Batch, count: int, speed: float = 0.0) -> None:
-        """Begin at a count, with the motor at rest or nearly so."""
+    def place(self, batch: Batch, count: int) -> None:
+        """Begin at a count; the motor may be turning already, nobody knows how fast."""
         angle = math.radians((count + 0.5) * self._noise.quantum_deg)
-        variances = (math.radians(self._noise.quantum_deg) ** 2 / 12.0, 0.05**2 + (0.5 * speed) ** 2)
+        variances = (math.radians(self._noise.quantum_deg) ** 2 / 12.0, _SPEED_DOUBT**2)
         for strand in self._strands:
-            strand.place(batch, angle, speed, variances)
+            strand.place(batch, angle, 0.0, variances)
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._weigher = self._new_weigher()

@@ -72,18 +72,22 @@ class Watch:
         calm_s: how long a motor has to move without new evidence until all is said to be well again.
         gate: the largest normalised squared innovation of a reading that is believed.
         rejected_most: readings in a row that are disbelieved before the filter doubts itself instead.
+        stray_most: readings, within `stray_s`, that no motion explains, at which a divergence is called.
+        stray_s: how long such a reading counts.
         stall_s: how long a driven motor has to stand still until it is said to be blocked.
         stall_power_pct: from which power on.
         low_battery_v: below which the battery is too low.
     """
 
-    alarm_nats: float = 15.0
+    alarm_nats: float = 10.0
     doubt: float = 0.01
     doubt_s: float = 1.0
     most_nats: float = 4.0
     calm_s: float = 10.0
     gate: float = 25.0
     rejected_most: int = 4
+    stray_most: int = 8
+    stray_s: float = 10.0
     stall_s: float = 0.5
     stall_power_pct: float = 25.0
     low_battery_v: float = 6.5

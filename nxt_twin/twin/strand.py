@@ -7,16 +7,19 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.stages import STAGES
+from nxt_twin.physics.terms import calls
 from nxt_twin.recording.recording import FloatArray
-from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
+from nxt_twin.twin.batch import CURRENT, Batch
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Compared, Estimator
 from nxt_twin.twin.jerk import Jerk
+from nxt_twin.twin.rows import ANGLE, SHARED, put, stirred, taken
 
-_TORQUE = 2
-_SHARED = 3
-_LEAST_SPREAD = (1e-4, 1e-3, 1e-5)
-"""Of the rows round the estimate, rad, rad/s and N·m, where it is surer than the arithmetic is exact."""
+_LEAST_SPREAD = (1e-4, 1e-3, 1e-5, 1e-9)
+"""Of the rows round the estimate, rad, rad/s, N·m and the number's unit, where it is surer than the arithmetic is
+exact."""
 _CLEARLY = 3.0
 _WORTHWHILE = 0.1
 """A number differs by so many of its standard deviations, and by so much of what would be typical."""
@@ -24,9 +27,16 @@ _ANGLE_FLOOR = 0.01
 _SPEED_FLOOR = 0.02
 """Standard deviations that angle (rad) and speed (rad/s) gain in a second at least: how a motor comes to rest within a
 degree is not what a model is for."""
-_WHITE = np.array([[1 / 5, 1 / 4, 1 / 3], [1 / 4, 1 / 3, 1 / 2], [1 / 3, 1 / 2, 1.0]])
-"""What torque that arrives evenly over an interval does to angle, speed and torque, as shares of what it does when
-it is there from the beginning."""
+
+
+def place_matters(plant: Plant) -> bool:
+    """Whether a motor at another angle would move otherwise: some of its terms ask for the angle."""
+    stages = (stage for stage in STAGES if stage != "reading")
+    return any(
+        "angle" in call.arguments and call.effect.id in plant.active
+        for stage in stages
+        for call in calls(plant.layout, stage)
+    )
 
 
 @final
@@ -35,7 +45,8 @@ class Strand:
 
     The rows of the batch are the estimate itself and, each way along each component, a neighbour one standard
     deviation away; central differences between them, after they have moved, are the filter's transition. So a
-    motor that sticks, or is about to break away, is seen as such.
+    motor that sticks, or is about to break away, is seen as such. Where nothing depends on the angle itself, a
+    neighbour at another angle would move exactly alike, and is left out.
 
     Args:
         candidate: the plant, and what is in doubt.
@@ -46,17 +57,20 @@ class Strand:
 
     def __init__(self, candidate: Candidate, first_row: int, torque_std: float, torque_time_s: float) -> None:
         self.candidate = candidate
-        self.size = _SHARED + (candidate.slot is not None)
-        self.rows = slice(first_row, first_row + 2 * self.size + 1)
+        self.size = SHARED + (candidate.slot is not None)
+        self._along = np.array([i for i in range(self.size) if i != ANGLE or place_matters(candidate.plant)])
+        self.rows = slice(first_row, first_row + 2 * self._along.size + 1)
         self._torque_std = torque_std
         self._torque_time_s = torque_time_s
         number = [] if candidate.slot is None else [candidate.value]
         variances = [1.0, 1.0, torque_std**2, *([candidate.std**2] if number else [])]
         self.estimator = Estimator(np.array([0.0, 0.0, 0.0, *number]), np.array(variances))
-        self._column = None if candidate.slot is None else candidate.plant.layout.index[candidate.slot]
+        self._column = 0 if candidate.slot is None else candidate.plant.layout.index[candidate.slot]
+        self._least_spread = np.array(_LEAST_SPREAD[: self.size])
         self._spread = np.zeros(self.size)
+        self._transition = np.zeros((self.size, self.size))
+        self._process = np.zeros((self.size, self.size))
         self._jerks: list[Jerk] = []
-        self._offsets = np.concatenate([np.zeros((1, self.size)), np.eye(self.size), -np.eye(self.size)])
 
     @property
     def mean(self) -> FloatArray:
@@ -66,17 +80,17 @@ class Strand:
     @property
     def differs(self) -> bool:
         """Whether the number in doubt is clearly not what the model has."""
-        off = abs(float(self.mean[_SHARED]) - self.candidate.absent)
-        std = math.sqrt(max(float(self.estimator.covariance[_SHARED, _SHARED]), 0.0))
+        off = abs(float(self.mean[SHARED]) - self.candidate.absent)
+        std = math.sqrt(max(float(self.estimator.covariance[SHARED, SHARED]), 0.0))
         return off > max(_CLEARLY * std, _WORTHWHILE * self.candidate.std)
 
     def place(self, batch: Batch, angle: float, speed: float, variances: tuple[float, float]) -> None:
         """Set the motion anew, in a state otherwise at rest; the number in doubt is kept."""
         mean, covariance = self.mean.copy(), self.estimator.covariance.copy()
-        mean[:_SHARED] = angle, speed, 0.0
-        covariance[:_SHARED, :] = 0.0
-        covariance[:, :_SHARED] = 0.0
-        covariance[range(_SHARED), range(_SHARED)] = (*variances, self._torque_std**2)
+        mean[:SHARED] = angle, speed, 0.0
+        covariance[:SHARED, :] = 0.0
+        covariance[:, :SHARED] = 0.0
+        covariance[range(SHARED), range(SHARED)] = (*variances, self._torque_std**2)
         self.estimator.set(mean, covariance)
         batch.state[self.rows] = 0.0
         self._set_moving(batch, speed)
@@ -95,31 +109,31 @@ class Strand:
         """Take over the motion of another strand, and how sure it is; the unknown torque begins anew."""
         mean, covariance = other.mean, other.estimator.covariance
         self.estimator.set(
-            np.array([mean[0], mean[1], 0.0, *self.mean[_SHARED:]]),
+            np.array([mean[0], mean[1], 0.0, *self.mean[SHARED:]]),
             np.diag([covariance[0, 0], covariance[1, 1], self._torque_std**2, *self._own_variance()]),
         )
         batch.state[self.rows] = batch.state[other.rows.start]
         self.sow(batch)
 
     def _own_variance(self) -> list[float]:
-        return list(np.diag(self.estimator.covariance)[_SHARED:])
+        return list(np.diag(self.estimator.covariance)[SHARED:])
 
     def sow(self, batch: Batch) -> None:
         """Put the rows round the estimate, with all states that are not estimated as in the first row."""
-        mean = self.mean
-        std = np.sqrt(np.maximum(np.diag(self.estimator.covariance), 0.0))
-        self._spread[:_SHARED] = np.maximum(std[:_SHARED], _LEAST_SPREAD)
-        self._spread[_SHARED:] = np.maximum(std[_SHARED:], 1e-9)
-        points = mean + self._offsets * self._spread
-        batch.state[self.rows] = batch.state[self.rows.start]
-        batch.state[self.rows, ANGLE] = points[:, ANGLE]
-        batch.state[self.rows, SPEED] = points[:, SPEED]
-        batch.torque[self.rows] = points[:, _TORQUE]
-        if self._column is not None:
-            numbers = np.maximum(points[:, _SHARED], self.candidate.least)
-            batch.values[self.rows, self._column] = numbers
-            if self.candidate.name == "constant_load":
-                batch.set_own_load(self.rows)
+        rows = self.rows
+        put(
+            self.mean,
+            self.estimator.covariance,
+            self._least_spread,
+            self.candidate.least,
+            self._along,
+            self._spread,
+            batch.state[rows],
+            batch.torque[rows],
+            batch.values[rows, self._column],
+        )
+        if self.candidate.name == "constant_load":
+            batch.set_own_load(rows)
 
     def expect(self, jerk: Jerk) -> None:
         """A command acts at a moment that is not known well."""
@@ -127,29 +141,19 @@ class Strand:
 
     def reap(self, batch: Batch, since_s: float) -> None:
         """Make the filter's prediction out of where the rows have got to in `since_s`."""
-        rows = batch.state[self.rows]
-        moved = np.column_stack([rows[:, ANGLE], rows[:, SPEED], batch.torque[self.rows]])
-        if self.size > _SHARED:
-            numbers = self.mean[_SHARED] + self._offsets[:, _SHARED] * self._spread[_SHARED]
-            moved = np.column_stack([moved, numbers])
-        size = self.size
-        transition = (moved[1 : size + 1] - moved[size + 1 :]).T / (2.0 * self._spread)
-        process = self._process(transition, since_s)
-        for jerk in [jerk for jerk in self._jerks if jerk.at_s <= batch.now_s]:
-            self._jerks.remove(jerk)
-            process[:2, :2] += jerk.spread(batch.now_s - jerk.at_s)
-        self.estimator.predict(moved[0], transition, process)
+        moved, transition, process = self.mean.copy(), self._transition, self._process
+        taken(self._along, self._spread, batch.state[self.rows], batch.torque[self.rows], moved, transition)
+        fresh = self._torque_std**2 * (1.0 - math.exp(-2.0 * since_s / self._torque_time_s))
+        stirred(transition, fresh, _ANGLE_FLOOR**2 * since_s, _SPEED_FLOOR**2 * since_s, process)
+        if self._jerks:
+            self._shake(batch.now_s)
+        self.estimator.predict(moved, transition, process)
 
-    def _process(self, transition: FloatArray, since_s: float) -> FloatArray:
-        process = np.zeros((self.size, self.size))
-        forgotten = math.exp(-since_s / self._torque_time_s)
-        reach = transition[:_SHARED, _TORQUE].copy()
-        reach[_TORQUE] = 1.0
-        fresh = self._torque_std**2 * (1.0 - forgotten**2)
-        process[:_SHARED, :_SHARED] = fresh * _WHITE * np.outer(reach, reach)
-        process[ANGLE, ANGLE] += _ANGLE_FLOOR**2 * since_s
-        process[SPEED, SPEED] += _SPEED_FLOOR**2 * since_s
-        return process
+    def _shake(self, now_s: float) -> None:
+        """Take in what commands did whose moments were not known well."""
+        for jerk in [jerk for jerk in self._jerks if jerk.at_s <= now_s]:
+            self._jerks.remove(jerk)
+            self._process[:2, :2] += jerk.spread(now_s - jerk.at_s)
 
     def compare(self, reading: float, variance: float) -> Compared:
         """What a reading (rad) says of this model."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import final
 
 from nxt_twin.twin.settings import Watch
@@ -96,6 +97,42 @@ class Doubt:
     def clear(self, time_s: float) -> None:
         """Begin anew."""
         self._unlikely_s, self.since_s = None, time_s
+
+
+@final
+class Strays:
+    """Readings of late that no motion explains.
+
+    Args:
+        watch: how many are too many.
+    """
+
+    def __init__(self, watch: Watch) -> None:
+        self._watch = watch
+        self._times_s: deque[float] = deque()
+
+    @property
+    def since_s(self) -> float:
+        """When the first of them was taken."""
+        return self._times_s[0]
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self._times_s)
+
+    def take(self, time_s: float, *, believed: bool) -> bool:
+        """Take whether a reading was believed; True where too many were not."""
+        while self._times_s and self._times_s[0] < time_s - self._watch.stray_s:
+            self._times_s.popleft()
+        if believed:
+            return False
+        self._times_s.append(time_s)
+        return self.count >= self._watch.stray_most
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self._times_s.clear()
 
 
 @final

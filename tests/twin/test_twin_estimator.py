@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from twin_feed import nxt_motor
 
 from nxt_twin.physics.layout import Slot
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Drift, Estimator, Weigher
-from nxt_twin.twin.strand import Strand
+from nxt_twin.twin.strand import Strand, place_matters
 
 
 class ClosedForm:
@@ -116,3 +117,37 @@ def test_a_drifting_number_is_followed():
         drift.update(100.0 + 2.0 * 0.1 * n, 1.0)
     drift.predict(0.5)
     assert drift.value == pytest.approx(100.0 + 2.0 * 4.4, abs=1.0)
+
+
+@pytest.mark.parametrize("effect", [effect for effect in nxt_motor().layout.effects if not effect.fault])
+def test_neighbours_at_another_angle_are_left_out_only_where_they_would_move_alike(effect):
+    middle = {parameter.symbol: parameter.starts[0] * parameter.si for parameter in effect.parameters}
+    plant = nxt_motor().with_effect(effect.id, middle)
+    batch = Batch([plant, plant], ["a", "a"], [0.0, 0.0], 0.15)
+    batch.set_in_force("a", 0.5, 0)
+    batch.state[:, 0] = 0.0, 0.6
+    batch.advance(0.3, 8.0)
+    moved = batch.state[:, 0] - (0.0, 0.6)
+    assert moved[0] > 0.05
+    alike = moved[0] == pytest.approx(moved[1], rel=1e-9)
+    assert alike or place_matters(plant)
+    strand = Strand(Candidate("nothing", plant), 0, 4e-3, 0.15)
+    assert strand.rows.stop == (7 if place_matters(plant) else 5)
+
+
+def test_an_angle_that_matters_is_in_the_transition():
+    """A spring of 0.05 N·m/rad: at another angle another torque; by the matrix exponential."""
+    slots = {"stiffness": 0.05, "rest": 0.0}
+    sprung = nxt_motor().without({"coulomb_friction"}).with_effect("spring_load", slots)
+    strand = Strand(Candidate("nothing", sprung), 0, 1e-6, 0.15)
+    batch = Batch([sprung] * 7, ["a"] * 7, [0.0] * 7, 0.15)
+    batch.set_in_force("a", 0.0, 2)  # coasting
+    strand.place(batch, 0.2, 0.0, (1e-4, 1e-4))
+    batch.advance(0.05, 8.0)
+    strand.reap(batch, 0.05)
+    inertia = sprung.values[Slot("base", "inertia")]
+    viscous = sprung.values[Slot("viscous_friction", "viscous")]
+    transition = expm(0.05 * np.array([[0.0, 1.0], [-0.05 / inertia, -viscous / inertia]]))
+    floors = 0.05 * np.diag([0.01**2, 0.02**2])
+    exact = 1e-4 * transition @ transition.T + floors
+    np.testing.assert_allclose(strand.estimator.covariance[:2, :2], exact, rtol=2e-2, atol=1e-6)

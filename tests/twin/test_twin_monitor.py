@@ -76,3 +76,21 @@ def test_a_filter_that_began_wrong_finds_its_way():
     angle_deg = fed.twin.state("a").angle_deg
     assert angle_deg == pytest.approx(half.columns["a_tacho_deg"][-1] + 0.5, abs=2.0)
     assert np.median(np.abs(fed.nats[200:])) < 1.0
+
+
+def test_stale_readings_are_called_though_the_motion_is_the_models():
+    """One reading in fourteen is the one before it: the torque fits, single counts do not."""
+    rng = np.random.default_rng(4)
+    read_s = polls_s(rng, "usb", 14.0)
+    power = np.where((read_s / 1.1).astype(int) % 2, 60.0, -60.0)
+    commands = Commands(read_s, power, np.zeros(read_s.size, dtype=np.int64), 0.3, 0.0, np.zeros(read_s.size))
+    fresh, stale = (
+        feed(take(np.random.default_rng(4), "run.csv", Motor(), Sensing(stale_fraction=share), commands).recording,
+             nxt_motor())
+        for share in (0.0, 0.07)
+    )  # fmt: skip
+    assert fresh.first("divergence") is None
+    event = stale.first("divergence")
+    assert "stale" in event.words
+    assert event.onset_s < event.time_s < 10.0
+    assert stale.monitor.diverging
