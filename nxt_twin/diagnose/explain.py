@@ -12,6 +12,7 @@ import numpy as np
 from nxt_twin.diagnose.screen import Prospect, screen
 from nxt_twin.diagnose.structure import (
     DRAFT_STEP_S,
+    FREE_RUN_RATIO,
     Draft,
     Structure,
     Weight,
@@ -35,8 +36,6 @@ GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose f
 CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
-FREE_RUN_RATIO = 1.01  # a structure that predicts one step better and runs freely worse has learnt noise
-UNKIND_RATIO = 2.5
 SWAP_NATS = 1.0
 
 _DRAFTED = 10
@@ -243,7 +242,7 @@ class _Search:
         """
         explained = _cost(self._doubting(best)) - _cost(best)
         needed = max(GAIN_NATS, _FORM_SHARE * explained)
-        return weight.gain > needed and weight.check_gain > CHECK_NATS and _runs_no_worse(weight)
+        return weight.gain > needed and weight.check_gain > CHECK_NATS and not weight.runs_worse
 
     def _doubting(self, best: Structure) -> Structure:
         """The baseline with just those of `best`'s effects that doubt readings."""
@@ -339,11 +338,7 @@ def _belief(effect: Effect) -> float:
 
 
 def _keeps_its_place(weight: Weight, needed: float) -> bool:
-    return weight.total > needed and weight.check_gain > 0.0 and _runs_no_worse(weight)
-
-
-def _runs_no_worse(weight: Weight) -> bool:
-    return weight.free_run_ratio < FREE_RUN_RATIO and weight.unkind_ratio < UNKIND_RATIO
+    return weight.total > needed and weight.check_gain > 0.0 and not weight.runs_worse
 
 
 def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:

@@ -11,7 +11,6 @@ from nxt_twin.diagnose.estimates import estimates
 from nxt_twin.diagnose.evidence import Evidence
 from nxt_twin.diagnose.explain import (
     CHECK_NATS,
-    FREE_RUN_RATIO,
     GAIN_NATS,
     RIVAL_NATS,
     Rival,
@@ -101,6 +100,6 @@ def _why_refused(weight: Weight) -> str:
         reasons.append(f"it gains {weight.gain:.1f} nats where {GAIN_NATS:g} are asked for")
     if weight.check_gain <= CHECK_NATS:
         reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
-    if weight.free_run_ratio >= FREE_RUN_RATIO:
+    if weight.runs_worse:
         reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")
     return ", and ".join(reasons) or "as many effects as are allowed were found before it"

@@ -116,13 +116,41 @@ def fit(
 ) -> Fitted:
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
 
-    Slopes are measured at the start and wherever a step gives less than they promised, and brought along otherwise.
+    Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
     Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
+    fitted, _ = fit_on(
+        simulator,
+        plant,
+        variables,
+        target,
+        None,
+        iterations=iterations,
+        patience_nats=patience_nats,
+        covariance=covariance,
+    )
+    return fitted
+
+
+def fit_on(
+    simulator: Simulator,
+    plant: Plant,
+    variables: Sequence[Variable],
+    target: Target,
+    slopes: Slopes | None,
+    *,
+    iterations: int,
+    patience_nats: float,
+    covariance: bool,
+) -> tuple[Fitted, Slopes]:
+    """As `fit`, from the slopes at which another fit of the same variables on the same readings came to rest.
+
+    They do for steps where only noise and shares of faults have changed since; before it rests the fit measures anew.
+    """
     search = _Search(simulator, plant, tuple(variables), target)
     x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
-    slopes = search.slopes(x)
+    slopes = search.slopes(x) if slopes is None else search.brought(slopes, x)
     objective = search.objective_of(x, slopes)
     left = iterations if variables else 0
     while left > 0:
@@ -149,7 +177,7 @@ def fit(
     x = search.centred(x)
     hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
-    return Fitted(
+    fitted = Fitted(
         moved(plant, variables, x),
         tuple(variables),
         spread * np.outer(search.scale, search.scale),
@@ -157,6 +185,7 @@ def fit(
         search.prior_cost(x),
         search.readings,
     )
+    return fitted, slopes
 
 
 def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArray:
@@ -176,14 +205,14 @@ def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: f
 
 @final
 @dataclass(frozen=True)
-class _Slopes:
+class Slopes:
     """How predictions move with the variables, around one point.
 
     Attributes:
         predicted: change of the counted readings' predictions for each variable, divided by its scale, by job, shape
             (variables, readings).
         results: the runs at the point itself.
-        exact: whether the slopes are differences at this point rather than older ones brought along.
+        exact: whether the slopes are differences at this point rather than older ones that followed the steps.
     """
 
     predicted: tuple[FloatArray, ...]
@@ -240,7 +269,7 @@ class _Search:
         held = ((x <= self.lower) & (gradient > 0.0)) | ((x >= self.upper) & (gradient < 0.0))
         return np.asarray(~held)
 
-    def slopes(self, x: FloatArray, *, central: bool = False) -> _Slopes:
+    def slopes(self, x: FloatArray, *, central: bool = False) -> Slopes:
         """By one-sided differences, which do for a step, or by central ones, which a covariance needs."""
         size = x.size
         step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
@@ -256,9 +285,13 @@ class _Search:
             below = result.predicted[size : 2 * size, mask] if central else result.predicted[-1, mask]
             found.append(np.nan_to_num((result.predicted[:size, mask] - below) / width[:, None]))
         last = [_one(result, sets.shape[0] - 1) for result in results]
-        return _Slopes(tuple(found), tuple(last), exact=True)
+        return Slopes(tuple(found), tuple(last), exact=True)
 
-    def followed(self, slopes: _Slopes, move: FloatArray, results: Sequence[Result]) -> _Slopes:
+    def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
+        """Slopes from under other noise or other shares of faults, with the run of these."""
+        return Slopes(slopes.predicted, tuple(self.run(x[None])), exact=False)
+
+    def followed(self, slopes: Slopes, move: FloatArray, results: Sequence[Result]) -> Slopes:
         """The slopes after a `move` of the variables, made to agree with what it did (Broyden's update)."""
         scaled = move / self.scale
         along = scaled / max(float(scaled @ scaled), 1e-300)
@@ -268,12 +301,12 @@ class _Search:
         ):
             missed = after.predicted[0, mask] - before.predicted[0, mask] - scaled @ slope
             found.append(slope + along[:, None] * np.nan_to_num(missed))
-        return _Slopes(tuple(found), tuple(results), exact=False)
+        return Slopes(tuple(found), tuple(results), exact=False)
 
-    def objective_of(self, x: FloatArray, slopes: _Slopes) -> float:
+    def objective_of(self, x: FloatArray, slopes: Slopes) -> float:
         return float(self.objectives(x[None], slopes.results)[0])
 
-    def normal_equations(self, x: FloatArray, slopes: _Slopes) -> tuple[FloatArray, FloatArray]:
+    def normal_equations(self, x: FloatArray, slopes: Slopes) -> tuple[FloatArray, FloatArray]:
         """Gauss-Newton Hessian and gradient of the objective in scaled variables."""
         tightness = (self.scale / self._spread) ** 2
         hessian = np.diag(tightness)

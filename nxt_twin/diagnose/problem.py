@@ -156,7 +156,7 @@ def _split(
     plant: Plant, fitted: Sequence[Signals], excluded: Sequence[BoolArray]
 ) -> tuple[Target, tuple[BoolArray, ...]]:
     interval_s = _thinning_s(plant)
-    dense = all(interval_s > 1.5 * _typical_step_s(signals) for signals in fitted)
+    dense = all(interval_s > 1.5 * signals.interval_s for signals in fitted)
     seconds = sum(float(signals.time_s[-1] - signals.time_s[0]) for signals in fitted)
     phases = _PHASES if dense and seconds < _FEW_READINGS * interval_s else 1
     jobs, counted, check = [], [], []
@@ -174,10 +174,6 @@ def _split(
             counted.append((~mask & ~checks)[rows])
             check.append((~mask & checks)[rows])
     return Target(tuple(jobs), tuple(counted), 1.0 / phases), tuple(check)
-
-
-def _typical_step_s(signals: Signals) -> float:
-    return float(np.median(np.diff(signals.time_s[np.isfinite(signals.measured)])))
 
 
 def _thinning_s(plant: Plant) -> float:

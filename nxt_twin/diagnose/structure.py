@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import Fitted, Target, fit
+from nxt_twin.diagnose.fit import Fitted, Slopes, Target, fit_on
 from nxt_twin.diagnose.free_run import FreeRunCheck
 from nxt_twin.diagnose.noise import estimate, with_noise
 from nxt_twin.diagnose.problem import Problem
@@ -25,6 +25,10 @@ DRAFT_STEP_S = 4e-3
 SETTLED_STEP_S = 2e-3
 """Steps while structures are searched and weighed; what is reported is fitted with `STEP_S`. For an NXT motor they err
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
+
+FREE_RUN_RATIO = 1.01
+_DOUBTING_RATIO = 1.1
+_UNKIND_RATIO = 2.5
 
 _SHARE_ROUNDS = 3
 _SHARE_RESTS = 0.03
@@ -88,17 +92,28 @@ class Weight:
         check_gain: in likelihood of readings that were not.
         free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
         unkind_ratio: the same in the other way.
+        doubting: whether all that is further is doubt in readings, which changes no equation of the plant.
     """
 
     gain: float
     check_gain: float
     free_run_ratio: float
     unkind_ratio: float
+    doubting: bool
 
     @property
     def total(self) -> float:
         """The sum of both, by which candidates are ranked."""
         return self.gain + self.check_gain
+
+    @property
+    def runs_worse(self) -> bool:
+        """Whether free runs speak against the richer one: it predicts one step better and has learnt noise.
+
+        Doubt in readings only moves what is fitted by a little, while other physics may still lack.
+        """
+        most = _DOUBTING_RATIO if self.doubting else FREE_RUN_RATIO
+        return self.free_run_ratio >= most or self.unkind_ratio >= _UNKIND_RATIO
 
 
 def weigh(simpler: Structure, richer: Structure) -> Weight:
@@ -108,7 +123,9 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
     kind, unkind = _free_run_ratios(simpler, richer)
-    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, kind, unkind)
+    added = [e for e in richer.plant.effects if e.id not in simpler.plant.active]
+    doubting = bool(added) and all("outlier" in effect.terms for effect in added)
+    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, kind, unkind, doubting)
 
 
 def free_run_ratio(simpler: Structure, richer: Structure) -> float:
@@ -169,17 +186,18 @@ class Workshop:
             step_for(plant, DRAFT_STEP_S)
         )  # a likelihood that is flat at its best needs no more
         noise, _ = estimate(self.simulator, plant, target, noise)
-        fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
+        fitted, slopes = self._fitted_on(None, self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
         for _ in range(_SETTLE_ROUNDS):
             likelier, gain = estimate(self.simulator, fitted.plant, target, noise, near=True)
             plant = fitted.plant
             if gain > _RESTING_NATS:
                 noise = likelier
             else:
-                plant, gain = self._polled(self.tuned(noise, step_s), fitted)
+                plant, gain = self._polled(self.tuned(noise, step_for(plant, DRAFT_STEP_S)), fitted)
                 if gain < _POLLED_NATS:
                     break
-            fitted = self._fitted(self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
+            tuned = self.tuned(noise, step_s)
+            fitted, slopes = self._fitted_on(slopes, tuned, plant, 12, _SETTLED_PATIENCE_NATS)
         return self._judged(fitted, noise, step_s)
 
     def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
@@ -219,21 +237,28 @@ class Workshop:
         return self._targets[step_s]
 
     def _fitted(self, tuned: Target, plant: Plant, iterations: int, patience_nats: float | None) -> Fitted:
+        return self._fitted_on(None, tuned, plant, iterations, patience_nats)[0]
+
+    def _fitted_on(
+        self, slopes: Slopes | None, tuned: Target, plant: Plant, iterations: int, patience_nats: float | None
+    ) -> tuple[Fitted, Slopes]:
         """Variables and shares in turn; without a patience to the end, with the covariance."""
-        for _ in range(_SHARE_ROUNDS if _shares(plant) else 1):
-            fitted = fit(
+        rounds = 0
+        while True:
+            rounds += 1
+            fitted, slopes = fit_on(
                 self.simulator,
                 plant,
                 variables_of(plant, self.problem.plant, self.problem.scale),
                 tuned,
+                slopes,
                 iterations=iterations,
                 patience_nats=_EXACT_PATIENCE_NATS if patience_nats is None else patience_nats,
                 covariance=patience_nats is None,
             )
             before, plant = plant, self._with_shares(fitted.plant, tuned)
-            if _shares_rest(before, plant):
-                break
-        return replace(fitted, plant=plant)
+            if rounds == _SHARE_ROUNDS or _shares_rest(before, plant):
+                return replace(fitted, plant=plant), slopes
 
     def _judged(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
         """The fitted plant with what the checking readings say of it.
@@ -267,11 +292,12 @@ class Workshop:
         ]
         if not plants:
             return fitted.plant, 0.0
-        values = np.array([plant.vectors()[0] for plant in plants])
-        active = np.array([plant.vectors()[1] for plant in plants])
+        values, active = (
+            np.array(part) for part in zip(*(p.vectors() for p in [*plants, fitted.plant]), strict=True)
+        )
         costs = tuned.cost(self.simulator.run(values, active, tuned.jobs))
-        best = int(np.argmin(costs))
-        gain = fitted.cost - float(costs[best])
+        best = int(np.argmin(costs[:-1]))
+        gain = float(costs[-1] - costs[best])
         return (plants[best], gain) if gain > _POLLED_NATS else (fitted.plant, 0.0)
 
     def _check_cost(self, plant: Plant, tuned: Target) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -53,6 +54,11 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
+
+    @cached_property
+    def interval_s(self) -> float:
+        """The median time from one reading to the next, s."""
+        return float(np.median(np.diff(self.time_s[np.isfinite(self.measured)])))
 
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self, final
 
 import numpy as np
@@ -148,7 +148,7 @@ def with_supply(signals: Signals, plant: Plant) -> Signals:
     """The signals with the plant's own supply wherever the battery was never read."""
     supply = plant.values.get(Slot(BASE_OWNER, "supply_v"), 0.0)
     filled = np.where(np.isfinite(signals.command_supply_v), signals.command_supply_v, supply)
-    return Signals(**{**signals.__dict__, "command_supply_v": filled})
+    return replace(signals, command_supply_v=filled)
 
 
 def free_job(signals: Signals, start: Start) -> Job:

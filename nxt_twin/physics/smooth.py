@@ -14,8 +14,7 @@ _HALF_WINDOW_SAMPLES = 4
 
 def half_window_s(signals: Signals) -> float:
     """How far the smoother looks to either side of a reading, s."""
-    steps = np.diff(signals.time_s[np.isfinite(signals.measured)])
-    return max(_HALF_WINDOW_S, _HALF_WINDOW_SAMPLES * float(np.median(steps)))
+    return max(_HALF_WINDOW_S, _HALF_WINDOW_SAMPLES * signals.interval_s)
 
 
 def smoothed(signals: Signals) -> tuple[FloatArray, FloatArray]:

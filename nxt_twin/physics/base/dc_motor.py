@@ -58,6 +58,10 @@ def drive(
             return 0.0, 0.0
     else:
         source = duty * supply_v
+    if inductance == 0.0 and drop == 0.0 and limit == math.inf:
+        # By itself, so that the step need not wait for the current of the one before.
+        gain = torque_constant * share / resistance
+        return gain * source, gain * back_emf
     lag = 0.0 if mode == MODE_FLOAT or inductance == 0.0 else 2.0 * inductance / step_s
     impedance = resistance + lag
     net = source - back_emf * speed

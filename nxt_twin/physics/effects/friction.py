@@ -7,6 +7,9 @@ import math
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
 
+_FADED = 16.0
+"""The exponent at which what is left of stiction's peak, a ten-millionth, is none."""
+
 
 def _coulomb(level: float, coulomb: float) -> float:
     return level + coulomb
@@ -161,8 +164,13 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
 def _stribeck(
     level: float, speed: float, breakaway: float, stribeck_speed: float, stribeck_exponent: float
 ) -> float:
-    fading = (abs(speed) / stribeck_speed) ** stribeck_exponent
-    return level + max(0.0, breakaway - level) * math.exp(-fading)
+    ratio = abs(speed) / stribeck_speed
+    least = ratio * math.sqrt(ratio) if stribeck_exponent >= 1.5 else ratio
+    if (
+        least > _FADED and stribeck_exponent >= 1.0
+    ):  # before the power, which takes longer than all the rest of a step
+        return level
+    return level + max(0.0, breakaway - level) * math.exp(-(ratio**stribeck_exponent))
 
 
 STICTION = Effect(
