@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.io import loadmat, whosmat
 
 from nxt_twin.errors import NxtTwinError, RecordingError
 from nxt_twin.recording.recording import FloatArray
@@ -41,6 +40,8 @@ def read_mat(path: Path, choose: Choose) -> Table:
 
 
 def _load(path: Path, choose: Choose) -> Mapping[str, Any]:
+    from scipy.io import loadmat, whosmat  # only here: importing it takes longer than reading most recordings
+
     try:
         shapes = {name: shape for name, shape, _ in whosmat(path, appendmat=False)}
         wanted = choose(list(shapes))
