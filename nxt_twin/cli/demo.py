@@ -16,13 +16,12 @@ import yaml
 
 from nxt_twin.blind.secret import Secret, concealed, drawable, read_secret
 from nxt_twin.cli.live import hold
-from nxt_twin.cli.output import JsonOption, emit_json, progress
-from nxt_twin.cli.watching import View
+from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.cli.watching import View, get_ready
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.records import Event, Tick
 
 _NOTHING = "nothing"
@@ -53,9 +52,7 @@ def demo(
     """
     out.mkdir(parents=True, exist_ok=True)
     secret_file = _conceal(conceal, seed, out)
-    with progress("demo") as tell:
-        tell("compiling the model, which is kept for the next time")
-        BrickTwin({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}).move(1e-3)
+    get_ready({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}, adopting=True)
     held, ending = out / "live.json", _Ending()
     with _mock(secret_file) as url, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
         print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")

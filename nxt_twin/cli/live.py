@@ -17,7 +17,7 @@ from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.openers import OPENERS
 from nxt_twin.cli.output import JsonOption, fail
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, wanted_ports, wanted_sensors
-from nxt_twin.cli.watching import View, audience, conclude, watch
+from nxt_twin.cli.watching import View, audience, conclude, get_ready, watch
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
@@ -106,7 +106,8 @@ def hold(
     found = chosen_url(url, clock)
     if driver is not None:
         get_leave(found, driver.ports, yes=yes)
-    twin = _twin(plant, wanted)
+    plants = dict.fromkeys(wanted, plant_from_config(load_plant_config(plant), "power_pct"))
+    get_ready(plants, adopting=adopt)
     recorder = None if out is None else RecordingWriter(out, columns_of(wanted, slots))
     channels = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
     told = audience(
@@ -115,7 +116,7 @@ def hold(
     parts = Parts(
         open_brick=lambda: open_brick(found, clock, OPENERS),
         clock=clock,
-        twin=twin,
+        twin=BrickTwin(plants),
         sink=told.sink(),
         plan=Plan(sensors=slots),
         pace=PACES.get(found.partition(":")[0], Pace()),
@@ -142,13 +143,6 @@ def _driver(program: str, ports: tuple[Port, ...]) -> ProgramDriver | None:
     if missing:
         raise typer.BadParameter(f"the program drives {', '.join(missing)}, which --ports leaves out")
     return ProgramDriver(loaded)
-
-
-def _twin(plant: str, ports: tuple[Port, ...]) -> BrickTwin:
-    model = plant_from_config(load_plant_config(plant), "power_pct")
-    twin = BrickTwin(dict.fromkeys(ports, model))
-    twin.move(1e-3)  # brings the compiled plant in before the clock counts
-    return twin
 
 
 def _step_back() -> None:

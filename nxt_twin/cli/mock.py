@@ -12,7 +12,19 @@ import typer
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.cli.openers import concealing
 from nxt_twin.cli.output import JsonOption, emit_json
-from nxt_twin.mock.run import Served, serve
+from nxt_twin.mock.errors import ServeError
+from nxt_twin.mock.run import Served, parse_address, serve
+from nxt_twin.mock.serve.profile import LinkProfile
+
+
+def _place(tcp: str | None) -> str | None:
+    """Refuse what is not HOST:PORT as wrong use."""
+    try:
+        if tcp is not None:
+            parse_address(tcp)
+    except ServeError as error:
+        raise typer.BadParameter(str(error)) from error
+    return tcp
 
 
 def mock(
@@ -20,13 +32,14 @@ def mock(
         str | None,
         typer.Option(
             metavar="HOST:PORT",
+            callback=_place,
             help="Listen here; without, and without --pty: localhost:7000, where connect looks.",
         ),
     ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
     world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
     seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
-    profile: Annotated[str, typer.Option(help="Delays of the link: none, usb or bluetooth.")] = "none",
+    profile: Annotated[LinkProfile, typer.Option(help="Delays of the link.")] = "none",
     conceal: Annotated[
         str | None,
         typer.Option(

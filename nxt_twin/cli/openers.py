@@ -12,6 +12,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError, LinkUrlError
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.open import Opener
+from nxt_twin.mock.serve.profile import PROFILES
 
 if TYPE_CHECKING:
     from nxt_twin.mock.body.body import Body
@@ -26,9 +27,8 @@ def open_mock(address: str, clock: Clock) -> Link:
         clock: what the brick's time follows.
 
     Raises:
-        LinkUrlError: the address is not of that form.
+        LinkUrlError: the address is not of that form, or names no profile.
         WorldError: the world file is none.
-        ServeError: there is no such profile.
         CaseError: what is to be concealed cannot be.
     """
     # Brings in the compiled plants, which the other URLs do not need.
@@ -78,8 +78,11 @@ def mock_options(address: str) -> dict[str, str]:
     if (
         not options.keys() <= {"world", "seed", "profile", "conceal"}
         or not options.get("seed", "0").isdecimal()
+        or options.get("profile", "none") not in PROFILES
     ):
         raise LinkUrlError(
-            "is no mock brick's URL", where=f"mock:{address}", mend="such as mock: or mock:?world=FILE&seed=1"
+            "is no mock brick's URL",
+            where=f"mock:{address}",
+            mend="such as mock: or mock:?world=FILE&seed=1&profile=usb",
         )
     return options

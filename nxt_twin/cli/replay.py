@@ -15,7 +15,7 @@ from nxt_twin.brick.clock import PacedClock, SystemClock
 from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
 from nxt_twin.cli.output import JsonOption, progress
 from nxt_twin.cli.wanted import wanted_ports
-from nxt_twin.cli.watching import View, audience, conclude, watch
+from nxt_twin.cli.watching import View, audience, conclude, get_ready, watch
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import (
@@ -69,6 +69,8 @@ def replay(
     Exit status 0 whatever the verdict, as with live.
     """
     played = read_recording(recording)
+    plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
+    get_ready({"a": plant}, adopting=adopt)
     clock = PacedClock(SystemClock(), speed or math.inf)
     brick = RecordedBrick(played, clock)
     watched = brick.ports if ports is None else tuple(p for p in wanted_ports(ports) if p in brick.ports)
@@ -80,7 +82,6 @@ def replay(
         watched, channels, title=recording.name, view=view, save=save, quiet=json == "-", lossless=True
     )
     executor: Executor = ThreadPoolExecutor(1, "diagnosis") if speed > 0.0 else AtOnce()
-    plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
     parts = Parts(
         open_brick=lambda: Brick(brick, clock),
         clock=clock,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -14,11 +14,13 @@ import typer
 import yaml
 
 from nxt_twin.brick.errors import LinkUrlError
-from nxt_twin.cli.output import emit_json, fail
+from nxt_twin.cli.output import emit_json, fail, progress
 from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
-from nxt_twin.twin.brick_twin import BrickTwin
+from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.records import Event, Sink, Tick
+from nxt_twin.twin.rehearsal import rehearse
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 from nxt_twin.twin.sinks import Memory, Several
@@ -114,6 +116,19 @@ def audience(
 
         keeper = Keeper()
     return Audience(dashboards=dashboards, keeper=keeper, others=(*([] if quiet else [Printer()]), *also))
+
+
+def get_ready(
+    plants: Mapping[Port, Plant], options: TwinOptions | None = None, *, adopting: bool = False
+) -> None:
+    """Have everything compiled before the session's clock counts, with a word of it meanwhile.
+
+    Raises:
+        PlantError: the plants cannot stand side by side.
+    """
+    with progress("getting ready") as tell:
+        tell("the first time, the model is compiled, which takes half a minute and is kept")
+        rehearse(plants, options, adopting=adopting)
 
 
 def watch(session: Session, parts: Parts, seconds: float | None, told: Audience) -> None:

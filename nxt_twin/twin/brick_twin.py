@@ -16,7 +16,7 @@ from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
 from nxt_twin.twin.motor import Evidence, MotorTwin
 from nxt_twin.twin.records import MotorState
 from nxt_twin.twin.settings import Noise, Watch
-from nxt_twin.twin.supply import Supply
+from nxt_twin.twin.supply import Company, Supply
 
 _SUPPLY_STEP_S = 0.005
 """How long the battery's voltage is held while the motors' current changes."""
@@ -66,6 +66,7 @@ class BrickTwin:
         self._commands: dict[Port, tuple[int, DriveMode]] = dict.fromkeys(plants, (0, "coast"))
         self._cells_ohm = _CELLS_OHM if self.options.cells_ohm is None else self.options.cells_ohm
         self._held: dict[Port, Hold] = dict.fromkeys(plants, Hold(0.0, 0.0, COAST))
+        self._company = {port: Company() for port in plants}
         self._supply = self._new_supply()
         self._motors = self._new_motors()
         self._batch = self._new_batch(now_s, now_s)
@@ -81,11 +82,11 @@ class BrickTwin:
         return self._plants
 
     def plant_as_run(self, port: Port) -> Plant:
-        """The model of a motor with the battery that it is run with, as a diagnosis has to have it."""
+        """The model of a motor with the battery as it looks from that motor alone, for a diagnosis of it."""
         plant = self._plants[port]
         if _SAG.owner in plant.active or not self._cells_ohm:
             return plant
-        return plant.with_effect(_SAG.owner, {_SAG.symbol: self._cells_ohm})
+        return plant.with_effect(_SAG.owner, {_SAG.symbol: self._cells_ohm * self._company[port].times})
 
     @property
     def now_s(self) -> float:
@@ -138,6 +139,8 @@ class BrickTwin:
     def read_tacho(self, port: Port, taken_s: float, count: int, taken_std_s: float = 0.0) -> Evidence:
         """Compare a count, taken at `taken_s`, and learn from it."""
         self.move(taken_s)
+        own_a = self._batch.drawn_a(self._motors[port].row)
+        self._company[port].add(taken_s, own_a, self._drawn_a())
         return self._motors[port].read(self._batch, count, taken_std_s, taken_s)
 
     def read_battery(self, terminal_v: float) -> None:
@@ -163,11 +166,12 @@ class BrickTwin:
     def adopt(self, port: Port, plant: Plant, began_s: float) -> None:
         """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
 
-        A battery's resistance that the motor's own model did not have before is that of all motors' battery.
+        A battery's resistance that the motor's own model did not have before is that of all motors' battery, as it
+        looks from this one.
         """
         motors, batch = self._motors, self._batch
         if _SAG.owner in plant.active and _SAG.owner not in self._plants[port].active:
-            self._cells_ohm = plant.values[_SAG]
+            self._cells_ohm = plant.values[_SAG] / self._company[port].times
             plant = plant.without({_SAG.owner})
         self._plants[port] = plant
         self._supply = self._new_supply(self._supply.open_v)

@@ -103,7 +103,7 @@ class Session:
 
     @property
     def now_s(self) -> float:
-        """Time since the session began, s."""
+        """Time since the session began, which is when the brick was reached, s."""
         return self._clock.now_s() - self._began_s
 
     def run(self, seconds: float | None) -> None:
@@ -114,6 +114,7 @@ class Session:
             NxtTwinError: the recorder failed.
         """
         brick = self._parts.open_brick()
+        self._began_s = self._clock.now_s()
         try:
             self._tell("started", f"watching motors {', '.join(p.upper() for p in self._twin.ports)}")
             while not self._over(seconds):

@@ -92,3 +92,19 @@ def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
 
 def test_a_session_in_which_all_held_says_so():
     assert verdict([], []).outcome == "holds"
+
+
+def test_what_the_others_draw_is_not_taken_for_a_weak_battery():
+    """Three motors that are driven alike: to one of them the battery looks three times as soft as it is."""
+    twin = BrickTwin(dict.fromkeys("abc", nxt_motor()), TwinOptions(candidates=(), cells_ohm=0.4))
+    for poll in range(100):
+        twin.move(0.01 * poll)
+        for port in "abc":
+            twin.read_tacho(port, 0.01 * poll, int(twin.state(port).angle_deg // 1))
+            twin.command(port, 70 if poll < 50 else -70, "drive", 0.01 * poll)
+    seen = twin.plant_as_run("a")
+    assert seen.values[Slot("battery_sag", "internal")] == pytest.approx(1.2, rel=0.05)
+    twin.adopt("a", seen, began_s=0.0)
+    assert twin.plant_as_run("b").values[Slot("battery_sag", "internal")] == pytest.approx(1.2, rel=0.05)
+    alone = BrickTwin({"a": nxt_motor()}, TwinOptions(candidates=(), cells_ohm=0.4))
+    assert alone.plant_as_run("a").values[Slot("battery_sag", "internal")] == 0.4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, final
+from typing import Final, Literal, final
 
 
 @final
@@ -33,6 +33,8 @@ class Profile:
         """Whether it changes nothing at all."""
         return self == _TRANSPARENT
 
+
+LinkProfile = Literal["none", "usb", "bluetooth"]
 
 _TRANSPARENT: Final = Profile()
 
