@@ -77,7 +77,6 @@ def _session(seconds: float) -> tuple[Memory, Keeper, str]:
     clock = VirtualClock()
     plant = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
     twin = BrickTwin(dict.fromkeys(PORTS, plant))
-    twin.move(1e-3)
     memory, kept = Memory(100_000), Keeper()
     with tempfile.TemporaryDirectory() as folder:
         world = Path(folder) / "world.yaml"

@@ -15,6 +15,7 @@ import yaml
 
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.cli.output import emit_json, fail, progress
+from nxt_twin.cli.wanted import tidy_end
 from nxt_twin.diagnose.to_json import to_json
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
@@ -132,13 +133,13 @@ def get_ready(
 
 
 def watch(session: Session, parts: Parts, seconds: float | None, told: Audience) -> None:
-    """Run a session to its end or to Ctrl-C, which is one of its ordinary ends.
+    """Run a session to its end, or to Ctrl-C or being told to terminate, which are ordinary ends of it too.
 
     Raises:
         typer.BadParameter: the URL is none.
     """
     try:
-        with suppress(KeyboardInterrupt):
+        with suppress(KeyboardInterrupt), tidy_end():
             session.run(seconds)
     except LinkUrlError as error:
         raise typer.BadParameter(str(error), param_hint="URL") from error
