@@ -143,7 +143,7 @@ SCENES: Final[dict[str, Scene]] = {
     "power_curve": Scene({"exponent": 1.5}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0),
     "command_delay": Scene({"delay_s": 0.06}, ((0.0, 0.0), (0.1, 0.6), (0.5, -0.6)), 0.9),
     "clock_skew": Scene(
-        {"lag_span_s": 0.04, "rate_error": 2e-3, "lag_period_s": 3.0, "lag_phase": 0.0},
+        {"lag_span_s": 0.04, "lag_mean": 0.5, "rate_error": 2e-3, "lag_period_s": 3.0, "lag_phase": 0.0},
         ((0.0, 0.5),),
         8.0,
         "error",

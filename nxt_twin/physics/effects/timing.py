@@ -67,20 +67,23 @@ def _pace(rate_error: float) -> float:
     return rate_error
 
 
-def _lag(stamp_s: float, lag_span: float, lag_period: float, lag_phase: float) -> float:
-    return lag_span * math.cos(math.pi * (stamp_s / lag_period + lag_phase)) ** 2
+def _lag(stamp_s: float, lag_span: float, lag_mean: float, lag_period: float, lag_phase: float) -> float:
+    return lag_span * (lag_mean + 0.5 * math.cos(math.tau * (stamp_s / lag_period + lag_phase)))
 
 
 CLOCK_SKEW = Effect(
     id="clock_skew",
     name="clock skew",
-    equation="stamp = (1 + ε)·(t + s·cos²(π·(t/P + φ))) for readings, (1 + ε)·t for commands",
+    equation="stamp = (1 + ε)·(t + s·(m + ½·cos(2π·(t/P + φ)))) for readings, (1 + ε)·t for commands",
     source="rate error as of Moon, Skelly and Towsley 1999; the lag wanders as a sine, our own",
     equation_of="timing",
     shows=("high_speed", "elapsed_time"),
     parameters=(
         # A triangle's first harmonic spans a fifth less than the triangle, a square's a quarter more.
         Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03,), 0.0, 0.5, law=0.12),
+        # A half for a wander between none and s. As the span found is off by the law's shape, so is half of it: held to
+        # a half, the rest would be taken for a delay.
+        Parameter("lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.3, 0.7, spread=0.12, otherwise=0.5),
         Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=2.0),
         Parameter(
             "lag_period_s",
