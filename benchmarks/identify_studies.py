@@ -1,8 +1,9 @@
 """The repetitions of `benchmarks.identify`: a truth that the fit does not know, and what an experiment makes of it.
 
 Whole experiments run on a mock brick in virtual time - wire, firmware and rig included. Motors are of the fit's own
-family, but for those of the blind benchmark's simulator; sensors are the rig's own mechanisms. The resistance that a
-fit is given is off by its own stated doubt. Where only a sensor is tried, nothing turns on the brick's motors.
+family, but for those of the blind benchmark's simulator; sensors are the rig's own mechanisms. The resistance and the
+disc that a fit is told of are off by their own stated doubt. Where only a sensor is tried, nothing turns on the brick's
+motors.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from nxt_twin.experiment.plan import (
 )
 from nxt_twin.experiment.positioner.by_hand import Ask
 from nxt_twin.experiment.run_sweep import Surroundings
+from nxt_twin.experiment.standin.hand import Hand
 from nxt_twin.experiment.standin.rig import (
     Button,
     Diode,
@@ -47,7 +49,7 @@ from nxt_twin.experiment.standin.rig import (
     place_transducers,
     place_ultrasonic,
 )
-from nxt_twin.experiment.standin.workbench import Workbench, helper, workbench
+from nxt_twin.experiment.standin.workbench import Workbench, helper, mount, workbench
 from nxt_twin.experiment.sweep import sweep_of
 from nxt_twin.mock.body.motors import Motors
 from nxt_twin.mock.body.world import World
@@ -165,7 +167,13 @@ def _motor(name: str, internal_ohm: float = 0.0) -> Repetition:
         assert isinstance(experiment, MotorIdentification)
         experiment = _anchored(experiment, truth, random)
         bench = workbench(_world(truth, random, internal_ohm), seed)
-        return _carried_out(experiment, bench), _with_ratios(truth)
+        off = experiment.loads[-1].added_inertia_std_kg_m2 * random.standard_normal()
+
+        def put(inertia: float) -> None:
+            """A disc that is off by its own stated doubt."""
+            mount(bench, experiment.port, inertia + off if inertia else 0.0)
+
+        return _carried_out(experiment, bench, Hand(put)), _with_ratios(truth)
 
     return repeat
 

@@ -9,24 +9,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
 
-from nxt_twin.diagnose.engine import fit_as_it_stands, problem_for
+from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judge import noise_floor
+from nxt_twin.diagnose.linear import linearise
+from nxt_twin.diagnose.noise import first_guess
 from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.structure import Structure
+from nxt_twin.diagnose.structure import Structure, Workshop
 from nxt_twin.errors import PlantError
 from nxt_twin.experiment.combine import combined, propagated
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified, normal_value
 from nxt_twin.experiment.plan import Load, MotorIdentification
+from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.experiment.run_motor import recording_name
 from nxt_twin.experiment.steady import steady_state
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.columns import BATTERY
 from nxt_twin.recording.configs import load_plant_config
@@ -49,8 +54,13 @@ _RATIOS: Final = (
     "coulomb_over_inertia",
 )
 _RATIO_UNITS: Final = ("N·m/A", "Ω·kg·m²", "1/s", "rad/s²")
-_BATTERY_STEP_V: Final = 0.0139
-"""Of the brick's converter, which cuts off: the voltage is uncertain by it, K as much, R·J twice as much."""
+_BATTERY_STEP_V: Final = 0.013848
+"""Of the brick's converter, which cuts off: the voltage lies anywhere within a step above its reading."""
+_QUIETER: Final = (1.0, 0.03)
+"""Shares of the first guess of an unknown torque from which the fit begins: a large one can hold parameters where they
+explain nothing, and so itself."""
+_ROUNDS: Final = 2
+"""Of fitting everything once more, since noise and parameters are suited to each other in turn."""
 _LEAST_DIFFERENCE: Final = 5.0
 """Between R·J with and without the disc, in standard deviations; a disc that makes less of one anchors nothing."""
 _RUNS_AWAY: Final = 1.25
@@ -94,6 +104,7 @@ def identify_motor(experiment: MotorIdentification, folder: RunFolder) -> Identi
 
 def identified_from(experiment: MotorIdentification, sets: Mapping[str, Sequence[Recording]]) -> Identified:
     """The same from recordings in memory, by the loads' names."""
+    sets = {name: [_mid_step(recording) for recording in runs] for name, runs in sets.items()}
     fits = [ratios_of(experiment, sets[load.name]) for load in experiment.loads]
     bare = fits[0]
     ratio_values = tuple(
@@ -160,17 +171,29 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     if missing:
         raise PlantError(f"lacks {', '.join(missing)}", where=experiment.plant, mend="begin with nxt_motor")
     case = Case(experiment.name, Path(), config, tuple(recordings), (), experiment.port)
-    structure = fit_as_it_stands(case)
+    problem = problem_for(case)
+    structure, covariance = _fitted(problem)
     fitted = structure.fitted
     symbols = [variable.slots[0].symbol for variable in fitted.variables]
     order = [symbols.index(symbol) for symbol in _FITTED]
     values = np.array([structure.plant.values[fitted.variables[index].slots[0]] for index in order])
-    covariance = fitted.covariance[np.ix_(order, order)]
-    ratios, spread = propagated(_ratios, values, covariance)
+    ratios, spread = propagated(_ratios, values, covariance[np.ix_(order, order)])
     by_voltage = ratios * np.array([1.0, 2.0, 0.0, 0.0]) * _battery_doubt(recordings)
-    return Ratios(
-        ratios, spread + np.outer(by_voltage, by_voltage), structure, _runs_off(problem_for(case), structure)
-    )
+    spread += np.outer(by_voltage, by_voltage)
+    return Ratios(ratios, spread, structure, _runs_off(problem, structure))
+
+
+def _fitted(problem: Problem) -> tuple[Structure, FloatArray]:
+    """The fit with the noise that suits it, and its covariance."""
+    with Simulator(problem.plant.layout) as simulator:
+        workshop = Workshop(simulator, problem)
+        guess = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        found = [
+            _settled(workshop, replace(guess, disturbance_std=q * guess.disturbance_std)) for q in _QUIETER
+        ]
+        structure = min(found, key=lambda each: each.fitted.cost + each.fitted.prior_cost)
+        linear = linearise(simulator, problem, structure, STEP_S)
+        return structure, fit_covariance(simulator, linear, np.random.default_rng(0))
 
 
 def _runs_off(problem: Problem, structure: Structure) -> float:
@@ -179,11 +202,26 @@ def _runs_off(problem: Problem, structure: Structure) -> float:
     return structure.free_run_rms[0] / noise_floor(problem, structure.noise)
 
 
+def _settled(workshop: Workshop, noise: Noise) -> Structure:
+    structure = workshop.fit_everything(workshop.problem.plant, noise)
+    for _ in range(_ROUNDS):
+        structure = workshop.fit_everything(structure.plant, structure.noise)
+    return structure
+
+
+def _mid_step(recording: Recording) -> Recording:
+    """The recording with the battery in the middle of the step that its reading begins."""
+    columns = dict(recording.columns)
+    if BATTERY in columns:
+        columns[BATTERY] = columns[BATTERY] + 0.5 * _BATTERY_STEP_V
+    return replace(recording, columns=columns)
+
+
 def _battery_doubt(recordings: Sequence[Recording]) -> float:
     """The voltage's relative standard deviation by the steps in which it is read; 0 if it was not."""
     readings = np.concatenate([recording.columns.get(BATTERY, np.empty(0)) for recording in recordings])
     known = readings[np.isfinite(readings)]
-    return float(_BATTERY_STEP_V / np.sqrt(3.0) / np.median(known)) if known.size else 0.0
+    return float(_BATTERY_STEP_V / np.sqrt(12.0) / np.median(known)) if known.size else 0.0
 
 
 def _ratios(x: FloatArray) -> FloatArray:

@@ -249,7 +249,7 @@ class MotorIdentification(BaseModel):
         loads: what hangs on the motor; the runs are done once with each.
         runs: what is commanded; each becomes a recording for each load.
         poll_s: time between polls.
-        rest_s: how long the motor coasts before each run, during which the battery is read.
+        rest_s: how long the motor has to have stood before each run; the battery is read then.
         most_turn_deg: how far it may turn from where it began; none: any.
     """
 

@@ -20,6 +20,9 @@ _PORTS: Final = {"a": OutputPort.A, "b": OutputPort.B, "c": OutputPort.C}
 _BATTERY_READINGS: Final = 5
 """Of the resting battery before each run: the motor's own current would pull later ones down."""
 
+_MOST_RESTS: Final = 5
+"""So often a motor that still turns after a rest gets another one."""
+
 
 def recording_name(load: Load, run: Run) -> str:
     """What the recording of a run under a load is called."""
@@ -93,10 +96,17 @@ class _Recorder:
         self._start_deg: int | None = None
 
     def rest(self) -> None:
-        """Let the motor come to rest, and read the battery meanwhile."""
+        """Let the motor come to rest, whatever it was doing, and read the battery then.
+
+        One that something keeps turning is recorded as it is.
+        """
         self._brick.device.keep_awake()
         self._brick.motors.coast(self._port)
-        self._clock.sleep(self._experiment.rest_s)
+        for _ in range(_MOST_RESTS):
+            before_deg = self._brick.motors.tacho_deg(self._port).value
+            self._clock.sleep(self._experiment.rest_s)
+            if self._brick.motors.tacho_deg(self._port).value == before_deg:
+                break
         self._zero_s = self._clock.now_s()
         for _ in range(_BATTERY_READINGS):
             self._row(battery_v=self._brick.device.battery_v().value)

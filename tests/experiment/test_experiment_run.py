@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 from experiment_bench import bench_for, new_folder, rows_of, small, surroundings
 
@@ -206,6 +207,16 @@ def test_motor_runs_are_recorded_as_commanded(tmp_path: Path) -> None:
     assert columns["battery_v"][0] > 7
 
 
+def test_a_run_waits_until_the_motor_has_come_to_rest(tmp_path: Path) -> None:
+    folder = run(small("motor_identification"), tmp_path)
+    for name in ("bare-step60", "bare-step-80"):
+        columns = read_recording(folder.path / "recordings" / f"{name}.csv").columns
+        standing = columns["a_power_pct"] == 0
+        before = columns["a_tacho_deg"][: int(np.argmin(standing))]
+        assert before.size > 3
+        assert np.ptp(before) == 0
+
+
 def test_a_motor_run_that_is_interrupted_leaves_the_motor_coasting_and_is_done_again(tmp_path: Path) -> None:
     experiment = small("motor_identification")
     folder = new_folder(tmp_path, experiment)
@@ -218,7 +229,7 @@ def test_a_motor_run_that_is_interrupted_leaves_the_motor_coasting_and_is_done_a
 
         def sleep(self, duration_s: float) -> None:
             bench.clock.sleep(duration_s)
-            if bench.clock.now_s() > 2.0:
+            if bench.clock.now_s() > 2.8:
                 raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -80,6 +81,7 @@ def workbench(world: World | Path | None = None, seed: int = 0) -> Workbench:
     folder = world.parent if isinstance(world, Path) else None
     around = load_world(world) if isinstance(world, Path) else world or World()
     body = around.body(seed, folder)
+    _stand_anywhere(body, Random(f"hubs {seed}"))  # noqa: S311 - places, not secrets
     firmware = Firmware(body, around.identity())
     firmware.tick()
     clock = VirtualClock()
@@ -89,13 +91,21 @@ def workbench(world: World | Path | None = None, seed: int = 0) -> Workbench:
 
 
 def mount(bench: Workbench, port: Port, added_inertia_kg_m2: float) -> None:
-    """Put a disc on a motor's hub, or with 0 take it off; the motors stand still at angle 0 after it."""
+    """Put a disc on a motor's hub, or with 0 take it off; the motors stand still where they were."""
     plants = [bench.world.plant(each, bench.folder) for each in PORTS]
     index = PORTS.index(port)
     slot = Slot(BASE_OWNER, "inertia")
     heavier = plants[index].values[slot] + added_inertia_kg_m2
     plants[index] = plants[index].with_values({slot: heavier})
-    bench.body.motors = Motors(Stepper(plants))
+    stepper = Stepper(plants)
+    stepper.angle[:] = bench.body.motors.plants.angle
+    bench.body.motors = Motors(stepper)
+
+
+def _stand_anywhere(body: Body, chance: Random) -> None:
+    """Put the hubs anywhere within a count: at a count's very edge, all that is rounded would err to one side."""
+    angles = body.motors.plants.angle
+    angles += [math.radians(chance.random()) for _ in angles]
 
 
 def helper(bench: Workbench, experiment: Experiment) -> Hand:
