@@ -6,7 +6,7 @@ import json as json_format
 import math
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any, final
@@ -52,13 +52,15 @@ def demo(
     """
     out.mkdir(parents=True, exist_ok=True)
     secret_file = _conceal(conceal, seed, out)
-    get_ready({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}, adopting=True)
-    held, ending = out / "live.json", _Ending()
-    with _mock(secret_file) as url, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
+    held, recording, ending = out / "live.json", out / "recording.csv", _Ending()
+    recording.unlink(missing_ok=True)  # of the demo before; a recording is never written over otherwise
+    with _mock(secret_file) as announced, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
+        get_ready({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}, adopting=True)
+        url = announced()
         print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")
         hold(
             url, plant=_PLANT, ports="a", sensors="none", seconds=seconds, adopt=True, view=view, report=out,
-            out=out / "recording.csv", model_out=out / "adopted.yaml", save=_saved(out), json=str(held),
+            out=recording, model_out=out / "adopted.yaml", save=_saved(out), json=str(held),
             also=[ending], enough=ending.enough,
         )  # fmt: skip
     truth = read_secret(secret_file)
@@ -117,8 +119,8 @@ class _Ending:
 
 
 @contextmanager
-def _mock(secret: Path) -> Iterator[str]:
-    """A mock brick in a program of its own; the URL at which it is reached."""
+def _mock(secret: Path) -> Iterator[Callable[[], str]]:
+    """A mock brick in a program of its own, which gets ready meanwhile; waits for the URL at which it is reached."""
     command = [
         sys.executable,
         "-m",
@@ -136,11 +138,15 @@ def _mock(secret: Path) -> Iterator[str]:
     with subprocess.Popen(  # noqa: S603 - this program itself, with a path that it has just written
         command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
     ) as serving:
-        try:
-            announced = serving.stdout.readline() if serving.stdout else ""
-            if not announced:
+
+        def announced() -> str:
+            line = serving.stdout.readline() if serving.stdout else ""
+            if not line:
                 raise NxtTwinError("the mock brick did not start", mend="nxt-twin mock says why")
-            yield str(json_format.loads(announced)["urls"][0])
+            return str(json_format.loads(line)["urls"][0])
+
+        try:
+            yield announced
         finally:
             serving.terminate()
             try:
