@@ -45,11 +45,11 @@ def _show(reproduction: Reproduction) -> None:
     table.add_column("")
     for one in reproduction.comparisons:
         mark = "" if one.agrees else "[bold]differs[/bold]"
-        table.add_row(one.where, one.quantity, one.printed, f"{one.computed:.4g}", one.unit, mark)
+        table.add_row(one.where, one.quantity, one.printed, one.shown, one.unit, mark)
     console.print(table)
     console.print(f"\n[bold]{len(reproduction.contradictions)} contradictions[/bold]")
     for number, found in enumerate(reproduction.contradictions, 1):
-        console.print(f"\n{number}. {found.where} ({found.id})", style="bold")
+        console.print(f"\n{number}. {found.title} ({found.where}; {found.id})", style="bold")
         console.print(f"   It says: {found.claim}.")
         console.print(f"   Its data say: {found.evidence}.")
         console.print(f"   Probably: {found.cause}.")

@@ -27,6 +27,13 @@ class Comparison:
     computed: float
     agrees: bool
 
+    @property
+    def shown(self) -> str:
+        """The computed number written as the printed one is, with one digit more."""
+        mantissa, power, _ = self.printed.lower().partition("e")
+        decimals = len(mantissa.partition(".")[2]) + 1
+        return powers(self.computed, decimals) if power else f"{self.computed:.{decimals}f}"
+
 
 @final
 @dataclass(frozen=True)
@@ -35,6 +42,7 @@ class Contradiction:
 
     Attributes:
         id: a name for it.
+        title: what is wrong, in a few words.
         where: table, equation or section.
         claim: what the paper says.
         evidence: what its own data or equations say.
@@ -43,11 +51,18 @@ class Contradiction:
     """
 
     id: str
+    title: str
     where: str
     claim: str
     evidence: str
     cause: str
     used: str
+
+
+def powers(value: float, decimals: int) -> str:
+    """`8.451e-3`: so many decimals and a power of ten without leading zeros."""
+    mantissa, _, exponent = f"{value:.{decimals}e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
 
 
 def compare(quantity: str, where: str, unit: str, printed: str, computed: float) -> Comparison:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from nxt_twin.paper import printed
-from nxt_twin.paper.finding import Comparison, Contradiction, compare
+from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
 from nxt_twin.recording.recording import FloatArray
 
 SUPPLY_V = 9.0
@@ -146,14 +146,15 @@ def _static(numbers: MotorNumbers) -> Contradiction:
     factor = numbers.static_friction_nm / printed.STATIC_FRICTION_NM
     return Contradiction(
         id="static_friction",
+        title=f"The static friction is printed {factor:.0f} times too small",
         where="equations 5 and 6, Table II",
-        claim=f"the torque of static friction is {printed.STATIC_FRICTION_NM:.3e} N·m",
+        claim=f"the torque of static friction is {powers(printed.STATIC_FRICTION_NM, 3)} N·m",
         evidence=f"equation 5 is at rest at {numbers.stall_v:.4f} V, for which equation 6 gives"
-        f" {numbers.static_friction_nm:.3e} N·m, {factor:.1f} times as much",
-        cause="unknown; near the printed number lies the stall current over the gear ratio,"
-        f" v_c / (48 R_a) = {current:.3e} A: perhaps a current on the motor's side of the gears, with K_s left out"
-        " and one digit misread",
-        used=f"{numbers.static_friction_nm:.3e} N·m",
+        f" {powers(numbers.static_friction_nm, 3)} N·m, {factor:.1f} times as much",
+        cause=f"a current was taken for the torque: v_c / (48 R_a) = {powers(current, 3)} A, the stall current over the"
+        " gear ratio, is the printed number but for one digit, as if K_s had been left out and that digit misread;"
+        " this is a guess, nothing in the text confirms it",
+        used=f"{powers(numbers.static_friction_nm, 3)} N·m",
     )
 
 
@@ -163,11 +164,12 @@ def _viscous(numbers: MotorNumbers) -> Contradiction:
     apart = abs(printed.VISCOUS_FRICTION_NM_S_PER_RAD / numbers.viscous - 1.0)
     return Contradiction(
         id="viscous_friction_against_static",
+        title="The viscous friction does not go with the static friction of the same table",
         where="equation 11, Table II",
         claim="B = 1.92E-3 N·m·s/rad has the least absolute error in equation 11 with Table II's T_c",
         evidence=f"with the printed T_c the least absolute error against equation 5 (to {SUPPLY_V:.0f} V) is at"
-        f" B = {numbers.viscous_with_printed:.2e}, and Table II as printed errs by {own:.3f} rad/s on average; with T_c"
-        f" of equation 6 it is at {numbers.viscous:.3e}, and the printed B errs by {mended:.3f} rad/s",
+        f" B = {powers(numbers.viscous_with_printed, 2)}, and Table II as printed errs by {own:.3f} rad/s on average;"
+        f" with T_c of equation 6 it is at {powers(numbers.viscous, 3)}, and the printed B errs by {mended:.3f} rad/s",
         cause="B was fitted with the right T_c, to the measured speeds behind equation 5, which are not printed: it is"
         f" {apart:.1%} from the value that the line gives. Only T_c was printed wrongly",
         used="1.92e-3 N·m·s/rad, with T_c of equation 6",
@@ -182,6 +184,7 @@ def _ratios(numbers: MotorNumbers) -> Contradiction:
     ]
     return Contradiction(
         id="table_1_rounding",
+        title="Some cells of Table I are cut off, others rounded",
         where="Table I",
         claim="the last column is e over the speed",
         evidence=f"it prints {', '.join(wrong)}; and 24.39 rad/s for 233 rev/min, which is"
@@ -195,6 +198,7 @@ def _average(numbers: MotorNumbers) -> Contradiction:
     mean = float(np.mean(printed.EMF_PER_SPEED))
     return Contradiction(
         id="average_of_ks",
+        title="The average of K_s is not the number that is called so",
         where="II-1, below Table I",
         claim="the average value for K_s is about 0.4919",
         evidence=f"Table I's six values average {mean:.4f} ({np.mean(numbers.emf_per_speed):.4f} unrounded); 0.4919 is"
@@ -207,6 +211,7 @@ def _average(numbers: MotorNumbers) -> Contradiction:
 def _unit() -> Contradiction:
     return Contradiction(
         id="unit_of_ks",
+        title="The unit of K_s is multiplied where it has to be divided",
         where="II-1, below Table I",
         claim="K_s is in V.rad/s",
         evidence="equation 3, e = K_s ω, makes it V·s/rad, which equals N·m/A as equation 2 asks",
@@ -219,6 +224,7 @@ def _symbol() -> Contradiction:
     slope_rpm = printed.LINE_SLOPE * 60.0 / (2.0 * math.pi)
     return Contradiction(
         id="symbol_of_equation_5",
+        title="The speed in equation 5 is named as if it were in rev/min",
         where="equation 5",
         claim="rot = 1.9248 v - 0.2519, rot being Table I's symbol of which one column is in rev/min",
         evidence="the text below means ω in rad/s, and only that fits: without friction the slope would be"

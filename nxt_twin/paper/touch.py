@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nxt_twin.paper import printed
-from nxt_twin.paper.finding import Comparison, Contradiction, compare
+from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
 from nxt_twin.paper.printed import TouchTable
 from nxt_twin.recording.recording import FloatArray
 
@@ -55,6 +55,7 @@ def _mean_of_sensor_2() -> Contradiction:
     spread = float(np.mean(np.abs(row - row.mean())))
     return Contradiction(
         id="table_3_sensor_2",
+        title="Mean and deviation of touch sensor 2 are not those of its readings",
         where="Table III, sensor 2",
         claim="mean 62.6, standard deviation 0.38",
         evidence=f"its eight readings have mean {row.mean():.2f} and standard deviation {row.std():.3f}",
@@ -72,6 +73,7 @@ def _variances() -> Contradiction:
     )
     return Contradiction(
         id="table_4_variances",
+        title="Variances are printed as standard deviations",
         where="Table IV, sensors 3, 5, 6 and 7",
         claim="the last column is σ, with 0.11, 0.11, 0.11 and 0.44",
         evidence=f"recomputed by sensor, {shown}",
@@ -84,6 +86,7 @@ def _mean_of_sensor_7() -> Contradiction:
     row = printed.FORCE_OFF.samples[6]
     return Contradiction(
         id="table_4_sensor_7",
+        title="A mean lies above every reading",
         where="Table IV, sensor 7",
         claim="mean 48.8",
         evidence=f"its readings lie between {row.min():.0f} and {row.max():.0f} and have mean {row.mean():.2f}",
@@ -96,11 +99,12 @@ def _travel() -> Contradiction:
     on, off = printed.TRAVEL_ON.samples[7], printed.TRAVEL_OFF.samples[5]
     return Contradiction(
         id="travel_deviation",
+        title="The deviation of the travel is twenty times too small",
         where="III-B, Tables V and VI",
         claim="the travel varies for sensor 8 (off to on) and sensor 6 (on to off) only, in both cases with a standard"
         " deviation of 1.6E-3 mm",
         evidence=f"sensor 8 has {on.std():.4f} mm and sensor 6 {off.std():.4f} mm, about twenty times as much, and not"
-        f" the same (their variances are {on.var():.2e} and {off.var():.2e} mm²)",
+        f" the same (their variances are {powers(on.var(), 2)} and {powers(off.var(), 2)} mm²)",
         cause="of the size of a variance, as in Table IV, but of neither; the printed readings step by about 0.1 mm, so"
         " the deviation of a sensor that changes once in eight cannot be smaller than 0.03 mm",
         used="the standard deviations of the readings",

@@ -24,19 +24,21 @@ def ultrasonic_contradictions() -> list[Contradiction]:
     """Where section III-C disagrees with itself."""
     near, far = printed.ULTRASONIC_LINE_MM
     errors = "; ".join(
-        f"in {unit}: +{line_error_mm(near, unit):.1f} mm at {near:.0f} mm,"
+        f"in {unit} they are +{line_error_mm(near, unit):.1f} mm at {near:.0f} mm and"
         f" +{line_error_mm(far, unit):.1f} mm at {far:.0f} mm"
         for unit in UNITS_MM
     )
     return [
         Contradiction(
             id="ultrasonic_line",
+            title="The ultrasonic line has no unit, and none makes it correct",
             where="III-C",
             claim="between 250 and 1500 mm the sensor measures correctly, along y = 1.0055 x + 0.013",
-            evidence=f"the line's unit is not given. It means errors of {errors}. In m it is wrong by more than the"
+            evidence=f"the line's unit is not given, and the errors that it means depend on it:"
+            f" {errors}. In m it is wrong by more than the"
             " sensor's step of 10 mm everywhere, and joins the 20 mm error below 250 mm nearly smoothly; in mm or"
             " cm the error stays below one step, but jumps by 18 mm at 250 mm",
-            cause="the figure's axes are probably in metres (SI, as in Table II), and `correctly` means linearly",
+            cause="the figure's axes are probably in metres (SI, as in Table II), and 'correctly' means linearly",
             used="metres for the line, as a sensor's deviation from the ideal; the slope is near enough to what"
             " 3 °C of air temperature do that it should be fitted anew in every room",
         )

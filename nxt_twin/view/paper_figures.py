@@ -10,15 +10,15 @@ from nxt_twin.paper import printed
 from nxt_twin.paper.motor import SUPPLY_V, MotorNumbers, line_speed, model_speed, voltages_v
 from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
+from nxt_twin.view.paper_axes import draw, legend, pair
 
-_SIZE_IN = (10.4, 3.1)
 _CURRENT_LIMIT_A = 1.0
 """Figure 9 draws a limit of the current without a number; this one is for the picture."""
 
 
 def emf_figure(numbers: MotorNumbers) -> Figure:
     """Figure 6: the voltage of the open motor against its speed, with both lines, and what they leave."""
-    figure, (left, right) = _pair()
+    figure, (left, right) = pair()
     speed, voltage = numbers.speed_rad_per_s, printed.EMF_V
     lines = {
         f"with an offset: {numbers.ks_slope:.4f} ω − {abs(numbers.ks_offset_v):.4f}": (
@@ -27,23 +27,23 @@ def emf_figure(numbers: MotorNumbers) -> Figure:
         ),
         f"through the origin: {numbers.ks:.4f} ω": (palette.IMPROVED, numbers.ks * speed),
     }
-    _draw(left, "emf (V)", "speed (rad/s)")
-    _draw(right, "emf less line (V)", "speed (rad/s)")
+    draw(left, "emf (V)", "speed (rad/s)")
+    draw(right, "emf less line (V)", "speed (rad/s)")
     left.plot(speed, voltage, "o", color=palette.MEASURED_INK, markersize=4, label="Table I")
     for name, (colour, fitted) in lines.items():
         left.plot(speed, fitted, color=colour, linewidth=1.1, label=name)
         right.plot(speed, voltage - fitted, "o-", color=colour, linewidth=0.8, markersize=3.5)
     right.axhline(0.0, color=palette.LINE, linewidth=0.8)
-    _legend(left)
+    legend(left)
     return figure
 
 
 def models_figure(numbers: MotorNumbers) -> Figure:
     """Figures 7 and 8: speed against voltage by each model, and by how much it misses the measured line."""
-    figure, (left, right) = _pair()
+    figure, (left, right) = pair()
     voltage = voltages_v()
-    _draw(left, "speed (rad/s)", "voltage (V)")
-    _draw(right, "speed of the model less that of the line (rad/s)", "voltage (V)")
+    draw(left, "speed (rad/s)", "voltage (V)")
+    draw(right, "speed of the model less that of the line (rad/s)", "voltage (V)")
     left.plot(
         voltage, line_speed(voltage), color=palette.MEASURED, linewidth=4, label="equation 5, measured line"
     )
@@ -52,7 +52,7 @@ def models_figure(numbers: MotorNumbers) -> Figure:
         left.plot(voltage, speed, color=colour, linestyle=style, linewidth=1.1, label=name)
         right.plot(voltage, speed - line_speed(voltage), color=colour, linestyle=style, linewidth=1.1)
     right.axhline(0.0, color=palette.LINE, linewidth=0.8)
-    _legend(left)
+    legend(left)
     return figure
 
 
@@ -70,13 +70,13 @@ def _models(numbers: MotorNumbers) -> list[tuple[str, str, str, float, float]]:
 
 def limits_figure() -> Figure:
     """Figure 9: the voltage is limited to the battery's, and the current by the driver."""
-    figure, (left, right) = _pair()
+    figure, (left, right) = pair()
     wanted = np.linspace(-14.0, 14.0, 281)
     applied = np.clip(wanted, -SUPPLY_V, SUPPLY_V)
-    _draw(left, "voltage at the motor (V)", "voltage asked for (V)")
+    draw(left, "voltage at the motor (V)", "voltage asked for (V)")
     left.plot(wanted, wanted, color=palette.NOISE, linewidth=1.1, label="no limit")
     left.plot(wanted, applied, color=palette.IMPROVED, linewidth=1.1, label=f"battery of {SUPPLY_V:.0f} V")
-    _draw(right, "torque at standstill (N·m)", "voltage asked for (V)")
+    draw(right, "torque at standstill (N·m)", "voltage asked for (V)")
     free = printed.KS * wanted / printed.RESISTANCE_OHM
     current = np.clip(applied / printed.RESISTANCE_OHM, -_CURRENT_LIMIT_A, _CURRENT_LIMIT_A)
     right.plot(wanted, free, color=palette.NOISE, linewidth=1.1, label="no limit")
@@ -88,20 +88,20 @@ def limits_figure() -> Figure:
         wanted, printed.KS * current,
         color=palette.BASELINE, linewidth=1.1, label=f"and current, to {_CURRENT_LIMIT_A:.0f} A",
     )  # fmt: skip
-    _legend(left)
-    _legend(right)
+    legend(left)
+    legend(right)
     return figure
 
 
 def touch_figure() -> Figure:
     """Figure 14: the state of touch sensor 1 over a slow press and release, against force and against travel."""
-    figure, (left, right) = _pair()
+    figure, (left, right) = pair()
     pairs = (
         (left, printed.FORCE_ON.samples, printed.FORCE_OFF.samples, "force (g)"),
         (right, printed.TRAVEL_ON.samples, printed.TRAVEL_OFF.samples, "travel (mm)"),
     )
     for axes, on, off, abscissa in pairs:
-        _draw(axes, "touch sensor 1: state", abscissa)
+        draw(axes, "touch sensor 1: state", abscissa)
         press, release = float(on[0].mean()), float(off[0].mean())
         end = press + 3.0 * (press - release)
         start = release - 3.0 * (press - release)
@@ -115,22 +115,22 @@ def touch_figure() -> Figure:
         )  # fmt: skip
         axes.set_yticks([0, 1])
         axes.set_ylim(-0.1, 1.25)
-        _legend(axes)
+        legend(axes)
     return figure
 
 
 def units_figure() -> Figure:
     """Force and travel at both state changes, each sensor by each: how much units differ."""
-    figure, (left, right) = _pair()
+    figure, (left, right) = pair()
     for axes, on, off, ordinate in (
         (left, printed.FORCE_ON.samples, printed.FORCE_OFF.samples, "force (g)"),
         (right, printed.TRAVEL_ON.samples, printed.TRAVEL_OFF.samples, "travel (mm)"),
     ):
-        _draw(axes, ordinate, "sensor")
+        draw(axes, ordinate, "sensor")
         _dots(axes, on, palette.BASELINE, "off to on")
         _dots(axes, off, palette.IMPROVED, "on to off")
         axes.set_xticks(range(1, 9))
-        _legend(axes)
+        legend(axes)
     return figure
 
 
@@ -139,18 +139,3 @@ def _dots(axes: Axes, samples: FloatArray, colour: str, name: str) -> None:
     axes.plot(
         sensors, samples.ravel(), "o", color=colour, markersize=5, alpha=0.35, markeredgewidth=0, label=name
     )
-
-
-def _pair() -> tuple[Figure, tuple[Axes, Axes]]:
-    figure = Figure(figsize=_SIZE_IN)
-    grid = figure.add_gridspec(1, 2, left=0.05, right=0.985, top=0.9, bottom=0.16, wspace=0.16)
-    return figure, (figure.add_subplot(grid[0]), figure.add_subplot(grid[1]))
-
-
-def _draw(axes: Axes, ordinate: str, abscissa: str) -> None:
-    palette.dress(axes, ordinate)
-    palette.name_abscissa(axes, abscissa)
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(frameon=False, fontsize=palette.SMALL_PT, labelcolor=palette.MUTED, loc="best")

@@ -76,6 +76,14 @@ def test_a_printed_number_agrees_within_half_its_last_digit(shown, computed, agr
     assert compare("", "", "", shown, computed).agrees is agrees
 
 
+@pytest.mark.parametrize(
+    ("printed_as", "computed", "shown"),
+    [("3.558e-4", 8.4513e-3, "8.4513e-3"), ("24.39", 24.39999, "24.400"), ("57", 57.0, "57.0"), ("0", 0.0, "0.0")],
+)  # fmt: skip
+def test_a_computed_number_is_written_as_the_printed_one(printed_as, computed, shown):
+    assert compare("", "", "", printed_as, computed).shown == shown
+
+
 def test_each_disagreeing_number_belongs_to_a_listed_contradiction():
     reproduction = reproduce()
     ids = {contradiction.id for contradiction in reproduction.contradictions}
@@ -117,8 +125,15 @@ def test_the_page_shows_figures_and_contradictions_and_needs_nothing_else(tmp_pa
     reproduction = reproduce()
     page = write_paper_page(reproduction, tmp_path / "made").read_text(encoding="utf-8")
     assert page == render_paper_page(reproduction)
-    assert page.count("<svg") == 5
-    for name in ("Figure 6", "Figures 7 and 8", "Figure 9", "Figure 14"):
+    assert page.count("<svg") == 7
+    for name in (
+        "Figure 6",
+        "Figures 7 and 8",
+        "Figure 9",
+        "Figure 14",
+        "Figures 11 and 16, MODELLED",
+        "Figure 17, MODELLED",
+    ):
         assert name in page
     for contradiction in reproduction.contradictions:
         assert contradiction.id in page
