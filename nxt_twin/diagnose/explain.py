@@ -48,6 +48,7 @@ _QUICK_ITERATIONS = 4
 _SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
 _LEADING = 2
+_SLACK_NATS = 10.0  # a draft that is further behind what it adds to is no better for other noise
 _SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
 _RIVALS_SETTLED = 1
@@ -206,15 +207,17 @@ class _Search:
         within = [
             (effect, draft)
             for rank, (effect, draft) in enumerate(drafts)
-            if rank < _LEADING
+            if rank == 0
+            or (rank < _LEADING and draft.cost - cost < _SLACK_NATS)
             or (rank < _SHORT_LIST and cost - draft.cost > _SETTLED_SHARE * leading)
             or (effect.states and cost - draft.cost > _IN_REACH * leading)
         ]
         settled = [(effect, self._settle(draft.fitted.plant, best.noise)) for effect, draft in within]
         lowest = min(_cost(trial) for _, trial in settled)
+        in_reach = _IN_REACH * max(_cost(best) - lowest, self._needed(best))
         ranked = []
         for effect, trial in settled:
-            if _cost(best) - _cost(trial) > _IN_REACH * (_cost(best) - lowest):
+            if _cost(best) - _cost(trial) > in_reach:
                 trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
@@ -240,9 +243,11 @@ class _Search:
 
         What readings that count for little explain does not count: there is no form in them that could be wrong.
         """
+        return weight.gain > self._needed(best) and weight.check_gain > CHECK_NATS and not weight.runs_worse
+
+    def _needed(self, best: Structure) -> float:
         explained = _cost(self._doubting(best)) - _cost(best)
-        needed = max(GAIN_NATS, _FORM_SHARE * explained)
-        return weight.gain > needed and weight.check_gain > CHECK_NATS and not weight.runs_worse
+        return max(GAIN_NATS, _FORM_SHARE * explained)
 
     def _doubting(self, best: Structure) -> Structure:
         """The baseline with just those of `best`'s effects that doubt readings."""

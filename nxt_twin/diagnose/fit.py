@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -146,7 +146,7 @@ def fit_on(
 ) -> tuple[Fitted, Slopes]:
     """As `fit`, from the slopes at which another fit of the same variables on the same readings came to rest.
 
-    They do for steps where only noise and shares of faults have changed since; before it rests the fit measures anew.
+    They hold where the noise has changed since by a little; those that are not exact are measured anew before it rests.
     """
     search = _Search(simulator, plant, tuple(variables), target)
     x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
@@ -289,7 +289,7 @@ class _Search:
 
     def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
         """Slopes from under other noise or other shares of faults, with the run of these."""
-        return Slopes(slopes.predicted, tuple(self.run(x[None])), exact=False)
+        return replace(slopes, results=tuple(self.run(x[None])))
 
     def followed(self, slopes: Slopes, move: FloatArray, results: Sequence[Result]) -> Slopes:
         """The slopes after a `move` of the variables, made to agree with what it did (Broyden's update)."""

@@ -188,16 +188,20 @@ class Workshop:
         noise, _ = estimate(self.simulator, plant, target, noise)
         fitted, slopes = self._fitted_on(None, self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
         for _ in range(_SETTLE_ROUNDS):
-            likelier, gain = estimate(self.simulator, fitted.plant, target, noise, near=True)
-            plant = fitted.plant
+            plant, other = fitted.plant, noise
+            likelier, gain = estimate(self.simulator, plant, target, noise, near=True)
             if gain > _RESTING_NATS:
-                noise = likelier
+                other = likelier
             else:
                 plant, gain = self._polled(self.tuned(noise, step_for(plant, DRAFT_STEP_S)), fitted)
                 if gain < _POLLED_NATS:
                     break
-            tuned = self.tuned(noise, step_s)
-            fitted, slopes = self._fitted_on(slopes, tuned, plant, 12, _SETTLED_PATIENCE_NATS)
+            again, slopes = self._fitted_on(
+                slopes, self.tuned(other, step_s), plant, 12, _SETTLED_PATIENCE_NATS
+            )
+            if again.cost + again.prior_cost > fitted.cost + fitted.prior_cost:
+                break  # what looked likelier by coarse steps is not by these
+            fitted, noise = again, other
         return self._judged(fitted, noise, step_s)
 
     def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
@@ -259,6 +263,7 @@ class Workshop:
             before, plant = plant, self._with_shares(fitted.plant, tuned)
             if rounds == _SHARE_ROUNDS or _shares_rest(before, plant):
                 return replace(fitted, plant=plant), slopes
+            slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
 
     def _judged(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
         """The fitted plant with what the checking readings say of it.
