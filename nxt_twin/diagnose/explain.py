@@ -13,6 +13,7 @@ from nxt_twin.diagnose.screen import Prospect, screen
 from nxt_twin.diagnose.structure import (
     DRAFT_STEP_S,
     FREE_RUN_RATIO,
+    SETTLED_STEP_S,
     Draft,
     Structure,
     Weight,
@@ -48,7 +49,8 @@ _QUICK_ITERATIONS = 4
 _SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
 _LEADING = 2
-_SLACK_NATS = 10.0  # a draft that is further behind what it adds to is no better for other noise
+_SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
+_BETTER_NATS = 1.0
 _SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
 _RIVALS_SETTLED = 1
@@ -135,7 +137,7 @@ class _Search:
         self, best: Structure, progress: Progress
     ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
         """Add effects to `best` while one earns its place; what came near is noted."""
-        been = {best.plant.active}
+        been = {best.plant.active: _cost(best)}
         while True:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked = self._forward(best)
@@ -145,9 +147,10 @@ class _Search:
             if not ranked or full or not self._worth_it(ranked[0][1], best):
                 return best, refused
             added = self.pruned(ranked[0][2])
-            if added.plant.active in been:  # what is added is taken out again: round and round
+            known = been.get(added.plant.active, math.inf)
+            if _cost(added) > known - _BETTER_NATS:  # what is added is taken out again: round and round
                 return best, refused
-            been.add(added.plant.active)
+            been[added.plant.active] = _cost(added)
             best = added
 
     def pruned(self, best: Structure) -> Structure:
@@ -300,9 +303,16 @@ class _Search:
         return candidates(plant, self._workshop.problem.signals[0])
 
     def _without(self, best: Structure, effect_id: str) -> Structure:
+        """`best` less one effect, settled from where `best` lies if that is better than where it was settled before.
+
+        An effect that merely led out of a dead end would else be named for it.
+        """
         plant = _simpler(best.plant, effect_id, self._workshop.problem.plant)
-        if plant.active in self._settled:
-            return self._settled[plant.active]
+        before = self._settled.get(plant.active)
+        if before is not None:
+            cost, _ = self._workshop.draft_cost(plant, best.noise, step_for(plant, SETTLED_STEP_S))
+            if cost > before.fitted.cost + _SLACK_NATS:
+                return before
         return self._settle(plant, best.noise)
 
     def _settled_with(self, bare: Plant, effect: Effect) -> Structure | None:

@@ -31,10 +31,10 @@ class FreeRunCheck:
 
     def rms(
         self, simulator: Simulator, plant: Plant, noise: Noise, corrected: Sequence[Result], step_s: float
-    ) -> tuple[float, float]:
+    ) -> tuple[tuple[float, float], int]:
         """RMS error in the readings' SI unit: of runs that start anew every window, and of whole runs.
 
-        Readings that a fault explains, as the `corrected` run tells, are left out.
+        Readings that a fault explains, as the `corrected` run tells, are left out; how many were not comes with it.
         """
         windowed: list[FloatArray] = []
         whole: list[FloatArray] = []
@@ -53,7 +53,7 @@ class FreeRunCheck:
                 predicted = simulator.trace(plant, free)["predicted"]
                 judged = check & np.isfinite(job.signals.measured) & ~start.at & (seen.weight[0] > 0.5)
                 errors.append((job.signals.measured - predicted)[judged])
-        return _rms(np.concatenate(windowed)), _rms(np.concatenate(whole))
+        return (_rms(np.concatenate(windowed)), _rms(np.concatenate(whole))), sum(e.size for e in whole)
 
 
 def _rms(errors: FloatArray) -> float:

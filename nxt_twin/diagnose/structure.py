@@ -27,8 +27,11 @@ SETTLED_STEP_S = 2e-3
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
 
 FREE_RUN_RATIO = 1.01
-_DOUBTING_RATIO = 1.1
+_DOUBTING_RATIO = (
+    1.1  # doubt in readings only moves what is fitted by a little, while other physics may still lack
+)
 _UNKIND_RATIO = 2.5
+_AS_MANY = 0.97
 
 _SHARE_ROUNDS = 3
 _SHARE_RESTS = 0.03
@@ -55,12 +58,14 @@ class Structure:
         check_cost: negative log-likelihood of the readings that only check, nats.
         free_run_rms: error over the readings that only check, in their SI unit, of free runs that start anew
             every few seconds, and of one free run over each whole recording.
+        believed: how many of those readings were taken for readings rather than for faults.
     """
 
     fitted: Fitted
     noise: Noise
     check_cost: float
     free_run_rms: tuple[float, float]
+    believed: int
 
     @property
     def plant(self) -> Plant:
@@ -92,28 +97,19 @@ class Weight:
         check_gain: in likelihood of readings that were not.
         free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
         unkind_ratio: the same in the other way.
-        doubting: whether all that is further is doubt in readings, which changes no equation of the plant.
+        runs_worse: whether free runs speak against the richer one: it predicts one step better and has learnt noise.
     """
 
     gain: float
     check_gain: float
     free_run_ratio: float
     unkind_ratio: float
-    doubting: bool
+    runs_worse: bool
 
     @property
     def total(self) -> float:
         """The sum of both, by which candidates are ranked."""
         return self.gain + self.check_gain
-
-    @property
-    def runs_worse(self) -> bool:
-        """Whether free runs speak against the richer one: it predicts one step better and has learnt noise.
-
-        Doubt in readings only moves what is fitted by a little, while other physics may still lack.
-        """
-        most = _DOUBTING_RATIO if self.doubting else FREE_RUN_RATIO
-        return self.free_run_ratio >= most or self.unkind_ratio >= _UNKIND_RATIO
 
 
 def weigh(simpler: Structure, richer: Structure) -> Weight:
@@ -123,9 +119,28 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
     kind, unkind = _free_run_ratios(simpler, richer)
-    added = [e for e in richer.plant.effects if e.id not in simpler.plant.active]
+    return Weight(
+        gain - penalty,
+        simpler.check_cost - richer.check_cost,
+        kind,
+        unkind,
+        runs_worse=kind >= _most_ratio(simpler, richer)
+        or (unkind >= _UNKIND_RATIO and not _dodges(simpler, richer)),
+    )
+
+
+def _most_ratio(simpler: Structure, richer: Structure) -> float:
+    """The ratio of errors in free runs from which they speak against the richer one."""
+    if _dodges(simpler, richer):
+        return math.inf
+    added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
     doubting = bool(added) and all("outlier" in effect.terms for effect in added)
-    return Weight(gain - penalty, simpler.check_cost - richer.check_cost, kind, unkind, doubting)
+    return _DOUBTING_RATIO if doubting else FREE_RUN_RATIO
+
+
+def _dodges(simpler: Structure, richer: Structure) -> bool:
+    """Whether the simpler one takes for faults what it cannot explain, so that its free runs tell nothing."""
+    return simpler.believed < _AS_MANY * richer.believed
 
 
 def free_run_ratio(simpler: Structure, richer: Structure) -> float:
@@ -187,21 +202,27 @@ class Workshop:
         )  # a likelihood that is flat at its best needs no more
         noise, _ = estimate(self.simulator, plant, target, noise)
         fitted, slopes = self._fitted_on(None, self.tuned(noise, step_s), plant, 12, _SETTLED_PATIENCE_NATS)
+        noise_rests = False
         for _ in range(_SETTLE_ROUNDS):
-            plant, other = fitted.plant, noise
-            likelier, gain = estimate(self.simulator, plant, target, noise, near=True)
-            if gain > _RESTING_NATS:
-                other = likelier
-            else:
+            plant, other, gain = fitted.plant, noise, 0.0
+            if not noise_rests:
+                likelier, gain = estimate(self.simulator, plant, target, noise, near=True)
+                noise_rests = gain < _RESTING_NATS
+            if noise_rests:
                 plant, gain = self._polled(self.tuned(noise, step_for(plant, DRAFT_STEP_S)), fitted)
                 if gain < _POLLED_NATS:
                     break
+            else:
+                other = likelier
             again, slopes = self._fitted_on(
                 slopes, self.tuned(other, step_s), plant, 12, _SETTLED_PATIENCE_NATS
             )
-            if again.cost + again.prior_cost > fitted.cost + fitted.prior_cost:
-                break  # what looked likelier by coarse steps is not by these
-            fitted, noise = again, other
+            if again.cost + again.prior_cost < fitted.cost + fitted.prior_cost:
+                fitted, noise = again, other
+            elif noise_rests:
+                break
+            else:  # what looked likelier by coarse steps is not by these
+                noise_rests = True
         return self._judged(fitted, noise, step_s)
 
     def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
@@ -279,8 +300,8 @@ class Workshop:
         results = self.simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
         size = len(checking.jobs)
         costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
-        free = self._free_runs.rms(self.simulator, plant, noise, results[:size], step_s)
-        return Structure(fitted, noise, min(costs), free)
+        rms, believed = self._free_runs.rms(self.simulator, plant, noise, results[:size], step_s)
+        return Structure(fitted, noise, min(costs), rms, believed)
 
     def _polled(self, tuned: Target, fitted: Fitted) -> tuple[Plant, float]:
         """The best of a few plants with one parameter of an effect well away, and its gain, nats.
