@@ -193,7 +193,7 @@ def _fitted(problem: Problem) -> tuple[Structure, FloatArray]:
         ]
         structure = min(found, key=lambda each: each.fitted.cost + each.fitted.prior_cost)
         linear = linearise(simulator, problem, structure, STEP_S)
-        return structure, fit_covariance(simulator, linear, np.random.default_rng(0))
+        return structure, fit_covariance(simulator, linear, problem.everything(), np.random.default_rng(0))
 
 
 def _runs_off(problem: Problem, structure: Structure) -> float:

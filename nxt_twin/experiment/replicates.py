@@ -1,20 +1,24 @@
 """How far a motor's fit errs: the same fit on made-up recordings of the motor that was found.
 
-An encoder's count repeats its rounding while the motor is slow or stands, so that the errors of neighbouring readings
-hang together, and a covariance that takes each for new is too small. Recordings with the same stamps, commands and
-counts carry just that.
+An encoder's count repeats its rounding while the motor is slow or stands, and a run keeps the lag with which it met the
+bridge's co-processor, so that the errors of neighbouring readings hang together, and a covariance that takes each for
+new is too small. Made-up recordings with the same stamps, commands and counts carry just that. What they feign of an
+unknown torque is taken off the one that was found in the real ones.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.diagnose.fit import Target
 from nxt_twin.diagnose.linear import Linear, deviations
+from nxt_twin.diagnose.noise import estimate
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.signals import Signals
@@ -23,6 +27,11 @@ from nxt_twin.physics.start import at_rest
 from nxt_twin.recording.recording import FloatArray
 
 _REPLICATES: Final = 200
+_FEIGNED: Final = 8
+"""Of the made-up recordings, without any unknown torque, show how much of one they feign."""
+_EXCHANGE_S: Final = 2e-3
+"""The brick hands commands to the co-processor that drives the motors once in so long; polls keep step with it, so that
+a whole run has one and the same lag, and the next run another."""
 _STANDING_RAD: Final = 1e-6
 """A motor that moves less between two readings is held by dry friction against any unknown torque."""
 _INDUCTANCE: Final = Slot("inductance", "winding")
@@ -31,25 +40,26 @@ _INDUCTANCE_DOUBT: Final = 0.15
 _MOVE: Final = 0.05
 
 
-def fit_covariance(simulator: Simulator, linear: Linear, rng: Generator) -> FloatArray:
+def fit_covariance(simulator: Simulator, linear: Linear, target: Target, rng: Generator) -> FloatArray:
     """Covariance of the fit's variables, SI, shape (variables, variables).
 
     Args:
         simulator: for the plant's layout.
         linear: the fit; its runs begin at rest.
+        target: the readings that it is about.
         rng: of the roundings and the unknown torque.
     """
-    plant = linear.structure.plant
-    values, active = plant.vectors()
+    values, active = linear.structure.plant.vectors()
+    turned = []
+    for job in linear.jobs:
+        late = [free_job(one, at_rest(one)) for one in _late(job.signals, rng)]
+        results = simulator.run(values[None], active[None], late)
+        turned.append(np.array([result.predicted[0] for result in results]))
+    noise = _beyond(simulator, linear, target, turned, rng)
     jobs = [
         replicate
-        for job in linear.jobs
-        for replicate in _replicates(
-            job,
-            simulator.trace(plant, free_job(job.signals, at_rest(job.signals)))["predicted"],
-            linear.structure.noise,
-            rng,
-        )
+        for job, angle_rad in zip(linear.jobs, turned, strict=True)
+        for replicate in _replicates(job, angle_rad, noise, rng)
     ]
     results = simulator.run(values[None], active[None], jobs)
     parts = []
@@ -69,6 +79,26 @@ def fit_covariance(simulator: Simulator, linear: Linear, rng: Generator) -> Floa
     return np.asarray(spread * np.outer(scale, scale))
 
 
+def _beyond(
+    simulator: Simulator, linear: Linear, target: Target, turned: Sequence[FloatArray], rng: Generator
+) -> Noise:
+    """The noise with that part of the unknown torque which rounding and lag do not feign by themselves."""
+    noise = linear.structure.noise
+    calm = replace(noise, disturbance_std=0.0)
+    made = [
+        _replicates(job, angle_rad[:_FEIGNED], calm, rng)
+        for job, angle_rad in zip(linear.jobs, turned, strict=True)
+    ]
+    feigned = [
+        estimate(simulator, linear.structure.plant, replace(target, jobs=jobs), noise, near=True)[
+            0
+        ].disturbance_std
+        for jobs in zip(*made, strict=True)
+    ]
+    left = noise.disturbance_std**2 - float(np.mean(np.square(feigned)))
+    return replace(noise, disturbance_std=math.sqrt(max(left, 0.0)))
+
+
 def _by_inductance(simulator: Simulator, linear: Linear) -> FloatArray:
     """What the doubt of the given inductance adds, in the variables' scales."""
     plant = linear.structure.plant
@@ -79,15 +109,21 @@ def _by_inductance(simulator: Simulator, linear: Linear) -> FloatArray:
     return np.outer(shift, shift)
 
 
+def _late(signals: Signals, rng: Generator) -> list[Signals]:
+    """The same commands, as early or late as a run may find the bridge's co-processor."""
+    shifts_s = _EXCHANGE_S * (rng.random(_REPLICATES) - 0.5)
+    return [replace(signals, command_time_s=signals.command_time_s + shift_s) for shift_s in shifts_s]
+
+
 def _replicates(job: Job, angle_rad: FloatArray, noise: Noise, rng: Generator) -> list[Job]:
-    """Recordings like `job` of a motor that turns by `angle_rad`, shape (samples,), but for an unknown torque.
+    """Recordings like `job` of motors that turn by `angle_rad`, shape (replicates, samples), but for an unknown torque.
 
     Where within a count each begins is as likely here as there.
     """
     signals = job.signals
     turned = angle_rad + _pushed(signals, angle_rad, noise, rng)
     quantum = signals.quantum
-    begins = quantum * rng.random((_REPLICATES, 1))
+    begins = quantum * rng.random((len(angle_rad), 1))
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
     read = turned + begins + own_std * rng.standard_normal(turned.shape)
     counts = np.where(np.isfinite(signals.measured), quantum * np.floor(read / quantum), np.nan)
@@ -100,16 +136,16 @@ def _pushed(signals: Signals, angle_rad: FloatArray, noise: Noise, rng: Generato
 
     To first order, with the observer's own model of it: a leaky random walk on a motor that forgets its speed.
     """
-    found = np.zeros((_REPLICATES, angle_rad.size))
-    push = noise.disturbance_std * rng.standard_normal(_REPLICATES)
-    speed = np.zeros(_REPLICATES)
+    found = np.zeros(angle_rad.shape)
+    push = noise.disturbance_std * rng.standard_normal(len(angle_rad))
+    speed = np.zeros(len(angle_rad))
     steps_s = np.diff(signals.time_s)
-    stands = np.abs(np.diff(angle_rad)) < _STANDING_RAD
+    stands = np.abs(np.diff(angle_rad[0])) < _STANDING_RAD
     for k, (step_s, still) in enumerate(zip(steps_s, stands, strict=True)):
         hold = math.exp(-noise.damping_per_s * step_s)
         forget = math.exp(-step_s / noise.disturbance_time_s)
         speed = np.zeros_like(speed) if still else hold * speed + step_s * push
         found[:, k + 1] = found[:, k] + step_s * speed
-        fresh = rng.standard_normal(_REPLICATES)
+        fresh = rng.standard_normal(len(angle_rad))
         push = forget * push + math.sqrt(1.0 - forget**2) * noise.disturbance_std * fresh
     return found

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fit import Target
 from nxt_twin.diagnose.linear import Linear, linearise
 from nxt_twin.diagnose.noise import first_guess
 from nxt_twin.diagnose.structure import Workshop
@@ -16,6 +17,8 @@ from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
+
+Fit = tuple[Simulator, Linear, Target]
 
 MOTOR = {
     "kind": "dc_motor",
@@ -52,7 +55,7 @@ def a_run(rng: np.random.Generator, number: int) -> Recording:
     return Recording(f"run{number}.csv", columns)
 
 
-def fitted(seed: int) -> tuple[Simulator, Linear]:
+def fitted(seed: int) -> Fit:
     rng = np.random.default_rng(seed)
     plant = {key: value for key, value in MOTOR.items() if key != "inductance_h"}
     problem = problem_for(Case("c", Path(), plant, tuple(a_run(rng, n) for n in range(3)), (), "a"))
@@ -61,11 +64,11 @@ def fitted(seed: int) -> tuple[Simulator, Linear]:
     structure = workshop.fit_everything(
         problem.plant, first_guess(problem.plant, problem.signals, problem.scale.torque)
     )
-    return simulator, linearise(simulator, problem, structure, STEP_S)
+    return simulator, linearise(simulator, problem, structure, STEP_S), problem.everything()
 
 
 @pytest.fixture(scope="module")
-def one() -> tuple[Simulator, Linear]:
+def one() -> Fit:
     return fitted(0)
 
 
@@ -74,18 +77,18 @@ def stds(covariance: np.ndarray) -> np.ndarray:
 
 
 def test_the_covariance_does_not_hang_on_which_made_up_recordings_were_drawn(
-    one: tuple[Simulator, Linear],
+    one: Fit,
 ) -> None:
     several = [stds(fit_covariance(*one, np.random.default_rng(seed))) for seed in range(4)]
     assert np.all(np.ptp(several, axis=0) < 0.3 * np.mean(several, axis=0))
 
 
-def test_a_wilder_unknown_torque_makes_every_doubt_larger(one: tuple[Simulator, Linear]) -> None:
-    simulator, linear = one
+def test_a_wilder_unknown_torque_makes_every_doubt_larger(one: Fit) -> None:
+    simulator, linear, target = one
     wilder = replace(linear.structure.noise, disturbance_std=5.0)
     stormy = replace(linear, structure=replace(linear.structure, noise=wilder))
-    calm = stds(fit_covariance(simulator, linear, np.random.default_rng(0)))
-    wild = stds(fit_covariance(simulator, stormy, np.random.default_rng(0)))
+    calm = stds(fit_covariance(simulator, linear, target, np.random.default_rng(0)))
+    wild = stds(fit_covariance(simulator, stormy, target, np.random.default_rng(0)))
     assert np.all(wild > 1.5 * calm)
 
 
@@ -93,10 +96,10 @@ def test_errors_of_a_motor_worked_out_by_hand_are_as_large_as_the_covariance_say
     """K is told by voltage and angle alone, and is one of the variables."""
     errors = []
     for seed in range(12):
-        simulator, linear = fitted(seed)
+        simulator, linear, target = fitted(seed)
         symbols = [variable.slots[0].symbol for variable in linear.variables]
         index = symbols.index("torque_constant")
         slot = linear.variables[index].slots[0]
-        std = stds(fit_covariance(simulator, linear, np.random.default_rng(seed)))[index]
+        std = stds(fit_covariance(simulator, linear, target, np.random.default_rng(seed)))[index]
         errors.append((linear.structure.plant.values[slot] - 0.49) / std)
     assert 0.2 < float(np.sqrt(np.mean(np.square(errors)))) < 2.0
