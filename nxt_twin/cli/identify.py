@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, final
 
 import typer
 
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.open import open_brick
-from nxt_twin.cli.openers import OPENERS, mock_options
+from nxt_twin.brick.errors import LinkUrlError
+from nxt_twin.cli.openers import mock_options
 from nxt_twin.cli.output import JsonOption, emit_json
-from nxt_twin.experiment.errors import StoppedError
+from nxt_twin.cli.record import opened
+from nxt_twin.errors import ProgramError
+from nxt_twin.experiment.errors import ExperimentError, StoppedError
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified
 from nxt_twin.experiment.identify import carry_out, conclude
 from nxt_twin.experiment.outline import axes_of, outline
 from nxt_twin.experiment.plan import Experiment, read_experiment
 from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
-from nxt_twin.experiment.positioner.spec import read_spec
+from nxt_twin.experiment.positioner.positioner import Axis
+from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
 from nxt_twin.experiment.run_sweep import Progress, Surroundings
 from nxt_twin.experiment.standin.movers import standin_positioners
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
@@ -52,7 +56,7 @@ def identify(
     stop; run with the same --out, the experiment goes on where it stopped.
     """
     wanted = read_experiment(experiment)
-    movers = assigned([read_spec(text) for text in positioner or []], axes_of(wanted))
+    movers = _movers(positioner or [], wanted)
     lines = list(outline(wanted, movers))
     if dry_run:
         print(*lines, sep="\n")
@@ -69,7 +73,7 @@ def identify(
             carry_out(wanted, folder, Surroundings(brick, bench.clock, positioners, ask, screen.tell))
     else:
         clock = SystemClock()
-        with open_brick(url, clock, OPENERS) as brick:
+        with opened(url, clock) as brick:
             positioners = open_positioners(movers, brick, clock, screen.ask)
             try:
                 carry_out(wanted, folder, Surroundings(brick, clock, positioners, screen.ask, screen.tell))
@@ -79,8 +83,23 @@ def identify(
     _show(conclude(wanted, folder), folder, json)
 
 
+def _movers(texts: list[str], wanted: Experiment) -> Mapping[Axis, PositionerSpec]:
+    """What moves each axis.
+
+    Raises:
+        typer.BadParameter: one of them is no positioner, or for no axis of the experiment.
+    """
+    try:
+        return assigned([read_spec(text) for text in texts], axes_of(wanted))
+    except (ProgramError, ExperimentError) as error:
+        raise typer.BadParameter(str(error), param_hint="--positioner") from error
+
+
 def _bench(wanted: Experiment, url: str) -> Workbench:
-    options = mock_options(url.partition(":")[2])
+    try:
+        options = mock_options(url.partition(":")[2])
+    except LinkUrlError as error:
+        raise typer.BadParameter(str(error), param_hint="URL") from error
     world = options.get("world")
     bench = workbench(None if world is None else Path(world), int(options.get("seed", "0")))
     place_sensors(bench, wanted)

@@ -7,6 +7,7 @@ way is `recordings/NAME.csv.part`, written row by row, whose last line may be cu
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -55,14 +56,24 @@ class RunFolder:
         """Whether a recording is complete."""
         return self._path(name).exists()
 
-    def begun(self, name: str) -> list[dict[str, str]]:
-        """The whole rows of a recording that is under way; none if it was not begun."""
+    def begun(self, name: str, columns: Sequence[str]) -> list[dict[str, str]]:
+        """The whole rows of a recording of numbers that is under way; none if it was not begun.
+
+        Raises:
+            ExperimentError: it holds something else than rows of these columns.
+        """
         partial = self._path(name).with_suffix(f".csv{_PART}")
         if not partial.exists():
             return []
-        lines = partial.read_text(encoding="utf-8").splitlines(keepends=True)
-        whole = [line for line in lines if line.endswith("\n")]
-        return list(csv.DictReader(whole))
+        try:
+            lines = partial.read_text(encoding="utf-8").splitlines(keepends=True)
+            rows = list(csv.DictReader(line for line in lines if line.endswith("\n")))
+            for row in rows:
+                _check_numbers(row, columns)
+        except (ValueError, csv.Error) as error:
+            mend = "delete it; this recording is then begun anew"
+            raise ExperimentError("is damaged", where=str(partial), mend=mend) from error
+        return rows
 
     def write(self, name: str, columns: Sequence[str], kept: Sequence[Mapping[str, str]] = ()) -> RowWriter:
         """Begin a recording, with rows of an earlier attempt that are kept."""
@@ -117,6 +128,12 @@ class RowWriter:
         """The recording is complete."""
         self._file.close()
         self._partial.replace(self._path)
+
+
+def _check_numbers(row: Mapping[str, str | None], columns: Sequence[str]) -> None:
+    """Refuse, as a ValueError, a row that has other columns, or a cell that is no finite number."""
+    if set(row) != set(columns) or not all(cell and math.isfinite(float(cell)) for cell in row.values()):
+        raise ValueError("not a row of numbers")
 
 
 def _cell(value: float | str | None) -> str:

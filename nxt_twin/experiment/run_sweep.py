@@ -94,7 +94,8 @@ def _check(sweep: Sweep, positioners: Mapping[Axis, Positioner]) -> None:
 def _run_part(
     part: Part, sweep: Sweep, folder: RunFolder, around: Surroundings, read: Callable[[], float], before: int
 ) -> None:
-    rows = [] if part.in_one_go else folder.begun(part.name)
+    columns = (TIME, sweep.column, *sweep.rig_columns)
+    rows = [] if part.in_one_go else folder.begun(part.name, columns)
     visited = len(rows) // sweep.samples
     kept = rows[: visited * sweep.samples]
     if part.request:
@@ -103,7 +104,6 @@ def _run_part(
     clock = around.clock
     zero_s = clock.now_s() - (float(kept[-1][TIME]) + _GAP_S if kept else 0.0)
     readings = [float(row[sweep.column]) for row in kept[-sweep.samples :]]
-    columns = (TIME, sweep.column, *sweep.rig_columns)
     with folder.write(part.name, columns, kept) as writer:
         for number, place in enumerate(part.places):
             if part.until_silent and _silent(readings):

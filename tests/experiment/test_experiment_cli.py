@@ -73,3 +73,18 @@ def test_another_experiment_in_the_folder_is_refused(tmp_path: Path) -> None:
 
 def test_without_a_folder_it_is_wrong_use() -> None:
     assert RUNNER.invoke(program(["identify"]), ["identify", "touch_force", "mock:"]).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["touch_force", "nowhere:1"],
+        ["touch_force", "mock:seed=x"],
+        ["touch_force", "mock:", "--positioner", "bogus"],
+        ["touch_force", "mock:", "--positioner", "angle_deg=hand"],
+        ["motor_steps", "mock:", "--positioner", "hand"],
+    ],
+)
+def test_a_url_or_positioner_that_cannot_be_is_wrong_use(tmp_path: Path, wrong: list[str]) -> None:
+    result = RUNNER.invoke(program(["identify"]), ["identify", *wrong, "--out", str(tmp_path / "run")])
+    assert result.exit_code == 2

@@ -45,6 +45,10 @@ class Faltering:
         self.stop()
 
 
+TOUCH = ("time_s", "s1_touch", "rig_force_g")
+DISTANCE = ("time_s", "s4_ultrasonic_cm", "rig_distance_mm")
+
+
 def faltering(around: Surroundings, at_move: int, error: BaseException) -> tuple[Surroundings, Faltering]:
     last = list(around.positioners)[-1]
     positioner = Faltering(around.positioners[last], at_move, error)  # type: ignore[arg-type]
@@ -106,10 +110,25 @@ def test_a_press_cycle_that_was_cut_off_is_done_again(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         carry_out(experiment, folder, broken)
     assert folder.finished("cycle-001")
-    assert len(folder.begun("cycle-002")) == 59 - 41
+    assert len(folder.begun("cycle-002", TOUCH)) == 59 - 41
     carry_out(experiment, folder, surroundings(bench, experiment))
     assert len(rows_of(folder.path, "cycle-002")) == 1 + 41
-    assert folder.begun("cycle-002") == []
+    assert folder.begun("cycle-002", TOUCH) == []
+
+
+@pytest.mark.parametrize(
+    "damage", [b"\x8e\xff\x00", b"0.5,30\n", b"0.5,thirty,300\n", b"0.5,30,300,7\n", b"0.5,nan,300\n"]
+)
+def test_a_damaged_part_is_refused_by_name(tmp_path: Path, damage: bytes) -> None:
+    experiment = small("distance_sweep")
+    folder = new_folder(tmp_path, experiment)
+    broken, _ = faltering(surroundings(bench_for(experiment), experiment), 5, KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):
+        carry_out(experiment, folder, broken)
+    part = folder.path / "recordings" / "sweep.csv.part"
+    part.write_bytes(part.read_bytes() + damage)
+    with pytest.raises(ExperimentError, match="damaged"):
+        carry_out(experiment, folder, surroundings(bench_for(experiment), experiment))
 
 
 def test_a_line_that_a_crash_cut_off_is_left_out(tmp_path: Path) -> None:
@@ -121,7 +140,7 @@ def test_a_line_that_a_crash_cut_off_is_left_out(tmp_path: Path) -> None:
     part = folder.path / "recordings" / "sweep.csv.part"
     text = part.read_text()
     part.write_text(text[: text.rindex(",")])
-    assert len(folder.begun("sweep")) == 7
+    assert len(folder.begun("sweep", DISTANCE)) == 7
     carry_out(experiment, folder, surroundings(bench_for(experiment), experiment))
     assert len(rows_of(folder.path, "sweep")) == 1 + 98
 
@@ -236,7 +255,7 @@ def test_a_motor_run_that_is_interrupted_leaves_the_motor_coasting_and_is_done_a
         carry_out(experiment, folder, Surroundings(around.brick, Impatient(), {}, around.ask))
     assert bench.brick.motors.read(0).value.mode == 0
     assert folder.finished("bare-step100")
-    assert folder.begun("bare-step60")
+    assert (folder.path / "recordings" / "bare-step60.csv.part").exists()
     carry_out(experiment, folder, around)
     assert folder.finished("bare-step60")
     assert folder.finished("bare-step-80")
