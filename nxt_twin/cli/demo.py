@@ -53,7 +53,8 @@ def demo(
     out.mkdir(parents=True, exist_ok=True)
     secret_file = _conceal(conceal, seed, out)
     held, recording, ending = out / "live.json", out / "recording.csv", _Ending()
-    recording.unlink(missing_ok=True)  # of the demo before; a recording is never written over otherwise
+    for old in (recording, recording.with_suffix(".yaml")):
+        old.unlink(missing_ok=True)  # of the demo before; a recording is never written over otherwise
     with _mock(secret_file) as announced, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
         get_ready({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}, adopting=True)
         url = announced()

@@ -127,6 +127,8 @@ def hold(
     )
     session = Session(parts)
     watch(session, parts, seconds or None, told)
+    if out is not None and session.polls:
+        session.row_lags.write_beside(out)
     conclude(
         session, parts, told, schema="nxt-twin/live/1", title=found, json=json, model_out=model_out, report=report
     )  # fmt: skip

@@ -103,7 +103,14 @@ class BrickTwin:
         return self._motors[port]
 
     def command(
-        self, port: Port, power_pct: int, mode: DriveMode, at_s: float, std_s: float = 0.0
+        self,
+        port: Port,
+        power_pct: int,
+        mode: DriveMode,
+        at_s: float,
+        std_s: float = 0.0,
+        *,
+        fading: bool = False,
     ) -> tuple[Hold, ...]:
         """From `at_s` on, a motor is driven so; what its bridge makes of it, nothing where that is in force already.
 
@@ -113,12 +120,13 @@ class BrickTwin:
             mode: commanded.
             at_s: when it acts.
             std_s: how well that moment is known.
+            fading: whether a motor that coasts is let go by the firmware's own coasting, which takes a while.
         """
         if self._commands[port] == (power_pct, mode):
             return ()
         before, _ = self._commands[port]
         self._commands[port] = (power_pct, mode)
-        holds = self.options.bridge(power_pct, mode, before / 100.0)
+        holds = self.options.bridge(power_pct, mode, before / 100.0 if fading else 0.0)
         self._batch.command(port, at_s, holds)
         if std_s > 0.0:
             self._motors[port].expect(at_s, std_s, self._held[port], holds[-1], self.supply_v)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Final, final
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import BrickError
-from nxt_twin.brick.stamped import Stamped
 from nxt_twin.recording.columns import (
     BATTERY,
     TIME,
@@ -158,13 +157,7 @@ class Logbook:
         for port, told in driver.at(now_s, self._counts).items():
             if self._told.get(port) != told:
                 self._told[port] = told
-                self._send(port, told)
-
-    def _send(self, port: Port, told: Told) -> Stamped[None]:
-        """Let go at once, as the recording will say, where the firmware's own coasting fades by 1 % each ms."""
-        if told[1] == "coast":
-            return self._brick.motors.drive(OUTPUTS[port], 0, floating=True)
-        return tell(self._brick, port, *told)
+                tell(self._brick, port, *told)
 
     def _read_battery(self, row: dict[str, float]) -> None:
         if self._now_s >= self._battery_due_s:

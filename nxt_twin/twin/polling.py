@@ -116,10 +116,13 @@ class SensorPoll:
 
 
 def tell(brick: Brick, port: Port, power_pct: int, mode: DriveMode) -> Stamped[None]:
-    """Command a motor."""
+    """Command a motor.
+
+    One that is to coast is let go at once, as a recording says, where the firmware's own coasting fades by 1 % each ms.
+    """
     output = OUTPUTS[port]
     if mode == "coast":
-        return brick.motors.coast(output)
+        return brick.motors.drive(output, 0, floating=True)
     if mode == "brake":
         return brick.motors.brake(output)
     return brick.motors.drive(output, power_pct, floating=mode == "float")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import final
@@ -15,6 +16,7 @@ from nxt_twin.twin.adopt import Adopter, told
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
+from nxt_twin.twin.lags import KnownLags, RowLags
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
@@ -52,6 +54,7 @@ class Parts:
         recorder: keeps the session.
         adopter: takes over what a diagnosis finds.
         enough: says when it may end before its time.
+        lags: by how much readings and commands are off their stamps, of a recording that is played again.
     """
 
     open_brick: Callable[[], Brick]
@@ -64,6 +67,7 @@ class Parts:
     recorder: Recorder | None = None
     adopter: Adopter | None = None
     enough: Callable[[], bool] = lambda: False
+    lags: KnownLags = field(default_factory=KnownLags)
 
 
 @final
@@ -82,6 +86,7 @@ class Session:
         monitors: one for each motor.
         polls: how many there were.
         stalls: how often a round trip took far longer than usual.
+        row_lags: by how much what is in a row is off its stamp.
     """
 
     def __init__(self, parts: Parts) -> None:
@@ -99,6 +104,7 @@ class Session:
         self._timing = Timing(parts.pace)
         self._stall_told_s = -_STALL_TOLD_EVERY_S
         self.stalls = Stalls()
+        self.row_lags = RowLags()
         self.polls = 0
 
     @property
@@ -162,6 +168,7 @@ class Session:
         of_sensors = self._sensor(sensors, row)
         innovations = [self._motor(brick, port, row) for port in self._twin.ports]
         received_s = row[TIME]
+        self.row_lags.row(received_s)
         self._drive(brick, received_s)
         for port in self._twin.ports:
             power_pct, mode = self._twin.commanded(port)
@@ -182,13 +189,19 @@ class Session:
             if self._twin.commanded(port) == (power_pct, mode) and self.polls > 0:
                 continue
             reply = tell(brick, port, power_pct, mode)
-            self._commanded(port, self._taken(reply.sent_s, reply.received_s), power_pct, mode)
+            taken = self._taken(reply.sent_s, reply.received_s)
+            after_s, doubt_s = self._parts.lags.acted_after_s(port)
+            taken = taken._replace(at_s=taken.at_s + after_s, std_s=math.hypot(taken.std_s, doubt_s))
+            self._commanded(port, taken, power_pct, mode)
+            self.row_lags.acted(port, taken.at_s + self._parts.pace.command_lag_s - now_s, taken.std_s)
 
-    def _commanded(self, port: Port, taken: Moment, power_pct: int, mode: DriveMode) -> None:
+    def _commanded(
+        self, port: Port, taken: Moment, power_pct: int, mode: DriveMode, *, fading: bool = False
+    ) -> None:
         """The brick took a command up; it reaches the motor a little later."""
         at_s = taken.at_s + self._parts.pace.command_lag_s
         before, _ = self._twin.commanded(port)
-        holds = self._twin.command(port, power_pct, mode, at_s, taken.std_s)
+        holds = self._twin.command(port, power_pct, mode, at_s, taken.std_s, fading=fading)
         self._history[port].command(at_s, holds)
         doubt_rad = taken.std_s * abs(power_pct - before) / 100.0 * _FULL_RAD_S
         if taken.late and doubt_rad > _PART_RAD:
@@ -197,14 +210,18 @@ class Session:
     def _motor(self, brick: Brick, port: Port, row: dict[str, float]) -> Innovation:
         reply = brick.motors.read(OUTPUTS[port])
         taken = self._taken(reply.sent_s, reply.received_s)
-        at_s, count = taken.at_s - self._parts.pace.count_age_s, reply.value.tacho_deg
+        before_s, doubt_s = self._parts.lags.read_before_s(port)
+        at_s, count = taken.at_s - self._parts.pace.count_age_s - before_s, reply.value.tacho_deg
+        std_s = math.hypot(taken.std_s, doubt_s)
+        self.row_lags.taken(port, at_s, std_s)
         row[TIME] = reply.received_s - self._began_s
         if self._parts.driver is None or port not in self._parts.driver.ports:
             power_pct, mode = reported(reply.value)
             if (power_pct, mode) != self._twin.commanded(port):
-                self._commanded(port, taken._replace(at_s=min(at_s, self._twin.now_s)), power_pct, mode)
+                then = taken._replace(at_s=min(at_s, self._twin.now_s))
+                self._commanded(port, then, power_pct, mode, fading=True)
         power_pct, _ = self._twin.commanded(port)
-        evidence = self._twin.read_tacho(port, at_s, count, taken.std_s)
+        evidence = self._twin.read_tacho(port, at_s, count, std_s)
         self._counts[port] = count
         if not taken.late:
             self._history[port].count(at_s, count, self._twin.supply_v)

@@ -55,7 +55,10 @@ class Timing:
         """Date what was asked at `sent_s` and answered at `received_s`."""
         trip_s, usual_s = received_s - sent_s, self._usual_s
         self._learn(trip_s)
-        if self._seen <= _FIRST or trip_s <= _LATE * usual_s:
+        exact = (
+            self._pace.share_std == 0.0
+        )  # of a recording, in which a round trip is what passed between rows
+        if exact or self._seen <= _FIRST or trip_s <= _LATE * usual_s:
             pace = self._pace
             return Moment(sent_s + pace.share * trip_s, pace.share_std * trip_s, late=False, stall_s=0.0)
         stall_s = trip_s - usual_s

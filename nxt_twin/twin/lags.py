@@ -1,0 +1,112 @@
+"""By how much the readings and commands of a row are off its stamp, for whoever plays the recording again.
+
+A row has one stamp, that of its last reply; with several motors on one link, the first was read some round trips
+before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final, final
+
+import yaml
+
+from nxt_twin.recording.columns import PORTS, Port
+
+_KEY: Final = "row_lags"
+_READ: Final = "read_before_s"
+_READ_STD: Final = "read_std_s"
+_ACTED: Final = "acted_after_s"
+_ACTED_STD: Final = "acted_std_s"
+
+
+@final
+class Lag:
+    """Mean and standard deviation of a time that comes again and again, each time known to a doubt of its own, s."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._squares = 0.0
+        self.mean_s = 0.0
+
+    @property
+    def std_s(self) -> float:
+        """The standard deviation."""
+        return math.sqrt(self._squares / self._count) if self._count else 0.0
+
+    def add(self, time_s: float, doubt_s: float) -> None:
+        """Take one (Welford's update)."""
+        self._count += 1
+        before = time_s - self.mean_s
+        self.mean_s += before / self._count
+        self._squares += before * (time_s - self.mean_s) + doubt_s**2
+
+
+@final
+class RowLags:
+    """Those of a session, learnt while it is recorded."""
+
+    def __init__(self) -> None:
+        self._taken: dict[Port, tuple[float, float]] = {}
+        self._read: dict[Port, Lag] = {}
+        self._acted: dict[Port, Lag] = {}
+
+    def taken(self, port: Port, at_s: float, std_s: float) -> None:
+        """A motor's count in the row to come was taken then."""
+        self._taken[port] = at_s, std_s
+
+    def row(self, stamp_s: float) -> None:
+        """The row with what was taken has this stamp."""
+        for port, (at_s, std_s) in self._taken.items():
+            self._read.setdefault(port, Lag()).add(stamp_s - at_s, std_s)
+        self._taken.clear()
+
+    def acted(self, port: Port, after_s: float, std_s: float) -> None:
+        """A command acted so long after its row's stamp."""
+        self._acted.setdefault(port, Lag()).add(after_s, std_s)
+
+    def write_beside(self, recording: Path) -> None:
+        """Put them in the recording's sidecar, unless it has one, which is then the user's."""
+        sidecar = recording.with_suffix(".yaml")
+        if sidecar.exists() or not self._read:
+            return
+        document = {
+            _READ: {port: round(lag.mean_s, 6) for port, lag in self._read.items()},
+            _READ_STD: {port: round(lag.std_s, 6) for port, lag in self._read.items()},
+            _ACTED: {port: round(lag.mean_s, 6) for port, lag in self._acted.items()},
+            _ACTED_STD: {port: round(lag.std_s, 6) for port, lag in self._acted.items()},
+        }
+        sidecar.write_text(yaml.safe_dump({_KEY: document}, sort_keys=False), encoding="utf-8")
+
+
+@final
+class KnownLags:
+    """Those that a recording's sidecar tells; none where it tells none, as contract 1 has it.
+
+    Args:
+        sidecar: its keys.
+    """
+
+    def __init__(self, sidecar: Mapping[str, Any] | None = None) -> None:
+        told = (sidecar or {}).get(_KEY)
+        told = told if isinstance(told, Mapping) else {}
+        self._read, self._read_std, self._acted, self._acted_std = (
+            _seconds(told.get(key)) for key in (_READ, _READ_STD, _ACTED, _ACTED_STD)
+        )
+
+    def read_before_s(self, port: Port) -> tuple[float, float]:
+        """How long before its row's stamp a motor's count was taken, and how well that is known."""
+        return self._read.get(port, 0.0), self._read_std.get(port, 0.0)
+
+    def acted_after_s(self, port: Port) -> tuple[float, float]:
+        """How long after its row's stamp a command acted, and how well that is known."""
+        return self._acted.get(port, 0.0), self._acted_std.get(port, 0.0)
+
+
+def _seconds(told: object) -> dict[Port, float]:
+    """What a user may have edited: whatever is no number is none."""
+    if not isinstance(told, Mapping):
+        return {}
+    return {port: float(told[port]) for port in PORTS if isinstance(told.get(port), int | float)}

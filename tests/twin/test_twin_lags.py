@@ -1,0 +1,66 @@
+"""A session with three motors, recorded and played again."""
+
+import pytest
+import yaml
+from twin_feed import nxt_motor
+from twin_rig import EVERY_SENSOR, Rig, run
+
+from nxt_twin.brick.brick import Brick
+from nxt_twin.brick.clock import PacedClock
+from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
+from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.stream import RecordingWriter
+from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
+from nxt_twin.twin.bridge import plain_bridge
+from nxt_twin.twin.lags import KnownLags
+from nxt_twin.twin.logbook import columns_of
+from nxt_twin.twin.session import Parts, Session
+from nxt_twin.twin.settings import AT_ARRIVAL
+from nxt_twin.twin.sinks import Memory
+
+PORTS = ("a", "b", "c")
+
+
+def _recorded(tmp_path, profile):
+    path = tmp_path / "run.csv"
+    outcome = run(Rig(profile=profile), 25.0, ports=PORTS, sensors=EVERY_SENSOR)
+    with RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
+        for row in outcome.rows:
+            writer.row(row)
+    outcome.session.row_lags.write_beside(path)
+    assert "divergence" not in outcome.kinds()
+    return path
+
+
+def _divergences(path, lags):
+    clock = PacedClock(VirtualClock(), 1.0)
+    brick, memory = RecordedBrick(read_recording(path), clock), Memory(10**6)
+    options = TwinOptions(candidates=(), bridge=plain_bridge)
+    parts = Parts(
+        open_brick=lambda: Brick(brick, clock),
+        clock=clock,
+        twin=BrickTwin(dict.fromkeys(PORTS, nxt_motor()), options),
+        sink=memory,
+        pace=AT_ARRIVAL,
+        driver=RecordedCommands(brick, PORTS),
+        lags=lags,
+    )
+    Session(parts).run(brick.duration_s)
+    return [event.words for event in memory.events if event.kind == "divergence"]
+
+
+@pytest.mark.parametrize("profile", ["usb", "bluetooth"])
+def test_three_motors_played_again_hold_as_they_did_live(tmp_path, profile):
+    path = _recorded(tmp_path, profile)
+    assert _divergences(path, KnownLags(read_sidecar(path))) == []
+    assert _divergences(path, KnownLags()) != []
+
+
+def test_a_users_sidecar_is_left_alone_and_nonsense_in_it_is_nothing(tmp_path):
+    session = run(Rig(), 1.0).session
+    (tmp_path / "run.yaml").write_text("plant: nxt_motor\n")
+    session.row_lags.write_beside(tmp_path / "run.csv")
+    assert yaml.safe_load((tmp_path / "run.yaml").read_text()) == {"plant": "nxt_motor"}
+    for told in (None, 3, {"read_before_s": [1]}, {"read_before_s": {"a": "soon"}}):
+        assert KnownLags({"row_lags": told}).read_before_s("a") == (0.0, 0.0)
