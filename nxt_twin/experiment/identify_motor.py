@@ -64,8 +64,8 @@ _ROUNDS: Final = 2
 _LEAST_DIFFERENCE: Final = 5.0
 """Between R·J with and without the disc, in standard deviations; a disc that makes less of one anchors nothing."""
 _RUNS_AWAY: Final = 1.25
-"""By how much free runs may be off over what the fit's own noise makes of them: 0.2 to 1.1 in motors of the fit's
-kind, 1.1 to 2.5 with Stribeck friction of 12 mN·m (seeds 20000 to 20130 of `benchmarks.identify`)."""
+"""By how much free runs may be off over what the fit's own noise makes of them: 0.3 to 1.2 in motors of the fit's
+kind, 1.2 to 2.3 with Stribeck friction of 12 mN·m (seeds from 24000 and 24500 of `benchmarks.identify`)."""
 _ODD_SQUARES: Final = 11.3
 """What two fits may differ by, in units of their doubt squared, before it is said: 1 % of chance for three."""
 

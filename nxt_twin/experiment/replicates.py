@@ -89,13 +89,12 @@ def _beyond(
         _replicates(job, angle_rad[:_FEIGNED], calm, rng)
         for job, angle_rad in zip(linear.jobs, turned, strict=True)
     ]
+    plant = linear.structure.plant
     feigned = [
-        estimate(simulator, linear.structure.plant, replace(target, jobs=jobs), noise, near=True)[
-            0
-        ].disturbance_std
+        estimate(simulator, plant, replace(target, jobs=jobs), noise, near=True)[0]
         for jobs in zip(*made, strict=True)
     ]
-    left = noise.disturbance_std**2 - float(np.mean(np.square(feigned)))
+    left = noise.disturbance_std**2 - float(np.mean([each.disturbance_std**2 for each in feigned]))
     return replace(noise, disturbance_std=math.sqrt(max(left, 0.0)))
 
 
