@@ -9,7 +9,7 @@ from diagnose_cases import concealed
 from nxt_twin.diagnose import screen as screening
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.explain import candidates, explain
-from nxt_twin.diagnose.noise import estimate, first_guess, with_noise
+from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
 from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for, weigh
 from nxt_twin.physics.layout import Slot

@@ -10,6 +10,7 @@ from diagnose_motors import recorded, settled
 from nxt_twin.diagnose.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.detectable import detectable
 from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS
 from nxt_twin.diagnose.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.sight import lacks
 from nxt_twin.diagnose.structure import weigh
@@ -44,7 +45,7 @@ def gained(simulator, effect_id, size):
     symbol = final.plant.layout.effect(effect_id).parameters[0].symbol
     richer = workshop.settled(bare.plant.with_effect(effect_id, {symbol: size}), bare.noise)
     weight = weigh(bare, richer)
-    return weight.gain > 6.0 and weight.check_gain > 0.0
+    return weight.gain > GAIN_NATS and weight.total > GAIN_NATS + CHECK_NATS
 
 
 @pytest.mark.parametrize("effect_id", TRUTH)
