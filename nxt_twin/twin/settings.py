@@ -54,7 +54,7 @@ PACES = {"usb": Pace(), "mock": Pace(), "bt": Pace(0.3, 0.1), "serial": Pace(0.3
 """By a URL's scheme. Over Bluetooth the radio switches directions after the reading was taken."""
 
 
-FALSE_ALARMS_PER_HOUR = 1.0
+FALSE_ALARMS_PER_HOUR = 0.25
 """What is stated: at most so many divergences an hour and motor are called where the model holds. Counted, on motors
 of another simulator, by `python -m benchmarks.twin_alarms`."""
 
