@@ -50,6 +50,8 @@ _SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
 _LEADING = 2
 _SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
+_COMB = 5  # so many starts are separate peaks
+_UNFITTED_NATS = 60.0  # what a fit may still gain where an effect was taken out
 _BETTER_NATS = 1.0
 _SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
@@ -144,14 +146,21 @@ class _Search:
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
             full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
-            if not ranked or full or not self._worth_it(ranked[0][1], best):
+            if not ranked or full or not self._worth_it(ranked[0][0], ranked[0][1], best):
                 return best, refused
-            added = self.pruned(ranked[0][2])
+            added = self._still_worth_it(self.pruned(ranked[0][2]), ranked[0][0])
             known = been.get(added.plant.active, math.inf)
             if _cost(added) > known - _BETTER_NATS:  # what is added is taken out again: round and round
                 return best, refused
             been[added.plant.active] = _cost(added)
             best = added
+
+    def _still_worth_it(self, added: Structure, effect: Effect) -> Structure:
+        """`added`, or less `effect` where that, settled anew from there, comes too near to add it."""
+        if effect.id not in added.plant.active:
+            return added
+        simpler = self._without(added, effect.id)
+        return added if self._worth_it(effect, weigh(simpler, added), simpler) else simpler
 
     def pruned(self, best: Structure) -> Structure:
         """Take out, one at a time, effects that no longer earn their place."""
@@ -224,7 +233,9 @@ class _Search:
                 trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
-        ranked.sort(key=lambda item: (-self._worth_it(item[1], best), -item[1].total - _belief(item[0])))
+        ranked.sort(
+            key=lambda item: (-self._worth_it(item[0], item[1], best), -item[1].total - _belief(item[0]))
+        )
         return ranked
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
@@ -241,12 +252,16 @@ class _Search:
         leading = min(drafts, key=lambda draft: draft.cost)
         return self._settle(leading.fitted.plant, sober)
 
-    def _worth_it(self, weight: Weight, best: Structure) -> bool:
-        """Whether an effect is to be added to `best`: it must also gain more than the form of those in it may lack.
+    def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
 
         What readings that count for little explain does not count: there is no form in them that could be wrong.
         """
-        return weight.gain > self._needed(best) and weight.check_gain > CHECK_NATS and not weight.runs_worse
+        return (
+            weight.gain > self._needed(best) + _choice_nats(effect)
+            and weight.check_gain > CHECK_NATS
+            and not weight.runs_worse
+        )
 
     def _needed(self, best: Structure) -> float:
         explained = _cost(self._doubting(best)) - _cost(best)
@@ -311,7 +326,7 @@ class _Search:
         before = self._settled.get(plant.active)
         if before is not None:
             cost, _ = self._workshop.draft_cost(plant, best.noise, step_for(plant, SETTLED_STEP_S))
-            if cost > before.fitted.cost + _SLACK_NATS:
+            if cost > before.fitted.cost + _UNFITTED_NATS:
                 return before
         return self._settle(plant, best.noise)
 
@@ -340,6 +355,11 @@ def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure 
         if rival.behind < -SWAP_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
     ]
     return min(beating, key=lambda rival: rival.behind).structure if beating else None
+
+
+def _choice_nats(effect: Effect) -> float:
+    """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
+    return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= _COMB)
 
 
 def _cost(structure: Structure) -> float:
