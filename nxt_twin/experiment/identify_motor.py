@@ -77,15 +77,22 @@ class Ratios:
 
     Attributes:
         values: K (N·m/A), R·J (Ω·kg·m²), B/J (1/s), T/J (rad/s²), shape (4,).
-        covariance: shape (4, 4).
+        covariance: shape (4, 4), but for the battery.
+        by_voltage: how far they move by the doubt of the battery's reading, shape (4,).
         structure: the fit itself.
         runs_off: the error of its free runs over what its own noise would make it; NaN without readings to check.
     """
 
     values: FloatArray
     covariance: FloatArray
+    by_voltage: FloatArray
     structure: Structure
     runs_off: float
+
+    @property
+    def spread(self) -> FloatArray:
+        """The whole covariance, shape (4, 4)."""
+        return self.covariance + np.outer(self.by_voltage, self.by_voltage)
 
 
 def identify_motor(experiment: MotorIdentification, folder: RunFolder) -> Identified:
@@ -110,7 +117,7 @@ def identified_from(experiment: MotorIdentification, sets: Mapping[str, Sequence
     ratio_values = tuple(
         normal_value(name, value, std, unit)
         for name, value, std, unit in zip(
-            _RATIOS, bare.values, np.sqrt(np.diag(bare.covariance)), _RATIO_UNITS, strict=True
+            _RATIOS, bare.values, np.sqrt(np.diag(bare.spread)), _RATIO_UNITS, strict=True
         )
     )
     if len(fits) == 2:
@@ -179,8 +186,7 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     values = np.array([structure.plant.values[fitted.variables[index].slots[0]] for index in order])
     ratios, spread = propagated(_ratios, values, covariance[np.ix_(order, order)])
     by_voltage = ratios * np.array([1.0, 2.0, 0.0, 0.0]) * _battery_doubt(recordings)
-    spread += np.outer(by_voltage, by_voltage)
-    return Ratios(ratios, spread, structure, _runs_off(problem, structure))
+    return Ratios(ratios, spread, by_voltage, structure, _runs_off(problem, structure))
 
 
 def _fitted(problem: Problem) -> tuple[Structure, FloatArray]:
@@ -235,7 +241,7 @@ def _by_resistance(bare: Ratios, experiment: MotorIdentification) -> tuple[Float
     given = np.array([anchor.value, *bare.values])
     covariance = np.zeros((5, 5))
     covariance[0, 0] = anchor.std**2
-    covariance[1:, 1:] = bare.covariance
+    covariance[1:, 1:] = bare.spread
 
     def five(m: FloatArray) -> FloatArray:
         resistance, constant, product, viscous, coulomb = m
@@ -249,7 +255,7 @@ def _by_disc(bare: Ratios, loaded: Ratios, load: Load) -> tuple[FloatArray, Floa
     """All five from two sets, between which only the inertia is known to differ; friction may differ too."""
     added = load.added_inertia_kg_m2
     product = loaded.values[1] / bare.values[1]
-    doubt = product * float(np.hypot(*(np.sqrt(r.covariance[1, 1]) / r.values[1] for r in (bare, loaded))))
+    doubt = product * float(np.hypot(*(np.sqrt(r.spread[1, 1]) / r.values[1] for r in (bare, loaded))))
     if product - 1.0 < _LEAST_DIFFERENCE * doubt:
         raise ExperimentError(
             f"with the disc the motor was no slower to speed up than without (R·J by {100 * (product - 1):+.0f} %)",
@@ -265,6 +271,9 @@ def _by_disc(bare: Ratios, loaded: Ratios, load: Load) -> tuple[FloatArray, Floa
     covariance = np.zeros((9, 9))
     covariance[:4, :4] = bare.covariance
     covariance[4:8, 4:8] = loaded.covariance
+    # One battery and one converter: what its reading cuts off is cut off in both sets alike.
+    shared = np.concatenate([bare.by_voltage, loaded.by_voltage])
+    covariance[:8, :8] += np.outer(shared, shared)
     covariance[8, 8] = max(load.added_inertia_std_kg_m2, 1e-6 * added) ** 2
 
     def nine(x: FloatArray) -> FloatArray:

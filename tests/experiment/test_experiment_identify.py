@@ -70,6 +70,9 @@ def test_a_disc_of_known_inertia_tells_resistance_and_inertia_apart(tmp_path: Pa
         assert near(found, name, MOTOR[name])
         assert "added inertia" in found.value(name).rests_on
     assert found.value("resistance_ohm").std < 0.5
+    # Two sets of runs do not make one battery's reading any better.
+    constant = found.value("torque_constant_nm_per_a")
+    assert constant.std / constant.value > 0.013848 / 12**0.5 / 8.1
 
 
 def test_a_disc_that_was_not_there_is_noticed(tmp_path: Path) -> None:
