@@ -109,44 +109,19 @@ def fit(
     plant: Plant,
     variables: Sequence[Variable],
     target: Target,
+    slopes: Slopes | None = None,
     *,
-    iterations: int = 15,
+    iterations: int,
     patience_nats: float = _PATIENCE_NATS,
-    covariance: bool = True,
-) -> Fitted:
+    covariance: bool,
+) -> tuple[Fitted, Slopes]:
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
 
     Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
+    Those at which another fit of the same variables on the same readings came to rest may be brought: they hold where
+    the noise has changed since by a little, and are measured anew before the fit rests where they are not exact.
     Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
-    """
-    fitted, _ = fit_on(
-        simulator,
-        plant,
-        variables,
-        target,
-        None,
-        iterations=iterations,
-        patience_nats=patience_nats,
-        covariance=covariance,
-    )
-    return fitted
-
-
-def fit_on(
-    simulator: Simulator,
-    plant: Plant,
-    variables: Sequence[Variable],
-    target: Target,
-    slopes: Slopes | None,
-    *,
-    iterations: int,
-    patience_nats: float,
-    covariance: bool,
-) -> tuple[Fitted, Slopes]:
-    """As `fit`, from the slopes at which another fit of the same variables on the same readings came to rest.
-
-    They hold where the noise has changed since by a little; those that are not exact are measured anew before it rests.
     """
     search = _Search(simulator, plant, tuple(variables), target)
     x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))

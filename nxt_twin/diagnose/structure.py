@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import Fitted, Slopes, Target, fit_on
+from nxt_twin.diagnose.fit import Fitted, Slopes, Target, fit
 from nxt_twin.diagnose.free_run import FreeRunCheck
 from nxt_twin.diagnose.noise import estimate, with_noise
 from nxt_twin.diagnose.problem import Problem
@@ -96,14 +96,12 @@ class Weight:
         gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
         check_gain: in likelihood of readings that were not.
         free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
-        unkind_ratio: the same in the other way.
         runs_worse: whether free runs speak against the richer one: it predicts one step better and has learnt noise.
     """
 
     gain: float
     check_gain: float
     free_run_ratio: float
-    unkind_ratio: float
     runs_worse: bool
 
     @property
@@ -123,7 +121,6 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
         gain - penalty,
         simpler.check_cost - richer.check_cost,
         kind,
-        unkind,
         runs_worse=kind >= _most_ratio(simpler, richer)
         or (unkind >= _UNKIND_RATIO and not _dodges(simpler, richer)),
     )
@@ -271,7 +268,7 @@ class Workshop:
         rounds = 0
         while True:
             rounds += 1
-            fitted, slopes = fit_on(
+            fitted, slopes = fit(
                 self.simulator,
                 plant,
                 variables_of(plant, self.problem.plant, self.problem.scale),

@@ -91,7 +91,7 @@ def test_a_fit_that_begins_far_along_comes_back_to_the_given_resistance(simulato
 
     def resistance(start):
         variables = variables_of(start, problem.plant, problem.scale)
-        fitted = fit(simulator, start, variables, target, iterations=8, covariance=False)
+        fitted, _ = fit(simulator, start, variables, target, iterations=8, covariance=False)
         return fitted.plant.values[RESISTANCE]
 
     far = alike(alike(alike(problem.plant)))
