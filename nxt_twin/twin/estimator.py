@@ -28,6 +28,11 @@ class Compared(NamedTuple):
     log_likelihood: float
 
 
+def _first_of(state: FloatArray) -> FloatArray:
+    """What is read."""
+    return state[:1]
+
+
 @final
 class Estimator:
     """A Gaussian estimate of a few numbers, of which the first is read.
@@ -40,9 +45,12 @@ class Estimator:
     def __init__(self, mean: FloatArray, variances: FloatArray) -> None:
         size = mean.size
         self._filter = ExtendedKalmanFilter(dim_x=size, dim_z=1)
-        self._first = np.zeros((1, size))
-        self._first[0, 0] = 1.0
+        self._first = np.eye(1, size)
         self.set(mean, np.diag(variances))
+
+    def _slope(self, _: FloatArray) -> FloatArray:
+        """How what is read depends on the state."""
+        return self._first
 
     @property
     def mean(self) -> FloatArray:
@@ -83,9 +91,8 @@ class Estimator:
     def update(self, reading: float, variance: float) -> Compared:
         """Believe a reading of the first component."""
         compared = self.compare(reading, variance)
-        first = self._first
         self._filter.update(
-            np.array([[reading]]), HJacobian=lambda _: first, Hx=lambda x: first @ x, R=np.array([[variance]])
+            np.array([[reading]]), HJacobian=self._slope, Hx=_first_of, R=np.array([[variance]])
         )
         return compared
 

@@ -38,6 +38,27 @@ class Jerk(NamedTuple):
 
 
 @final
+class Jerks:
+    """Those that are still to be felt by filters which take readings at the same moments."""
+
+    def __init__(self) -> None:
+        self._coming: list[Jerk] = []
+
+    def expect(self, jerk: Jerk) -> None:
+        """One more."""
+        self._coming.append(jerk)
+
+    def felt(self, now_s: float) -> FloatArray | None:
+        """Covariance of angle and speed by those that came since it was asked last, shape (2, 2); None for none."""
+        came = [jerk for jerk in self._coming if jerk.at_s <= now_s]
+        if not came:
+            return None
+        self._coming = [jerk for jerk in self._coming if jerk.at_s > now_s]
+        felt: FloatArray = np.sum([jerk.spread(now_s - jerk.at_s) for jerk in came], axis=0)
+        return felt
+
+
+@final
 class Drive:
     """How hard commands drive a plant.
 

@@ -14,7 +14,7 @@ from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
 from nxt_twin.twin.estimator import Weigher
-from nxt_twin.twin.jerk import Drive
+from nxt_twin.twin.jerk import Drive, Jerks
 from nxt_twin.twin.records import Innovation, MotorState
 from nxt_twin.twin.settings import Noise, Watch
 from nxt_twin.twin.strand import Strand
@@ -85,6 +85,7 @@ class MotorTwin:
         self._weighed = self._strands[2:]
         self._weigher = self._new_weigher()
         self._drive = Drive(plant)
+        self._jerks, self._weighed_jerks = Jerks(), Jerks()
         self._reaped_s = 0.0
         self._weighed_s = 0.0
         self._wait_s = turn * _WEIGH_EVERY_S / len(PORTS)
@@ -92,6 +93,7 @@ class MotorTwin:
         self._rejected = 0
         self._count: int | None = None
         self._placed = False
+        self._probable: dict[str, float] | None = None
 
     def _new_weigher(self) -> Weigher | None:
         if not self._weighed:
@@ -124,6 +126,7 @@ class MotorTwin:
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._weigher = self._new_weigher()
+        self._probable = None
         self._rejected = 0
         self._placed = True
 
@@ -134,6 +137,7 @@ class MotorTwin:
         for strand in self._strands:
             batch.state[strand.rows] = 0.0
             strand.place(batch, float(angle), float(speed), (covariance[0, 0], covariance[1, 1]))
+        self._probable = None
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._placed = other.placed
@@ -141,8 +145,8 @@ class MotorTwin:
     def expect(self, at_s: float, std_s: float, before: Hold, after: Hold, supply_v: float) -> None:
         """A command takes the bridge from one state to another, at a moment known to `std_s`."""
         jerk = self._drive.jerk(at_s, std_s, before, after, float(self._tracking.mean[1]), supply_v)
-        for strand in self._strands:
-            strand.expect(jerk)
+        self._jerks.expect(jerk)
+        self._weighed_jerks.expect(jerk)
 
     def read(self, batch: Batch, count: int, taken_std_s: float, stamp_s: float) -> Evidence:
         """Compare a count, read at the batch's moment, and learn from it.
@@ -157,9 +161,7 @@ class MotorTwin:
             self.place(batch, count)
         weighing = bool(self._weighed) and batch.now_s >= self._due_s
         taking = self._strands if weighing else self._strands[:2]
-        for n, strand in enumerate(taking):
-            strand.reap(batch, batch.now_s - (self._reaped_s if n < 2 else self._weighed_s))
-        self._reaped_s = batch.now_s
+        self._reap(batch, weighing=weighing)
         reading = math.radians((count + 0.5) * self._noise.quantum_deg)
         variance = self._variance(float(self._tracking.mean[1]), taken_std_s)
         compared = self._tracking.compare(reading, variance)
@@ -185,6 +187,17 @@ class MotorTwin:
         most = self._watch.most_nats
         return Evidence(innovation, min(max(nats, -most), most), speed, torque, count)
 
+    def _reap(self, batch: Batch, *, weighing: bool) -> None:
+        """Take where the rows have got to since they were sown, by which all that take this reading predict it."""
+        jerked = self._jerks.felt(batch.now_s)
+        for strand in (self._believing, self._tracking):
+            strand.reap(batch, batch.now_s - self._reaped_s, jerked)
+        self._reaped_s = batch.now_s
+        if weighing:
+            jerked = self._weighed_jerks.felt(batch.now_s)
+            for strand in self._weighed:
+                strand.reap(batch, batch.now_s - self._weighed_s, jerked)
+
     def forget_evidence(self, batch: Batch) -> None:
         """Let the model that is believed begin anew where the motor is."""
         self._believing.follow(self._tracking, batch)
@@ -195,6 +208,7 @@ class MotorTwin:
             strand.follow(self._tracking, batch)
         self._weighed_s = self._reaped_s
         self._weigher = self._new_weigher()
+        self._probable = None
 
     def state(self, batch: Batch, power_pct: float, mode: DriveMode) -> MotorState:
         """What is believed of the motor now."""
@@ -218,6 +232,11 @@ class MotorTwin:
 
         An effect whose number has come out as what the model has already is nothing.
         """
+        if self._probable is None:
+            self._probable = self._weighed_up()
+        return self._probable
+
+    def _weighed_up(self) -> dict[str, float]:
         if self._weigher is None:
             return {}
         found = self._weigher.probabilities
@@ -258,6 +277,7 @@ class MotorTwin:
             return
         logs = [strand.update(reading, variance).log_likelihood for strand in self._weighed]
         self._weigher.update(logs, since_s)
+        self._probable = None
 
     def _innovation(
         self, count: int, predicted: float, variance: float, stamp_s: float, *, accepted: bool

@@ -14,7 +14,6 @@ from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.batch import CURRENT, Batch
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Compared, Estimator
-from nxt_twin.twin.jerk import Jerk
 from nxt_twin.twin.rows import ANGLE, SHARED, put, stirred, taken
 
 _LEAST_SPREAD = (1e-4, 1e-3, 1e-5, 1e-9)
@@ -70,7 +69,6 @@ class Strand:
         self._spread = np.zeros(self.size)
         self._transition = np.zeros((self.size, self.size))
         self._process = np.zeros((self.size, self.size))
-        self._jerks: list[Jerk] = []
 
     @property
     def mean(self) -> FloatArray:
@@ -135,25 +133,21 @@ class Strand:
         if self.candidate.name == "constant_load":
             batch.set_own_load(rows)
 
-    def expect(self, jerk: Jerk) -> None:
-        """A command acts at a moment that is not known well."""
-        self._jerks.append(jerk)
+    def reap(self, batch: Batch, since_s: float, jerked: FloatArray | None = None) -> None:
+        """Make the filter's prediction out of where the rows have got to in `since_s`.
 
-    def reap(self, batch: Batch, since_s: float) -> None:
-        """Make the filter's prediction out of where the rows have got to in `since_s`."""
+        Args:
+            batch: with the rows.
+            since_s: since they were sown.
+            jerked: covariance of angle and speed by commands whose moments were not known well, shape (2, 2).
+        """
         moved, transition, process = self.mean.copy(), self._transition, self._process
         taken(self._along, self._spread, batch.state[self.rows], batch.torque[self.rows], moved, transition)
         fresh = self._torque_std**2 * (1.0 - math.exp(-2.0 * since_s / self._torque_time_s))
         stirred(transition, fresh, _ANGLE_FLOOR**2 * since_s, _SPEED_FLOOR**2 * since_s, process)
-        if self._jerks:
-            self._shake(batch.now_s)
+        if jerked is not None:
+            process[:2, :2] += jerked
         self.estimator.predict(moved, transition, process)
-
-    def _shake(self, now_s: float) -> None:
-        """Take in what commands did whose moments were not known well."""
-        for jerk in [jerk for jerk in self._jerks if jerk.at_s <= now_s]:
-            self._jerks.remove(jerk)
-            self._process[:2, :2] += jerk.spread(now_s - jerk.at_s)
 
     def compare(self, reading: float, variance: float) -> Compared:
         """What a reading (rad) says of this model."""
