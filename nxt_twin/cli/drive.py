@@ -20,6 +20,7 @@ from nxt_twin.recording.stream import check_free
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import Logbook
 from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.settings import Pace, pace_of
 
 
 def drive(
@@ -58,7 +59,8 @@ def drive(
     with tidy_end(), opened(found, clock) as brick:
         for run in wanted.runs:
             alone = wanted.model_copy(update={"runs": (run,)})
-            done.append(_run(alone, brick, clock, Plan(period_s=period), files[run.name]))
+            plan = Plan(period_s=period)
+            done.append(_run(alone, brick, clock, plan, pace_of(found), files[run.name]))
     if json:
         answer = {"program": wanted.name, "ports": wanted.ports, "runs": done}
         emit_json(json, json_format.dumps({"schema": "nxt-twin/drive/1", **answer}))
@@ -72,7 +74,9 @@ def named(record: Path, run: Run, program: MotorProgram) -> Path:
     return record if len(program.runs) == 1 else record.with_stem(f"{record.stem}-{run.name}")
 
 
-def _run(alone: MotorProgram, brick: Brick, clock: Clock, plan: Plan, file: Path | None) -> Written:
+def _run(
+    alone: MotorProgram, brick: Brick, clock: Clock, plan: Plan, pace: Pace, file: Path | None
+) -> Written:
     driver = ProgramDriver(alone)
     if file is not None:
         return write_down(
@@ -81,6 +85,7 @@ def _run(alone: MotorProgram, brick: Brick, clock: Clock, plan: Plan, file: Path
             file,
             alone.ports,
             plan,
+            pace=pace,
             driver=driver,
             seconds=driver.duration_s,
             may_end=False,

@@ -31,7 +31,7 @@ from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Sink
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.session import Parts, Session
-from nxt_twin.twin.settings import PACES, Pace
+from nxt_twin.twin.settings import pace_of
 
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
@@ -119,7 +119,7 @@ def hold(
         twin=BrickTwin(plants),
         sink=told.sink(),
         plan=Plan(sensors=slots),
-        pace=PACES.get(found.partition(":")[0], Pace()),
+        pace=pace_of(found),
         driver=driver,
         recorder=recorder,
         adopter=Adopter(ThreadPoolExecutor(1, "diagnosis", _step_back)) if adopt else None,

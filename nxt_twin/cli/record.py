@@ -23,6 +23,7 @@ from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import Driver, ProgramDriver
 from nxt_twin.twin.logbook import Beat, Logbook, columns_of
 from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.settings import Pace, pace_of
 
 _TOLD_EVERY_S = 0.5
 
@@ -74,7 +75,14 @@ def record(
     if driver is not None:
         get_leave(found, driver.ports, yes=yes)
     written = write_down(
-        lambda: opened(found, clock), clock, out, wanted, plan, driver=driver, seconds=seconds or None
+        lambda: opened(found, clock),
+        clock,
+        out,
+        wanted,
+        plan,
+        driver=driver,
+        pace=pace_of(found),
+        seconds=seconds or None,
     )
     if json:
         emit_json(json, json_format.dumps({"schema": "nxt-twin/record/1", **written}))
@@ -102,18 +110,23 @@ def write_down(
     ports: tuple[Port, ...],
     plan: Plan,
     *,
+    pace: Pace,
     driver: Driver | None = None,
     seconds: float | None = None,
     may_end: bool = True,
 ) -> Written:
     """Record, with progress; with `may_end` an interrupt ends it as if time were over.
 
-    Whatever else ends it, what was recorded until then is kept.
+    Whatever else ends it, what was recorded until then is kept, and beside it by how much rows are off their stamps.
     """
     with RecordingWriter(out, columns_of(ports, plan.sensors)) as writer, progress("recording") as tell:
         teller = Teller(tell)
         with suppress(*([KeyboardInterrupt] if may_end else [])), tidy_end(), open_it() as brick:
-            Logbook(brick, clock, ports, plan, writer, driver).keep(seconds, teller)
+            logbook = Logbook(brick, clock, ports, plan, writer, driver, pace)
+            try:
+                logbook.keep(seconds, teller)
+            finally:
+                logbook.row_lags.write_beside(out)
     last = teller.last
     return Written(file=str(out) if last.rows else None, rows=last.rows, seconds=round(last.elapsed_s, 3))
 

@@ -27,12 +27,11 @@ from nxt_twin.recording.columns import (
     ultrasonic_column,
 )
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.adopt import Adopter, AtOnce
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
-from nxt_twin.twin.lags import KnownLags
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
 from nxt_twin.twin.session import Parts, Session
@@ -92,7 +91,7 @@ def replay(
         pace=AT_ARRIVAL,
         driver=RecordedCommands(brick, watched),
         adopter=Adopter(executor) if adopt else None,
-        lags=KnownLags(read_sidecar(recording)),
+        lags=played.lags,
     )
     session = Session(parts)
     with progress("replay"):

@@ -17,6 +17,7 @@ import pyarrow.parquet
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.checks import contract_columns
 from nxt_twin.recording.columns import CATALOGUE, check_names
+from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.recording import FloatArray, Recording
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.lines import TextLayout
@@ -33,7 +34,7 @@ _READERS: Mapping[str, Callable[[Path, Choose], Table]] = MappingProxyType(
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording and the plant that its sidecar names.
+    """Read a recording, and the plant and the lags that its sidecar tells.
 
     Commands that a row leaves empty are filled in with the one in force.
 
@@ -51,8 +52,10 @@ def read_recording(path: Path) -> Recording:
         return {name: "word" if CATALOGUE[name].words else "number" for name in names}
 
     columns = contract_columns(reader(path, choose), path)
-    plant = read_sidecar(path).get("plant")
-    return Recording(path.name, columns, plant=plant if isinstance(plant, str) else None)
+    sidecar = read_sidecar(path)
+    plant = sidecar.get("plant")
+    named = plant if isinstance(plant, str) else None
+    return Recording(path.name, columns, plant=named, lags=KnownLags(sidecar))
 
 
 def read_sidecar(path: Path) -> dict[str, Any]:

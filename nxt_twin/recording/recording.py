@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from nxt_twin.recording.lags import KnownLags
 
 FloatArray = NDArray[np.float64]
 
@@ -43,6 +45,7 @@ class Recording:
             power_pct) and `output` (SI: rad, m, rad/s, m/s); None for a brick's recording.
         output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.
         plant: the plant named by the recording's sidecar, if any.
+        lags: by how much counts and commands are off the stamps of their rows, as the sidecar tells.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Recording:
     kinds: SignalKinds | None = None
     output_quantum: float = 0.0
     plant: str | None = None
+    lags: KnownLags = field(default_factory=KnownLags)
 
     def __post_init__(self) -> None:
         frozen = {}

@@ -23,10 +23,13 @@ from nxt_twin.recording.columns import (
     touch_column,
     ultrasonic_column,
 )
+from nxt_twin.recording.lags import RowLags
 from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.twin.driver import Driver, Told
 from nxt_twin.twin.history import Recorder
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
+from nxt_twin.twin.settings import Pace
+from nxt_twin.twin.timing import Timing
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.
@@ -68,7 +71,8 @@ class Logbook:
     """Polls one brick and writes every poll down.
 
     In a poll the battery and a sensor come first, if due, then the motors; the row's stamp is that of the last reply.
-    Only then are the motors commanded: so a command acts after the counts that stand in its row.
+    Only then are the motors commanded: so a command acts after the counts that stand in its row. By how much both are
+    off its stamp is learnt meanwhile.
 
     Args:
         brick: open.
@@ -77,6 +81,11 @@ class Logbook:
         plan: what else is asked, and how often.
         recorder: keeps the rows; None keeps none.
         driver: commands the motors; None leaves that to somebody else, and the brick's word is taken for it.
+        pace: when, between request and reply, the brick acts.
+
+    Attributes:
+        rows: so many were written.
+        row_lags: by how much what is in a row is off its stamp.
     """
 
     def __init__(
@@ -87,6 +96,7 @@ class Logbook:
         plan: Plan,
         recorder: Recorder | None = None,
         driver: Driver | None = None,
+        pace: Pace | None = None,
     ) -> None:
         self._brick, self._clock, self._ports, self._plan = brick, clock, ports, plan
         self._recorder, self._driver = recorder, driver
@@ -95,7 +105,10 @@ class Logbook:
         self._counts: dict[Port, int] = {}
         self._battery_due_s = 0.0
         self._began_s = 0.0
+        self._pace = pace or Pace()
+        self._timing = Timing(self._pace)
         self.rows = 0
+        self.row_lags = RowLags()
 
     @property
     def _now_s(self) -> float:
@@ -138,11 +151,14 @@ class Logbook:
         received_s = self._now_s
         for port in self._ports:
             reply = self._brick.motors.read(OUTPUTS[port])
+            taken = self._timing.moment(reply.sent_s, reply.received_s)
+            self.row_lags.taken(port, taken.at_s - self._pace.count_age_s - self._began_s, taken.std_s)
             received_s = reply.received_s - self._began_s
             self._counts[port] = reply.value.tacho_deg
             row[tacho_column(port)] = float(reply.value.tacho_deg)
             if self._driver is None or port not in self._driver.ports:
                 self._told[port] = reported(reply.value)
+        self.row_lags.row(received_s)
         if self._driver is not None and (seconds is None or received_s < seconds):
             self._command(self._driver, received_s)
         for port in self._ports:
@@ -157,7 +173,10 @@ class Logbook:
         for port, told in driver.at(now_s, self._counts).items():
             if self._told.get(port) != told:
                 self._told[port] = told
-                tell(self._brick, port, *told)
+                reply = tell(self._brick, port, *told)
+                taken = self._timing.moment(reply.sent_s, reply.received_s)
+                after_s = taken.at_s + self._pace.command_lag_s - self._began_s - now_s
+                self.row_lags.acted(port, after_s, taken.std_s)
 
     def _read_battery(self, row: dict[str, float]) -> None:
         if self._now_s >= self._battery_due_s:

@@ -11,12 +11,12 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
 from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
+from nxt_twin.recording.lags import KnownLags, RowLags
 from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
 from nxt_twin.twin.adopt import Adopter, told
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
-from nxt_twin.twin.lags import KnownLags, RowLags
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell

@@ -54,6 +54,11 @@ PACES = {"usb": Pace(), "mock": Pace(), "bt": Pace(0.3, 0.1), "serial": Pace(0.3
 """By a URL's scheme. Over Bluetooth the radio switches directions after the reading was taken."""
 
 
+def pace_of(url: str) -> Pace:
+    """That of the link a URL names; of one that is not known, as of USB."""
+    return PACES.get(url.partition(":")[0], Pace())
+
+
 FALSE_ALARMS_PER_HOUR = 0.25
 """What is stated: at most so many divergences an hour and motor are called where the model holds. Counted, on motors
 of another simulator, by `python -m benchmarks.twin_alarms`."""

@@ -67,6 +67,8 @@ def test_a_mock_is_recorded_with_its_sensors(tmp_path):
     assert told["schema"] == "nxt-twin/record/1"
     assert (told["file"], told["rows"]) == (str(path), recording.rows)
     assert {"a_tacho_deg", "b_tacho_deg", "c_tacho_deg", "s1_touch"} <= set(recording.columns)
+    first, second, third = (recording.lags.read_before_s(port)[0] for port in ("a", "b", "c"))
+    assert first > second > third > 0.0
     assert not stream_path(path).exists()
 
 

@@ -10,27 +10,38 @@ from nxt_twin.brick.clock import PacedClock
 from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
-from nxt_twin.twin.lags import KnownLags
-from nxt_twin.twin.logbook import columns_of
+from nxt_twin.twin.driver import ProgramDriver, excitation
+from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.session import Parts, Session
-from nxt_twin.twin.settings import AT_ARRIVAL
+from nxt_twin.twin.settings import AT_ARRIVAL, PACES
 from nxt_twin.twin.sinks import Memory
 
 PORTS = ("a", "b", "c")
 
 
-def _recorded(tmp_path, profile):
-    path = tmp_path / "run.csv"
+def _watched(path, profile):
+    """A session's recording."""
     outcome = run(Rig(profile=profile), 25.0, ports=PORTS, sensors=EVERY_SENSOR)
     with RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
         for row in outcome.rows:
             writer.row(row)
     outcome.session.row_lags.write_beside(path)
     assert "divergence" not in outcome.kinds()
-    return path
+
+
+def _written_down(path, profile):
+    """One that nobody watched."""
+    rig, driver = Rig(profile=profile), ProgramDriver(excitation(PORTS))
+    pace = PACES["bt" if profile == "bluetooth" else "usb"]
+    with rig.open() as brick, RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
+        logbook = Logbook(brick, rig.clock, PORTS, Plan(EVERY_SENSOR), writer, driver, pace)
+        logbook.keep(25.0)
+    logbook.row_lags.write_beside(path)
 
 
 def _divergences(path, lags):
@@ -51,10 +62,19 @@ def _divergences(path, lags):
 
 
 @pytest.mark.parametrize("profile", ["usb", "bluetooth"])
-def test_three_motors_played_again_hold_as_they_did_live(tmp_path, profile):
-    path = _recorded(tmp_path, profile)
-    assert _divergences(path, KnownLags(read_sidecar(path))) == []
+@pytest.mark.parametrize("record", [_watched, _written_down])
+def test_three_motors_played_again_hold_as_they_did_live(tmp_path, record, profile):
+    path = tmp_path / "run.csv"
+    record(path, profile)
+    assert _divergences(path, read_recording(path).lags) == []
     assert _divergences(path, KnownLags()) != []
+
+
+def test_lags_of_an_earlier_recording_of_that_name_are_replaced(tmp_path):
+    path, lags = tmp_path / "run.csv", run(Rig(), 1.0).session.row_lags
+    (tmp_path / "run.yaml").write_text("row_lags: {read_before_s: {a: 7.0}}\n")
+    lags.write_beside(path)
+    assert 0.0 < KnownLags(read_sidecar(path)).read_before_s("a")[0] < 0.01
 
 
 def test_a_users_sidecar_is_left_alone_and_nonsense_in_it_is_nothing(tmp_path):

@@ -1,4 +1,4 @@
-"""By how much the readings and commands of a row are off its stamp, for whoever plays the recording again.
+"""By how much the readings and commands of a row are off its stamp, for whoever plays or diagnoses the recording.
 
 A row has one stamp, that of its last reply; with several motors on one link, the first was read some round trips
 before.
@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import yaml
 
-from nxt_twin.recording.columns import PORTS, Port
+if TYPE_CHECKING:
+    # Needs recordings itself.
+    from nxt_twin.recording.columns import Port
 
 _KEY: Final = "row_lags"
 _READ: Final = "read_before_s"
@@ -68,9 +70,9 @@ class RowLags:
         self._acted.setdefault(port, Lag()).add(after_s, std_s)
 
     def write_beside(self, recording: Path) -> None:
-        """Put them in the recording's sidecar, unless it has one, which is then the user's."""
+        """Put them in the recording's sidecar, unless it has one that tells more, which is then the user's."""
         sidecar = recording.with_suffix(".yaml")
-        if sidecar.exists() or not self._read:
+        if not self._read or (sidecar.exists() and not _tells_no_more(sidecar)):
             return
         document = {
             _READ: {port: round(lag.mean_s, 6) for port, lag in self._read.items()},
@@ -79,6 +81,15 @@ class RowLags:
             _ACTED_STD: {port: round(lag.std_s, 6) for port, lag in self._acted.items()},
         }
         sidecar.write_text(yaml.safe_dump({_KEY: document}, sort_keys=False), encoding="utf-8")
+
+
+def _tells_no_more(sidecar: Path) -> bool:
+    """Whether it was left by an earlier recording of that name."""
+    try:
+        keys = yaml.safe_load(sidecar.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError):
+        return False
+    return isinstance(keys, dict) and keys.keys() == {_KEY}
 
 
 @final
@@ -105,8 +116,8 @@ class KnownLags:
         return self._acted.get(port, 0.0), self._acted_std.get(port, 0.0)
 
 
-def _seconds(told: object) -> dict[Port, float]:
+def _seconds(told: object) -> dict[str, float]:
     """What a user may have edited: whatever is no number is none."""
     if not isinstance(told, Mapping):
         return {}
-    return {port: float(told[port]) for port in PORTS if isinstance(told.get(port), int | float)}
+    return {str(port): float(each) for port, each in told.items() if isinstance(each, int | float)}
