@@ -17,12 +17,12 @@ _PLAIN = ("inertia", "coulomb", "viscous")
 
 
 def mismatch_of(simulator: Simulator, evidence: Evidence, verdict: Verdict, seed: int) -> Mismatch:
-    """All that is known of where the baseline fails; nothing where it does not."""
+    """All that is known of where the baseline fails; where it does not, how little each equation asks for."""
     names = [signals.name for signals in evidence.problem.signals]
     channel = evidence.problem.signals[0].channel
+    strengths = sources(simulator, evidence.problem, evidence.baseline)
     if verdict == "adequate":
-        return Mismatch(channel, (), (), None)
-    strengths = sources(simulator, evidence.lacking, evidence.problem.scale.torque)
+        return Mismatch(channel, (), (), None, sources=strengths)
     equation = _equation(evidence, strengths, verdict)
     return Mismatch(
         channel=channel,

@@ -1,8 +1,11 @@
-"""Which equation fails: free an extra variance in each and see which makes the readings likeliest.
+"""Which equation fails: give each something of its own to be missing and see which makes the readings likeliest.
 
 After Kristensen, Madsen and Jørgensen (2004): where a model lacks something, the equation that lacks it asks for
-noise. The hypotheses compete on the same deviations of the readings from the re-fitted baseline, under the noise
-that a complete model would have; no effect of the library takes part, so this also speaks where none is known.
+noise. That noise may have a shape (any function of speed, of angle, of the command, see `shapes`) or none. All
+hypotheses are Gaussian with one variance each, so they compete by the marginal likelihood of the same innovations
+of the re-fitted baseline, the parameters of the re-fit integrated out, and none is favoured for being flexible. Each
+has beside it what the baseline asks for by itself: an unknown torque and a reading noise of any size.
+No effect of the library takes part, so this also speaks where none is known.
 """
 
 from __future__ import annotations
@@ -11,17 +14,22 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from typing import final
 
 import numpy as np
 
+from nxt_twin.diagnose.course import Course, course_of
 from nxt_twin.diagnose.diagnosis import Equation, Source, SourceFinding
 from nxt_twin.diagnose.kalman import Randomness, cost, deviation, quiet
-from nxt_twin.diagnose.linear import Linear
-from nxt_twin.diagnose.noise import reading_floor
+from nxt_twin.diagnose.linear import Linear, linearise
+from nxt_twin.diagnose.noise import estimate, reading_floor
+from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.response import Entry, response
+from nxt_twin.diagnose.shapes import RESTLESS, SHAPES, Yardstick, hats, yardstick
+from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, step_for
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
-from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Simulator
 from nxt_twin.recording.recording import FloatArray
 
@@ -32,142 +40,265 @@ SOURCE_OF: dict[Equation, Source] = {
     "measurement": "encoder",
     "timing": "clock_or_link",
 }
-_EQUATION_OF = {source: equation for equation, source in SOURCE_OF.items()}
 
-_COMPLETE_TORQUE = (
-    3e-3  # the unknown torque that a complete model leaves at most, as a share of an ordinary one
-)
+_COMPLETE_TORQUE = 2e-3
 _ABOVE_FLOOR = 1.5
-_SPAN = 1e8
-_COARSE, _FINE = 10, 5
-_SHIFTS_S = (4e-3, 0.015, 0.05)
+"""What a complete model leaves at most: an unknown torque as a share of an ordinary one, and a reading noise over that
+of the readings' quantum."""
+
+_FORMLESS_NATS = 7.0  # what chance gives the best of all shapes less than once in a hundred clean cases
+_SHIFTS_S = (4e-3, 8e-3, 0.013, 0.02, 0.03, 0.045, 0.065, 0.09)
+_WANDERING_SHIFTS_S = (0.03, 0.065)
+_LAGS_S = (5e-3, 0.015, 0.04)
+_SIZES = np.geomspace(1e-2, 1e8, 25)
+_TOLD = 1e-7
+_COARSE, _FINE = 8, 6
+_LEAST_SIZE, _MOST_SIZE = 1e-3, 1e4
+
+_Strength = tuple[Equation, float]
 
 
 @final
 @dataclass(frozen=True)
-class _Heard:
-    """One job's deviations and what the plant was doing, shape (samples,)."""
+class _Scene:
+    """The re-fitted baseline in these recordings: what it did, and how far readings are from it uncorrected.
 
-    job: Job
-    deviations: FloatArray
-    drive: FloatArray
-    speed: FloatArray
-    acceleration: FloatArray
-
-
-_Change = Callable[[_Heard, Randomness], Randomness]
-_Freed = Callable[[float], _Change]
-
-
-def sources(simulator: Simulator, linear: Linear, torque: float) -> tuple[SourceFinding, ...]:
-    """Strengths of all hypotheses, the strongest first.
-
-    Args:
-        simulator: runs the plant.
-        linear: the re-fitted baseline under the noise that the best structure leaves.
-        torque: one that is ordinary for the plant, N·m or N.
+    Each reading counts for `evidence` readings.
     """
-    plant, noise, jobs = linear.structure.plant, linear.structure.noise, linear.jobs
-    inertia = plant.values[Slot(BASE_OWNER, "inertia")]
-    heard = [_listen(simulator, plant, job, noise) for job in jobs]
-    floor = reading_floor([job.signals for job in jobs])
-    sober = replace(
-        noise,
-        reading_std=min(noise.reading_std, _ABOVE_FLOOR * floor) if floor > 0.0 else noise.reading_std,
-        disturbance_std=min(noise.disturbance_std, _COMPLETE_TORQUE * torque / inertia),
-    )
-    complete = _total(heard, sober, lambda _, randomness: randomness)
-    push, blur = (_COMPLETE_TORQUE * torque / inertia) ** 2, max(sober.reading_std, 1e-12) ** 2
-    drive, speed, acceleration = (
-        _mean_square([getattr(one, name) for one in heard]) for name in ("drive", "speed", "acceleration")
-    )
-    hypotheses: list[tuple[Source, float, _Freed]] = [
-        ("actuator", push, lambda x: lambda _, r: replace(r, torque=r.torque + x)),
-        ("battery", push, lambda x: lambda h, r: replace(r, torque=r.torque + x * h.drive**2 / drive)),
-        (
-            "battery",
-            push,
-            lambda x: lambda h, r: replace(r, torque=r.torque + x * h.acceleration**2 / acceleration),
-        ),
-        (
-            "transmission",
-            blur,
-            lambda x: (
-                lambda h, r: replace(r, slip_per_s=r.slip_per_s + x * np.abs(h.speed) / math.sqrt(speed))
-            ),
-        ),
-        ("encoder", blur, lambda x: lambda _, r: replace(r, reading=r.reading + x)),
-        (
-            "clock_or_link",
-            blur,
-            lambda x: lambda h, r: replace(r, reading=r.reading + x * h.speed**2 / speed),
-        ),
+
+    simulator: Simulator
+    evidence: float
+    courses: tuple[Course, ...]
+    deviations: tuple[FloatArray, ...]
+    unit: Yardstick
+
+
+def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[SourceFinding, ...]:
+    """Strengths of all five equations, nats, the strongest first.
+
+    The p-values hold the best of all hypotheses against what the best of as many gives by chance.
+    """
+    asked, complete = _noises(simulator, problem, baseline)
+    linears = [
+        linearise(simulator, problem, replace(baseline, noise=noise))
+        for noise in dict.fromkeys((asked, _between(asked, complete)))
     ]
-    strengths: dict[Source, float] = {"clock_or_link": _shift_nats(simulator, linear)}
-    for source, scale, freed in hypotheses:
-        least = _least(partial(_freed_total, heard, sober, freed), scale)
-        strengths[source] = max(strengths.get(source, 0.0), complete - least)
+    scene = _scene(simulator, problem, linears[0])
+    heard = [_formless(scene, asked, complete)]
+    for linear in linears:
+        fitted = _log_likelihood(scene, linear) - _log_likelihood(scene, linears[0])
+        heard += [(equation, fitted + gain) for equation, gain in _shaped(scene, linear)]
+        heard += _shapeless(scene, asked, linear.structure.noise)
+    best: dict[Equation, float] = dict.fromkeys(SOURCE_OF, 0.0)
+    for equation, nats in heard:
+        best[equation] = max(best[equation], nats)
     found = [
-        SourceFinding(source, _EQUATION_OF[source], max(nats, 0.0), _p_value(nats))
-        for source, nats in strengths.items()
+        SourceFinding(SOURCE_OF[equation], equation, nats, _p_value(nats, len(heard)))
+        for equation, nats in best.items()
     ]
     return tuple(sorted(found, key=lambda finding: -finding.strength))
 
 
-def _p_value(nats: float) -> float:
-    """Of a likelihood ratio for a variance that cannot be negative: half a chi-square of one degree of freedom."""
-    return 0.5 * math.erfc(math.sqrt(max(nats, 0.0)))
+def _p_value(nats: float, tries: int) -> float:
+    """Of a likelihood ratio for a variance that cannot be negative, half a chi-square of one degree of freedom."""
+    return min(tries * 0.5 * math.erfc(math.sqrt(nats)), 1.0)
 
 
-def _listen(simulator: Simulator, plant: Plant, job: Job, noise: Noise) -> _Heard:
-    trace = simulator.trace(plant, job)
-    times_s = np.maximum.accumulate(job.signals.time_s + 1e-9 * np.arange(job.signals.time_s.size))
-    return _Heard(
-        job=job,
-        deviations=deviation(job, trace["predicted"], noise),
-        drive=trace["drive_torque"],
-        speed=trace["speed"],
-        acceleration=np.gradient(trace["speed"], times_s),
+def _noises(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[Noise, Noise]:
+    """What the baseline asks for, at least a complete model's, and what a complete model would leave of that."""
+    target = problem.everything()
+    step_s = step_for(baseline.plant, DRAFT_STEP_S)
+    coarse = replace(target, jobs=tuple(replace(job, step_s=step_s) for job in target.jobs))
+    likeliest, _ = estimate(simulator, baseline.plant, coarse, baseline.noise)
+    least = _COMPLETE_TORQUE * problem.scale.torque / baseline.plant.values[Slot(BASE_OWNER, "inertia")]
+    asked = replace(likeliest, disturbance_std=max(likeliest.disturbance_std, least))
+    floor = _ABOVE_FLOOR * reading_floor([job.signals for job in target.jobs])
+    reading = min(asked.reading_std, floor) if floor > 0.0 else asked.reading_std
+    return asked, replace(asked, reading_std=reading, disturbance_std=least)
+
+
+def _between(one: Noise, other: Noise) -> Noise:
+    return replace(
+        one,
+        reading_std=math.sqrt(one.reading_std * other.reading_std),
+        disturbance_std=math.sqrt(one.disturbance_std * other.disturbance_std),
     )
 
 
-def _total(heard: Sequence[_Heard], noise: Noise, freed: _Change) -> float:
-    return sum(cost(one.job, one.deviations, noise, freed(one, quiet(one.job, noise))) for one in heard)
+def _scene(simulator: Simulator, problem: Problem, linear: Linear) -> _Scene:
+    plant, noise = linear.structure.plant, linear.structure.noise
+    begins_s: dict[str, float] = {}
+    courses: list[Course] = []
+    for job in linear.jobs:
+        ends_s = float(courses[-1].laid_s[-1]) if courses else 0.0
+        courses.append(course_of(simulator, plant, job, begins_s.setdefault(job.signals.name, ends_s)))
+    deviations = tuple(
+        deviation(job, predicted, noise) for job, predicted in zip(linear.jobs, linear.predicted, strict=True)
+    )
+    return _Scene(simulator, problem.target.evidence, tuple(courses), deviations, yardstick(courses))
 
 
-def _freed_total(heard: Sequence[_Heard], noise: Noise, freed: _Freed, size: float) -> float:
-    return _total(heard, noise, freed(size))
-
-
-def _shift_nats(simulator: Simulator, linear: Linear) -> float:
-    """What the best common shift of all commands in time gains, beyond what the re-fit takes up of it."""
-    values, active = linear.structure.plant.vectors()
-    jobs = [
-        replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
-        for shift_s in _SHIFTS_S
-        for job in linear.jobs
+def _log_likelihood(scene: _Scene, linear: Linear) -> float:
+    """Of the readings, with the parameters of the re-fit at their best, nats but for a constant."""
+    left = linear.left_of(linear.innovations)[0]
+    widths = [
+        np.log(job.observer.innovation_std[mask])
+        for job, mask in zip(linear.jobs, linear.counted, strict=True)
     ]
-    results = simulator.run(values[None], active[None], jobs)
-    count = len(linear.jobs)
-    gains = []
-    for first in range(0, len(jobs), count):
-        moved = linear.whitened(results[first : first + count])[0]
-        left = linear.left_of(moved)[0]
-        gains.append(0.5 * float(left @ linear.innovations) ** 2 / max(float(moved @ left), 1e-12))
-    return max(gains)
+    return -scene.evidence * float(np.sum(np.concatenate(widths))) - 0.5 * float(left @ left)
+
+
+def _formless(scene: _Scene, asked: Noise, complete: Noise) -> _Strength:
+    """What is missing without a shape: a torque or an error of readings, by what the baseline needs more of.
+
+    However strong, it counts for no more than the best of all shapes may come to by chance.
+    """
+    least = _total(scene, asked)
+    torque = _total(scene, replace(asked, disturbance_std=complete.disturbance_std)) - least
+    reading = _total(scene, replace(asked, reading_std=complete.reading_std)) - least
+    equation: Equation = "measurement" if reading > torque else "torque_balance"
+    return equation, min(max(torque, reading), _FORMLESS_NATS)
+
+
+def _shaped(scene: _Scene, linear: Linear) -> list[_Strength]:
+    """What each family of shapes gains over the unknown torque and reading noise of `linear` alone, nats."""
+    found: list[_Strength] = []
+    for shape in SHAPES:
+        rows = [shape.rows(course, scene.unit) for course in scene.courses]
+        found.append((shape.equation, _gain(linear, _answer(scene, linear, rows, shape.entry))))
+    moved = _moved(scene, linear)
+    late = np.array([_whitened(linear, parts) for parts in moved])
+    found += [("timing", _gain(linear, late[n : n + 2])) for n in range(len(late) - 1)]
+    found.append(("timing", _gain(linear, _wandering(scene, linear, moved))))
+    found.append(("electrical", _gain(linear, _lagging(late))))
+    return found
+
+
+def _gain(linear: Linear, rows: FloatArray) -> float:
+    """Marginal likelihood with any sum of `rows` missing over that with none, at the likeliest size, nats.
+
+    The parts' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
+    """
+    shares = linear.absorbed(rows)
+    gram = rows @ rows.T - shares @ (linear.slopes @ rows.T)
+    strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
+    told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
+    strengths, axes = strengths[told], axes[:, told]
+    along = (axes.T @ (rows @ linear.innovations - shares @ (linear.slopes @ linear.innovations))) ** 2
+    variances = _SIZES[:, None] / strengths[-1:]
+    risen = variances * strengths
+    nats = 0.5 * np.sum(variances * along / (1.0 + risen) - np.log1p(risen), axis=1)
+    return max(float(nats.max()), 0.0)
+
+
+def _answer(scene: _Scene, linear: Linear, rows: Sequence[FloatArray], entry: Entry) -> FloatArray:
+    noise = linear.structure.noise
+    answers = [
+        response(job, course, noise, one, entry)
+        for job, course, one in zip(linear.jobs, scene.courses, rows, strict=True)
+    ]
+    return _whitened(linear, answers)
+
+
+def _whitened(linear: Linear, parts: Sequence[FloatArray]) -> FloatArray:
+    """Innovations, SI, in standard deviations at the counted readings, shape (..., readings)."""
+    found = []
+    for part, gain, mask in zip(parts, linear.gain, linear.counted, strict=True):
+        counted = np.flatnonzero(mask)
+        found.append(np.take(part, counted, axis=-1) * gain[counted])
+    return np.concatenate(found, axis=-1)
+
+
+def _moved(scene: _Scene, linear: Linear) -> list[list[FloatArray]]:
+    """By how much the foretold readings move with all commands late by each of some shifts, by job, SI."""
+    values, active = linear.structure.plant.vectors()
+    jobs = [_late(job, shift_s) for shift_s in _SHIFTS_S for job in linear.jobs]
+    results = iter(scene.simulator.run(values[None], active[None], jobs))
+    return [[np.nan_to_num(next(results).predicted[0] - own) for own in linear.predicted] for _ in _SHIFTS_S]
+
+
+def _late(job: Job, shift_s: float) -> Job:
+    return replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
+
+
+def _wandering(scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> FloatArray:
+    """Shifts that change with time."""
+    noise = linear.structure.noise
+    rows = []
+    for job, course, own, *shifted in zip(
+        linear.jobs,
+        scene.courses,
+        linear.predicted,
+        *(moved[_SHIFTS_S.index(shift_s)] for shift_s in _WANDERING_SHIFTS_S),
+        strict=True,
+    ):
+        still = deviation(job, own, noise)
+        errors = [np.nan_to_num(still - deviation(job, own + shift, noise)) for shift in shifted]
+        parts = hats(course.laid_s, scene.unit.quick_s)
+        rows.append(np.concatenate([parts * error for error in errors]))
+    return _answer(scene, linear, rows, "reading")
+
+
+def _lagging(late: FloatArray) -> FloatArray:
+    """What follows a command with a lag follows a mixture of later and later commands."""
+    edges_s = [0.0, *(math.sqrt(one * other) for one, other in pairwise(_SHIFTS_S)), math.inf]
+    shares = [
+        [math.exp(-low_s / lag_s) - math.exp(-high_s / lag_s) for low_s, high_s in pairwise(edges_s)]
+        for lag_s in _LAGS_S
+    ]
+    return np.array(shares) @ late
+
+
+def _shapeless(scene: _Scene, asked: Noise, noise: Noise) -> list[_Strength]:
+    """What noise in one equation, of a size that changes with what the plant does, gains over `asked`, nats."""
+    none = _total(scene, asked)
+    scales = {
+        "torque": asked.disturbance_std**2,
+        "count": asked.reading_std**2,
+        "reading": asked.reading_std**2,
+    }
+    found: list[_Strength] = []
+    for restless in RESTLESS:
+        weights = [restless.weights(course, scene.unit) for course in scene.courses]
+        least = _least(partial(_total, scene, noise, restless.entry, weights), scales[restless.entry])
+        found.append((restless.equation, none - least))
+    return found
+
+
+def _total(
+    scene: _Scene,
+    noise: Noise,
+    entry: Entry = "reading",
+    weights: Sequence[FloatArray] = (),
+    size: float = 0.0,
+) -> float:
+    """Negative log-likelihood of the deviations under `noise`, and `weights` times `size` more, nats."""
+    total = 0.0
+    for number, (course, found) in enumerate(zip(scene.courses, scene.deviations, strict=True)):
+        randomness = quiet(course.job, noise)
+        if size > 0.0:
+            randomness = _more(randomness, entry, size * weights[number])
+        total += cost(course.job, found, noise, randomness)
+    return scene.evidence * total
+
+
+def _more(randomness: Randomness, entry: Entry, variances: FloatArray) -> Randomness:
+    match entry:
+        case "torque":
+            return replace(randomness, torque=randomness.torque + variances)
+        case "count":
+            return replace(randomness, slip_per_s=randomness.slip_per_s + variances)
+        case "reading":
+            return replace(randomness, reading=randomness.reading + variances)
 
 
 def _least(value: Callable[[float], float], scale: float) -> float:
-    """The least value over sizes within `_SPAN` of `scale`, by a coarse and three finer grids in logarithms."""
-    low, high, least = scale / 10.0, scale * _SPAN, math.inf
-    for count in (_COARSE, _FINE, _FINE, _FINE):
+    """The least value over sizes about `scale`, by a coarse and a finer grid in logarithms."""
+    low, high, least = _LEAST_SIZE * scale, _MOST_SIZE * scale, math.inf
+    for count in (_COARSE, _FINE):
         sizes = np.geomspace(low, high, count)
         values = [value(float(size)) for size in sizes]
         best = int(np.argmin(values))
         least = min(least, values[best])
         low, high = sizes[max(best - 1, 0)], sizes[min(best + 1, count - 1)]
     return least
-
-
-def _mean_square(arrays: Sequence[FloatArray]) -> float:
-    return max(float(np.mean(np.concatenate(arrays) ** 2)), 1e-300)
