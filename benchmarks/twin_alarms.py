@@ -41,7 +41,7 @@ _TRIP_MS: Final = (3.0, 3.2)
 """A little more than the longest round trip over USB, so that each row of a motor is one of its polls."""
 _STALL_CHANCE: Final = 0.0005
 _STALL_S: Final = (0.03, 0.12)
-_TORQUE_MEMORY_S: Final = 0.05
+TORQUE_MEMORY_S: Final = 0.05
 
 
 def report() -> Iterator[str]:
@@ -98,7 +98,7 @@ def _run(rng: Generator, polls_s: FloatArray, battery_v: float) -> tuple[Recordi
 
 def _torque_nm(rng: Generator, polls_s: FloatArray) -> FloatArray:
     """A random torque that is forgotten within some polls, held from each to the next."""
-    kept = float(np.exp(-np.mean(np.diff(polls_s)) / _TORQUE_MEMORY_S))
+    kept = float(np.exp(-np.mean(np.diff(polls_s)) / TORQUE_MEMORY_S))
     kicks = TORQUE_NOISE_NM * np.sqrt(1.0 - kept**2) * rng.standard_normal(polls_s.size)
     torque_nm: FloatArray = lfilter([1.0], [1.0, -kept], kicks)
     return torque_nm

@@ -15,6 +15,7 @@ import numpy as np
 
 from benchmarks.twin_alarms import LINKS, TORQUE_NOISE_NM
 from benchmarks.twin_feed import feed, true_plant
+from benchmarks.twin_ideal import gained_nats
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.make import make_case
 from nxt_twin.blind.polling import Link, polls_s
@@ -51,10 +52,14 @@ def report() -> Iterator[str]:
 
 
 def effects(ids: Iterable[str], seeds: int) -> Iterator[str]:
-    """A row for each effect of medium size, then how many were noticed."""
+    """A row for each effect of medium size, then how many were noticed.
+
+    Where it was not, what could have been is told.
+    """
     delays: dict[Link, list[float]] = {link: [] for link in LINKS}
     for effect in ids:
         here: dict[Link, list[float]] = {link: [] for link in LINKS}
+        missed: list[str] = []
         for seed in range(FIRST_SEED, FIRST_SEED + seeds):
             case = make_case(
                 seed, effects=(effect,), size="medium", duration_s=WITHIN_S, recordings=1,
@@ -62,7 +67,10 @@ def effects(ids: Iterable[str], seeds: int) -> Iterator[str]:
             )  # fmt: skip
             for link in LINKS:
                 here[link].append(_called(case.recordings[0], true_plant(case), link, seed, 0.0).after_s)
+                if not np.isfinite(here[link][-1]):
+                    missed.append(f"{link} {gained_nats(case, link, seed):.0f}")
         words = [f"{link} {', '.join(_seconds(each) for each in found)}" for link, found in here.items()]
+        words += [f"nats for who knows what is missing: {', '.join(missed)}"] * bool(missed)
         yield f"{effect:26} noticed after: {'; '.join(words)}"
         for link, found in here.items():
             delays[link] += found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, final
 
@@ -20,11 +20,13 @@ from nxt_twin.recording.recording import DRIVE_MODES, Recording
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.monitor import MotorMonitor
+from nxt_twin.twin.motor import Evidence
 from nxt_twin.twin.records import Event
 from nxt_twin.twin.settings import PACES, Pace
 
 _PACE: Final[dict[Link, Pace]] = {"usb": PACES["usb"], "bluetooth": PACES["bt"]}
 _TICK_S: Final = 1e-3
+Heed = Callable[[Evidence], None]
 
 
 @final
@@ -92,10 +94,18 @@ def plant_of(base: Mapping[str, float]) -> Plant:
 
 
 def feed(
-    recording: Recording, plant: Plant, link: Link, seed: int, options: TwinOptions | None = None
+    recording: Recording,
+    plant: Plant,
+    link: Link,
+    seed: int,
+    options: TwinOptions | None = None,
+    heed: Heed = lambda _: None,
 ) -> Fed:
-    """Hand a recording with true stamps to a twin and its monitor, as one motor alone is polled over a link."""
-    return feed_all({"a": recording}, {"a": plant}, link, seed, options)["a"]
+    """Hand a recording with true stamps to a twin and its monitor, as one motor alone is polled over a link.
+
+    `heed` is told what each reading says.
+    """
+    return feed_all({"a": recording}, {"a": plant}, link, seed, options, heed)["a"]
 
 
 def feed_all(
@@ -104,6 +114,7 @@ def feed_all(
     link: Link,
     seed: int,
     options: TwinOptions | None = None,
+    heed: Heed = lambda _: None,
     *,
     sensors: bool = False,
 ) -> dict[Port, Fed]:
@@ -115,7 +126,7 @@ def feed_all(
     options = options or TwinOptions(bridge=plain_bridge, cells_ohm=0.0)
     began_s = min(float(recording.time_s[0]) for recording in recordings.values())
     twin = BrickTwin(plants, options, now_s=began_s)
-    watched = {port: _Watched(port, twin) for port in recordings}
+    watched = {port: _Watched(port, twin, heed) for port in recordings}
     for time_s, port, row, polled in _rows(recordings, trips, sensors=sensors):
         columns = recordings[port].columns
         if np.isfinite(columns["battery_v"][row]):
@@ -133,10 +144,11 @@ def feed_all(
 class _Watched:
     """One motor of a twin, its monitor, and what became of it."""
 
-    def __init__(self, port: Port, twin: BrickTwin) -> None:
+    def __init__(self, port: Port, twin: BrickTwin, heed: Heed) -> None:
         self._port = port
         self._twin = twin
         self._monitor = MotorMonitor(port, twin.options.watch)
+        self._heed = heed
         self._nats = 0.0
         self.fed = Fed()
 
@@ -147,6 +159,7 @@ class _Watched:
         self._nats = max(0.0, self._nats + evidence.nats)
         fed.most_nats = max(fed.most_nats, self._nats)
         fed.least_nothing = min(fed.least_nothing, effects.get("nothing", 1.0))
+        self._heed(evidence)
         fed.squares.append(evidence.innovation.normalised_square)
         fed.effects = effects
         told, _ = self._twin.commanded(self._port)

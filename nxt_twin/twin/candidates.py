@@ -19,6 +19,8 @@ DEFAULT_CANDIDATES = (
     "payload_inertia",
     "voltage_drop",
     "quadratic_drag",
+    "presliding",
+    "battery_sag",
 )
 """Effects with one number that says how much, which a few seconds can tell apart. The rest is for a diagnosis."""
 

@@ -13,7 +13,7 @@ from nxt_twin.recording.recording import DriveMode
 from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
-from nxt_twin.twin.estimator import Weigher
+from nxt_twin.twin.estimator import Compared, Weigher
 from nxt_twin.twin.jerk import Drive, Jerks
 from nxt_twin.twin.records import Innovation, MotorState
 from nxt_twin.twin.settings import Noise, Watch
@@ -33,6 +33,7 @@ class Evidence(NamedTuple):
     Attributes:
         innovation: the reading beside the tracking filter's prediction.
         nats: by how much a torque of unknown origin explains it better than the model alone.
+        believed: the reading beside the prediction of the model alone.
         speed: estimate, rad/s.
         torque: the unknown torque's estimate, N·m.
         tacho_deg: the encoder's count.
@@ -40,6 +41,7 @@ class Evidence(NamedTuple):
 
     innovation: Innovation
     nats: float
+    believed: Compared
     speed: float
     torque: float
     tacho_deg: int
@@ -185,7 +187,8 @@ class MotorTwin:
         )
         speed, torque = float(self._tracking.mean[1]), float(self._tracking.mean[2])
         most = self._watch.most_nats
-        return Evidence(innovation, min(max(nats, -most), most), speed, torque, count)
+        nats = min(max(nats, -most), most)
+        return Evidence(innovation, nats, believed, speed, torque, count)
 
     def _reap(self, batch: Batch, *, weighing: bool) -> None:
         """Take where the rows have got to since they were sown, by which all that take this reading predict it."""

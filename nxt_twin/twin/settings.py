@@ -85,8 +85,8 @@ class Watch:
     """
 
     alarm_nats: float = 10.0
-    doubt: float = 0.01
-    doubt_s: float = 1.0
+    doubt: float = 0.1
+    doubt_s: float = 0.25
     most_nats: float = 4.0
     calm_s: float = 10.0
     gate: float = 25.0

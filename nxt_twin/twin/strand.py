@@ -19,7 +19,7 @@ from nxt_twin.twin.rows import ANGLE, SHARED, put, stirred, taken
 _LEAST_SPREAD = (1e-4, 1e-3, 1e-5, 1e-9)
 """Of the rows round the estimate, rad, rad/s, N·m and the number's unit, where it is surer than the arithmetic is
 exact."""
-_CLEARLY = 3.0
+_CLEARLY = 2.0
 _WORTHWHILE = 0.1
 """A number differs by so many of its standard deviations, and by so much of what would be typical."""
 _ANGLE_FLOOR = 0.01
