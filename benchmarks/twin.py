@@ -1,4 +1,4 @@
-"""The live twin: real-time factor, cost of a poll's arithmetic beside the link's period, and an hour's memory.
+"""The live twin: real-time factor, cost of a poll from prediction to record beside the link's period, an hour's memory.
 
 Times are the processor's, so that what else runs on the machine does not count.
 """
@@ -8,6 +8,9 @@ from __future__ import annotations
 import resource
 import time
 from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
 
 import numpy as np
 
@@ -16,10 +19,12 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.start import open_mock_link
-from nxt_twin.recording.columns import PORTS
+from nxt_twin.recording.columns import PORTS, TIME, Port, mode_column, power_column, tacho_column
+from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.driver import ProgramDriver, excitation
+from nxt_twin.twin.logbook import columns_of
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.sensor_twin import SensorKind
@@ -32,6 +37,7 @@ SOAK_S = 3600.0
 SOAK_CHECKS = 6
 ONE_ROUND_TRIP_S = {"usb": 0.0025, "bluetooth": 0.045}
 """Of the mock's link profiles, in the middle of what they draw."""
+_COLUMNS: Final = columns_of(PORTS, {})
 
 
 def report() -> Iterator[str]:
@@ -45,7 +51,7 @@ def report() -> Iterator[str]:
             costs_ms = 1e3 * np.array(_cycle_costs_s(candidates, trip_s))
             period_ms = 3e3 * trip_s
             yield (
-                f"  a poll of three over {link}: median {np.median(costs_ms):.2f} ms, "
+                f"  a poll of three over {link}, recorded: median {np.median(costs_ms):.2f} ms, "
                 f"99 % {np.percentile(costs_ms, 99):.2f} ms, "
                 f"{np.median(costs_ms) / period_ms:.0%} of the {period_ms:.1f} ms that the link takes; "
                 f"{period_ms / np.mean(costs_ms):.0f} times real time with all its readings"
@@ -69,25 +75,31 @@ def _real_time_factor(candidates: tuple[str, ...]) -> float:
 
 
 def _cycle_costs_s(candidates: tuple[str, ...], trip_s: float) -> list[float]:
-    """Predict, compare and update three motors, one after the other at the link's pace."""
+    """Predict, compare, update and record three motors, one after the other at the link's pace."""
     twin, truth = _twin(candidates), _twin(())
     costs = []
     now_s = 0.01
-    for cycle in range(CYCLES):
-        power = (60, -45, 30)[cycle // 100 % 3]
-        counts = []
-        for n, port in enumerate(PORTS):
-            truth.command(port, power, "drive", now_s)
-            truth.move(now_s + n * trip_s)
-            counts.append(int(truth.state(port).angle_deg // 1))
-        began = time.process_time()
-        for n, (port, count) in enumerate(zip(PORTS, counts, strict=True)):
-            twin.command(port, power, "drive", now_s)
-            twin.read_tacho(port, now_s + n * trip_s, count, 0.1 * trip_s)
-            twin.state(port)
-        costs.append(time.process_time() - began)
-        now_s += 3.0 * trip_s
+    with TemporaryDirectory() as folder, RecordingWriter(Path(folder) / "run.parquet", _COLUMNS) as writer:
+        for cycle in range(CYCLES):
+            power = (60, -45, 30)[cycle // 100 % 3]
+            counts = [_count(truth, port, power, now_s, n * trip_s) for n, port in enumerate(PORTS)]
+            began = time.process_time()
+            row = {TIME: now_s}
+            for n, (port, count) in enumerate(zip(PORTS, counts, strict=True)):
+                twin.command(port, power, "drive", now_s)
+                twin.read_tacho(port, now_s + n * trip_s, count, 0.1 * trip_s)
+                twin.state(port)
+                row |= {power_column(port): power, mode_column(port): 0.0, tacho_column(port): count}
+            writer.row(row)
+            costs.append(time.process_time() - began)
+            now_s += 3.0 * trip_s
     return costs
+
+
+def _count(truth: BrickTwin, port: Port, power: int, now_s: float, after_s: float) -> int:
+    truth.command(port, power, "drive", now_s)
+    truth.move(now_s + after_s)
+    return int(truth.state(port).angle_deg // 1)
 
 
 def _soak() -> Iterator[str]:
