@@ -13,9 +13,10 @@ from typing import Any, Final, final
 
 from nxt_twin.blind.aims import Aim, aims_of, detectable
 from nxt_twin.blind.aims import as_text as aims_as_text
+from nxt_twin.blind.location import Location, location
 from nxt_twin.blind.reached import Reach, reached
+from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import (
-    NORMAL_95,
     NOTHING_GIVEN,
     Judged,
     judge,
@@ -25,30 +26,6 @@ from nxt_twin.blind.verdict import (
 from nxt_twin.errors import CaseError
 
 RMS_BINS_DEG: Final = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0, math.inf)
-
-
-@final
-@dataclass(frozen=True)
-class Share:
-    """`count` of `of` cases, with Wilson's 95 % interval; an empty share spans 0 to 1."""
-
-    count: int
-    of: int
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Wilson's score interval, 95 %."""
-        if self.of == 0:
-            return 0.0, 1.0
-        share, z2 = self.count / self.of, NORMAL_95**2
-        middle = (share + z2 / (2 * self.of)) / (1.0 + z2 / self.of)
-        spread = math.sqrt(share * (1.0 - share) / self.of + z2 / (4 * self.of**2))
-        half = NORMAL_95 * spread / (1.0 + z2 / self.of)
-        return max(0.0, middle - half), min(1.0, middle + half)
-
-    def __str__(self) -> str:
-        low, high = self.interval
-        return f"{self.count}/{self.of} [{100 * low:.0f}–{100 * high:.0f} %]"
 
 
 @final
@@ -96,6 +73,7 @@ class ScoreTable:
         return {
             "schema": "nxt-twin/score/1",
             "rows": [_row_dict(row) for row in self.rows],
+            "where": self.where.as_dict(),
             "aims": [{**vars(aim), "met": aim.met} for aim in self.aims],
             "cases": [_case_dict(case) for case in self.cases],
         }
@@ -105,6 +83,11 @@ class ScoreTable:
         """What is asked for, beside what was reached."""
         return aims_of(self.cases)
 
+    @property
+    def where(self) -> Location:
+        """How often the equation and the onset are right."""
+        return location(self.cases)
+
     def as_text(self) -> str:
         """The table for a terminal or a page, in fixed-width columns."""
         head = ("cases", "exact", "holds truth", "called adequate", "misnamed", "set", "error", "own", "fit")
@@ -113,7 +96,13 @@ class ScoreTable:
         lines = (
             "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in cells
         )
-        return "\n".join(line.rstrip() for line in lines) + "\n\n" + aims_as_text(self.aims)
+        return (
+            "\n".join(line.rstrip() for line in lines)
+            + "\n\n"
+            + self.where.as_text()
+            + "\n"
+            + aims_as_text(self.aims)
+        )
 
 
 def score(
@@ -252,5 +241,9 @@ def _case_dict(case: Judged) -> dict[str, Any]:
         "parameter_error_own": dict(case.parameter_error_own),
         "covered": dict(case.covered),
         "fit_over_floor": case.fit_ratio,
+        "equation": case.located.truth,
+        "equation_named": case.located.named,
+        "equation_unaided": case.located.unaided,
+        "onset_error_s": case.located.onset_error_s,
         "reach": None if case.reach is None else vars(case.reach),
     }

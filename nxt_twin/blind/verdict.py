@@ -10,13 +10,14 @@ from typing import Any, Final, Literal, final
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
+from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, Place, locate, parse_place
 from nxt_twin.blind.reached import Reach
+from nxt_twin.blind.share import NORMAL_95
 from nxt_twin.errors import CaseError
 
 Kind = Literal["clean", "single", "pair", "triple", "unknown"]
 
 NO_ANSWER: Final = "none"
-NORMAL_95: Final = 1.959964
 _KINDS: Final[dict[int, Kind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
 _RIGHT_VERDICT: Final[dict[Kind, str]] = {
     "clean": "adequate",
@@ -54,6 +55,7 @@ class Judged:
         fit_ratio: error of the improved model over the noise floor, on held-out data.
         improved: that error, in the diagnosis's unit.
         reach: what the true structure reaches, where that was computed.
+        located: whether it is said where the baseline fails.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Judged:
     fit_ratio: float | None
     improved: float | None
     reach: Reach | None = None
+    located: Located = UNPLACED
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -104,6 +107,7 @@ class Given:
         refit: the re-fitted values of base parameters that moved.
         fit_ratio: improved error over floor, None where the floor is not known.
         improved: the improved error.
+        place: where it says that the baseline fails.
     """
 
     verdict: str
@@ -112,9 +116,10 @@ class Given:
     refit: Mapping[str, float]
     fit_ratio: float | None
     improved: float | None
+    place: Place
 
 
-NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None)
+NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
 
 
 def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
@@ -138,6 +143,7 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             refit={name: float(moved["to"]) for name, moved in diagnosis["refit"].items()},
             fit_ratio=float(improved) / float(floor) if improved is not None and floor else None,
             improved=None if improved is None else float(improved),
+            place=parse_place(diagnosis.get("mismatch", {})),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend="see contract 4") from None
@@ -170,6 +176,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         fit_ratio=given.fit_ratio,
         improved=given.improved,
         reach=reach,
+        located=locate(answer, given.place),
     )
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from nxt_twin.blind.answer import encoded, seal
 from nxt_twin.blind.case import NOMINAL, SEAL_FILE
-from nxt_twin.blind.score import Share, score
+from nxt_twin.blind.score import score
+from nxt_twin.blind.share import Share
 from nxt_twin.errors import CaseError
 
 
@@ -30,7 +31,9 @@ def bench(tmp_path):
     """Write a case's answer and diagnosis by hand: `bench(name, hidden, verdict, named)`; `bench.score()`."""
 
     class Bench:
-        def __call__(self, name, hidden, verdict=None, named=(), *, rms_deg=5.0, refit=None, floor=0.5):
+        def __call__(
+            self, name, hidden, verdict=None, named=(), *, rms_deg=5.0, refit=None, floor=0.5, mismatch=None
+        ):
             answer = encoded(
                 {
                     "case": name,
@@ -51,6 +54,8 @@ def bench(tmp_path):
                     "verdict": verdict,
                     "refit": refit or {},
                     "effects": list(named),
+                    "mismatch": mismatch
+                    or {"channel": "a_tacho_deg", "when": [], "regimes": [], "equation": None},
                     "fit": {"baseline": 9.0, "improved": 1.0, "floor": floor},
                 }
                 (tmp_path / "diagnoses" / f"{name}.json").write_text(json.dumps(diagnosis))

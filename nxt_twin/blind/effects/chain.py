@@ -53,9 +53,9 @@ def _encoder_eccentricity(now: Situation) -> Draw:
 
 
 CHAIN: tuple[ConcealedEffect, ...] = (
-    ConcealedEffect("command_delay", _command_delay),
-    ConcealedEffect("clock_skew", _clock_skew),
-    ConcealedEffect("stale_samples", _stale_samples),
-    ConcealedEffect("missed_counts", _missed_counts),
-    ConcealedEffect("encoder_eccentricity", _encoder_eccentricity),
+    ConcealedEffect("command_delay", "timing", _command_delay),
+    ConcealedEffect("clock_skew", "timing", _clock_skew),
+    ConcealedEffect("stale_samples", "timing", _stale_samples),
+    ConcealedEffect("missed_counts", "measurement", _missed_counts),
+    ConcealedEffect("encoder_eccentricity", "measurement", _encoder_eccentricity),
 )

@@ -14,6 +14,8 @@ from nxt_twin.blind.truth.motor import Motor
 Size = Literal["small", "medium", "large"]
 SIZES: Final[tuple[Size, ...]] = ("small", "medium", "large")
 
+Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
+
 Range = tuple[float, float]
 
 
@@ -92,6 +94,8 @@ class ConcealedEffect:
 
     Attributes:
         id: contract 5's id, or an unknown effect's own.
+        equation: the one that changes: the hub's torque, what makes the current, what joins two bodies, what the
+            encoder makes of the angle, or the stamps.
         sample: draws its numbers.
         known: whether contract 5 names it.
         leaves_out: the key that the baseline lacks, for the plain terms.
@@ -101,6 +105,7 @@ class ConcealedEffect:
     """
 
     id: str
+    equation: Equation
     sample: Callable[[Situation], Draw]
     known: bool = True
     leaves_out: str | None = None

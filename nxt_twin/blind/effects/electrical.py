@@ -58,11 +58,11 @@ def _power_curve(now: Situation) -> Draw:
 
 
 ELECTRICAL: tuple[ConcealedEffect, ...] = (
-    ConcealedEffect("inductance", _inductance, leaves_out="inductance_h"),
-    ConcealedEffect("battery_sag", _battery_sag),
-    ConcealedEffect("battery_drain", _battery_drain),
-    ConcealedEffect("winding_heating", _winding_heating),
-    ConcealedEffect("current_limit", _current_limit),
-    ConcealedEffect("voltage_drop", _voltage_drop),
-    ConcealedEffect("power_curve", _power_curve),
+    ConcealedEffect("inductance", "electrical", _inductance, leaves_out="inductance_h"),
+    ConcealedEffect("battery_sag", "electrical", _battery_sag),
+    ConcealedEffect("battery_drain", "electrical", _battery_drain),
+    ConcealedEffect("winding_heating", "electrical", _winding_heating),
+    ConcealedEffect("current_limit", "electrical", _current_limit),
+    ConcealedEffect("voltage_drop", "electrical", _voltage_drop),
+    ConcealedEffect("power_curve", "electrical", _power_curve),
 )

@@ -99,21 +99,25 @@ def _angle_dependent_friction(now: Situation) -> Draw:
 FRICTION: tuple[ConcealedEffect, ...] = (
     ConcealedEffect(
         "coulomb_friction",
+        "torque_balance",
         _coulomb_friction,
         leaves_out="coulomb_friction_nm",
         clashes=("asymmetric_friction",),
     ),
     ConcealedEffect(
         "viscous_friction",
+        "torque_balance",
         _viscous_friction,
         leaves_out="viscous_friction_nm_s_per_rad",
         needs_coasting=True,
     ),
-    ConcealedEffect("presliding", _presliding),
-    ConcealedEffect("asymmetric_friction", _asymmetric_friction, clashes=("coulomb_friction",)),
-    ConcealedEffect("stiction", _stiction),
-    ConcealedEffect("load_dependent_friction", _load_dependent_friction),
-    ConcealedEffect("quadratic_drag", _quadratic_drag),
-    ConcealedEffect("friction_warmup", _friction_warmup),
-    ConcealedEffect("angle_dependent_friction", _angle_dependent_friction),
+    ConcealedEffect("presliding", "torque_balance", _presliding),
+    ConcealedEffect(
+        "asymmetric_friction", "torque_balance", _asymmetric_friction, clashes=("coulomb_friction",)
+    ),
+    ConcealedEffect("stiction", "torque_balance", _stiction),
+    ConcealedEffect("load_dependent_friction", "torque_balance", _load_dependent_friction),
+    ConcealedEffect("quadratic_drag", "torque_balance", _quadratic_drag),
+    ConcealedEffect("friction_warmup", "torque_balance", _friction_warmup),
+    ConcealedEffect("angle_dependent_friction", "torque_balance", _angle_dependent_friction),
 )

@@ -107,12 +107,12 @@ def _spring_load(now: Situation) -> Draw:
 
 
 LOAD: tuple[ConcealedEffect, ...] = (
-    ConcealedEffect("backlash", _backlash, clashes=("shaft_compliance",)),
-    ConcealedEffect("shaft_compliance", _shaft_compliance, clashes=("backlash",)),
-    ConcealedEffect("gravity_load", _gravity_load),
-    ConcealedEffect("cogging", _cogging),
-    ConcealedEffect("payload_inertia", _payload_inertia),
-    ConcealedEffect("constant_load", _constant_load),
-    ConcealedEffect("spring_load", _spring_load),
-    ConcealedEffect("end_stop", _end_stop, needs_reach=True),
+    ConcealedEffect("backlash", "kinematic", _backlash, clashes=("shaft_compliance",)),
+    ConcealedEffect("shaft_compliance", "kinematic", _shaft_compliance, clashes=("backlash",)),
+    ConcealedEffect("gravity_load", "torque_balance", _gravity_load),
+    ConcealedEffect("cogging", "torque_balance", _cogging),
+    ConcealedEffect("payload_inertia", "torque_balance", _payload_inertia),
+    ConcealedEffect("constant_load", "torque_balance", _constant_load),
+    ConcealedEffect("spring_load", "torque_balance", _spring_load),
+    ConcealedEffect("end_stop", "torque_balance", _end_stop, needs_reach=True),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from nxt_twin.blind.effects.concealed import ConcealedEffect, Draw, Situation
+from nxt_twin.blind.effects.concealed import ConcealedEffect, Draw, Equation, Situation
 from nxt_twin.blind.truth import surprises
 
 Sampler = Callable[[Situation], Draw]
@@ -89,24 +89,26 @@ def _lost_film(now: Situation) -> Draw:
     return _surprise(surprises.LOST_FILM, torque, now.between(8.0, 10.0), now.between(1.5, 3.0))
 
 
-_SAMPLERS: Final[dict[str, Sampler]] = {
-    "switching_detent": _switching_detent,
-    "angle_speed_drag": _angle_speed_drag,
-    "amplifier_memory": _amplifier_memory,
-    "resonant_fan": _resonant_fan,
-    "belt_slip": _belt_slip,
-    "periodic_push": _periodic_push,
-    "shaken_grease": _shaken_grease,
-    "swapped_sense": _swapped_sense,
-    "one_sided_ripple": _one_sided_ripple,
-    "pawl": _pawl,
-    "rising_slew": _rising_slew,
-    "thermal_foldback": _thermal_foldback,
-    "speed_band_push": _speed_band_push,
-    "lost_film": _lost_film,
+_SAMPLERS: Final[dict[str, tuple[Equation, Sampler]]] = {
+    "switching_detent": ("torque_balance", _switching_detent),
+    "angle_speed_drag": ("torque_balance", _angle_speed_drag),
+    "amplifier_memory": ("electrical", _amplifier_memory),
+    "resonant_fan": ("torque_balance", _resonant_fan),
+    "belt_slip": ("kinematic", _belt_slip),
+    "periodic_push": ("torque_balance", _periodic_push),
+    "shaken_grease": ("torque_balance", _shaken_grease),
+    "swapped_sense": ("measurement", _swapped_sense),
+    "one_sided_ripple": ("electrical", _one_sided_ripple),
+    "pawl": ("torque_balance", _pawl),
+    "rising_slew": ("electrical", _rising_slew),
+    "thermal_foldback": ("electrical", _thermal_foldback),
+    "speed_band_push": ("torque_balance", _speed_band_push),
+    "lost_film": ("torque_balance", _lost_film),
 }
 
 UNKNOWN: tuple[ConcealedEffect, ...] = tuple(
-    ConcealedEffect(name, sampler, known=False, clashes=tuple(other for other in _SAMPLERS if other != name))
-    for name, sampler in _SAMPLERS.items()
+    ConcealedEffect(
+        name, equation, sampler, known=False, clashes=tuple(other for other in _SAMPLERS if other != name)
+    )
+    for name, (equation, sampler) in _SAMPLERS.items()
 )
