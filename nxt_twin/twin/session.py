@@ -28,8 +28,9 @@ from nxt_twin.twin.timing import Moment, Stalls, Timing
 _MISSES_MOST = 3
 _ALONE_S = 0.1
 _WAITS_S = (0.5, 1.0, 2.0, 4.0, 5.0)
-_BEFORE_ONSET_S = 10.0
-"""So much from before the onset is diagnosed as well: what came on is told by what was before."""
+_BEFORE_ONSET_S = 20.0
+"""So much from before the onset is diagnosed as well: what came on is told by what was before, and may have come on a
+while before it showed."""
 _LOW_AGAIN_V = 0.3
 _STALL_TOLD_EVERY_S = 10.0
 _FULL_RAD_S = 16.0
