@@ -30,7 +30,7 @@ from nxt_twin.recording.columns import PORTS, Port
 from nxt_twin.recording.recording import FloatArray, Recording
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 
-FIRST_SEED: Final = 20_000
+FIRST_SEED: Final = 50_000
 """Thresholds were set on seeds below."""
 SHORT_H: Final = 0.1
 DURATION_S: Final = 60.0

@@ -27,7 +27,7 @@ from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.recording import Recording
 
-FIRST_SEED: Final = 29_500
+FIRST_SEED: Final = 60_000
 WITHIN_S: Final = 60.0
 SHORT: Final = ("constant_load", "backlash")
 PUSHES_NM: Final = (0.02, 0.03, 0.05)
