@@ -27,6 +27,18 @@ _CONCEALED: tuple[tuple[str, ...], ...] = (
     ("cogging", "battery_sag"),
     ("quadratic_drag", "constant_load"),
     ("spring_load", "stale_samples", "stiction"),
+    ("backlash",),
+    (),
+    ("inductance",),
+    ("end_stop",),
+    ("clock_skew",),
+    ("missed_counts",),
+    ("presliding",),
+    (),
+    ("winding_heating", "gravity_load"),
+    ("coulomb_friction", "backlash"),
+    ("command_delay", "friction_warmup", "cogging"),
+    ("presliding", "quadratic_drag", "current_limit"),
 )
 _FIRST_SEED = 140
 _DURATION_S = 30.0

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from nxt_twin.diagnose import words
 from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
 from nxt_twin.diagnose.estimates import refitted
-from nxt_twin.diagnose.evidence import Evidence, gather, verdict_of
+from nxt_twin.diagnose.evidence import Evidence, gather, is_patchwork, verdict_of
 from nxt_twin.diagnose.explain import explain
 from nxt_twin.diagnose.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.judge import noise_floor, overall, stale_readings
@@ -111,7 +111,14 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     return Diagnosis(
         name=problem.name,
         verdict=verdict,
-        sentence=words.sentence(verdict, effects, fit, excitation, {one.id: one.name for one in sizes}),
+        sentence=words.sentence(
+            verdict,
+            effects,
+            fit,
+            excitation,
+            {one.id: one.name for one in sizes},
+            patchwork=is_patchwork(evidence),
+        ),
         refit=refitted(evidence),
         mismatch=mismatch_of(simulator, evidence, verdict, seed),
         effects=effects,

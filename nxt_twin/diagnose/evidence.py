@@ -27,16 +27,18 @@ from nxt_twin.recording.recording import FloatArray
 STRUCTURED_NATS = 15.0
 STRUCTURED_TORQUE = 2e-3
 LARGE_TORQUE = 3e-2
-MOST_LEFT = 0.3
+MOST_LEFT = 0.1
 FAR_OFF = 4.0
 UNSETTLED_TORQUE = 1e-2
-HARDLY = 0.5
+HARDLY = 0.4
+MOST_NAMED = 3
 """When what is left is more than noise: a flexible function of the state foretells it by so many nats, more than in
 clean recordings made up like these, and it is at least the second, or it is the third whatever foretells it; as
 fractions of a torque ordinary for the plant. Where effects were found, it must also be the fourth of all that there
 was to explain. Where none was found, free runs over readings that only check must not be the fifth times as far off
-as noise alone. Where what was found leaves more unknown torque than the sixth, it must have taken away the seventh of
-that torque, or of the error of free runs: a term that an unknown effect happens to resemble does neither."""
+as noise alone. Where what was found leaves more unknown torque than the sixth, what is left of the error of free runs
+must be less than the seventh: a term that an unknown effect happens to resemble does not carry the motion. Where more
+effects than the last were needed, beside those that plant files mostly state, they are pieces of something else."""
 
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
@@ -147,8 +149,14 @@ def verdict_of(evidence: Evidence) -> Verdict:
         return "unexplained" if structured or large or runs_away else "adequate"
     gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
     mostly_left = structured and left > MOST_LEFT * (left + gained)
-    hardly = after > UNSETTLED_TORQUE and after > HARDLY * before and _free_run_ratio(evidence) > HARDLY
-    return "unexplained" if mostly_left or hardly or (large and after > 0.5 * before) else "explained"
+    hardly = after > UNSETTLED_TORQUE and _free_run_ratio(evidence) > HARDLY
+    still_large = large and after > 0.5 * before
+    return "unexplained" if mostly_left or hardly or still_large or is_patchwork(evidence) else "explained"
+
+
+def is_patchwork(evidence: Evidence) -> bool:
+    """Whether it took more effects than are likely to be missing at once, so that they stand for something else."""
+    return sum(not effect.plain for effect, _ in evidence.explanation.found) > MOST_NAMED
 
 
 def _free_run_ratio(evidence: Evidence) -> float:

@@ -7,11 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
-import numpy as np
-
-from nxt_twin.diagnose.screen import Prospect, screen
+from nxt_twin.diagnose.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
+from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import (
-    DRAFT_STEP_S,
     FREE_RUN_RATIO,
     SETTLED_STEP_S,
     Draft,
@@ -40,23 +38,18 @@ RIVAL_NATS = 6.0
 SWAP_NATS = 1.0
 
 _DRAFTED = 10
-_LEAST_PROMISE_NATS = 2.0
 _RIVALS_DRAFTED = 4
-_STARTS_FOLLOWED = 3
-_STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
-_START_ITERATIONS = 2
-_QUICK_ITERATIONS = 4
-_SLOW_ITERATIONS = 10
 _SHORT_LIST = 5
 _LEADING = 2
 _SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
+_LIFTED = 2.5  # so many times a draft's gain other noise makes of it, or what it made of the leading one's
 _COMB = 5  # so many starts are separate peaks
 _UNFITTED_NATS = 60.0  # what a fit may still gain where an effect was taken out
 _BETTER_NATS = 1.0
 _SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
-_RIVALS_SETTLED = 1
 _RIVAL_REACH_NATS = 40.0
+_FAR_REACH_NATS = 400.0  # for the only rival to show how far behind it is
 _EXCHANGES = 4
 _SOBER = 0.3
 _LEFT_OUT_NATS = 3.0
@@ -132,6 +125,7 @@ class _Search:
         self._workshop = workshop
         self._baseline = baseline
         self._settled: dict[frozenset[str], Structure] = {}
+        self._drafts = Drafts(workshop)
         self._tried: list[Effect] = []
         self._keep(baseline)
 
@@ -201,9 +195,10 @@ class _Search:
             if e.id in known
         ]
         fresh = [e for e in allowed if e.id not in known]
-        equal = self._draft_cost(best, bare.noise)
-        for rank, (other, draft) in enumerate(self._drafts(bare, fresh, _RIVALS_DRAFTED)):
-            if (rank < _RIVALS_SETTLED and not known) or draft.cost - equal < _RIVAL_REACH_NATS:
+        equal = self._drafts.cost(best, bare.noise)
+        for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, _RIVALS_DRAFTED)):
+            reach = _RIVAL_REACH_NATS if rank or known else _FAR_REACH_NATS
+            if draft.cost - equal < reach:
                 trial = self._settle(draft.fitted.plant, bare.noise)
                 beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
                 rivals.append(Rival(other, beaten_by, trial))
@@ -211,10 +206,10 @@ class _Search:
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
-        drafts = self._drafts(best, self._candidates(best.plant), _DRAFTED)
+        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED)
         if not drafts:
             return []
-        cost = self._draft_cost(best, best.noise)
+        cost = self._drafts.cost(best, best.noise)
         leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
             (effect, draft)
@@ -224,7 +219,7 @@ class _Search:
             or (rank < _SHORT_LIST and cost - draft.cost > _SETTLED_SHARE * leading)
             or (effect.states and cost - draft.cost > _IN_REACH * leading)
         ]
-        settled = [(effect, self._settle(draft.fitted.plant, best.noise)) for effect, draft in within]
+        settled = self._leaders(best, cost, within)
         lowest = min(_cost(trial) for _, trial in settled)
         in_reach = _IN_REACH * max(_cost(best) - lowest, self._needed(best))
         ranked = []
@@ -238,6 +233,23 @@ class _Search:
         )
         return ranked
 
+    def _leaders(
+        self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
+    ) -> list[tuple[Effect, Structure]]:
+        """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
+        needed, lifted = self._needed(best), _LIFTED
+        settled: list[tuple[Effect, Structure]] = []
+        for effect, draft in drafts:
+            promise = cost - draft.cost
+            if settled and lifted * promise + _SLACK_NATS < needed:
+                continue
+            trial = self._settle(draft.fitted.plant, best.noise)
+            if not settled and promise > 0.0:
+                gain = _cost(best) + best.check_cost - _cost(trial) - trial.check_cost
+                lifted = max(lifted, gain / promise)
+            settled.append((effect, trial))
+        return settled
+
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
         """The best of `trial` and of what other starts lead to, for effects with mechanical states of their own.
 
@@ -247,10 +259,12 @@ class _Search:
         if not is_mechanical(effect):
             return trial
         sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
-        prospects = screen(self._workshop, best, [effect])[:_STARTS_FOLLOWED]
-        drafts = [self._workshop.draft(p.plant, sober, iterations=_SLOW_ITERATIONS) for p in prospects]
+        prospects = screen(self._workshop, best, [effect])[:STARTS_FOLLOWED]
+        drafts = [self._workshop.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
         leading = min(drafts, key=lambda draft: draft.cost)
-        return self._settle(leading.fitted.plant, sober)
+        elsewhere = leading.fitted.plant
+        costs = self._workshop.draft_costs([elsewhere, trial.plant], trial.noise)
+        return self._settle(elsewhere, sober) if costs[0] < costs[1] + _UNFITTED_NATS else trial
 
     def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
@@ -259,7 +273,7 @@ class _Search:
         """
         return (
             weight.gain > self._needed(best) + _choice_nats(effect)
-            and weight.check_gain > CHECK_NATS
+            and weight.borne_out(CHECK_NATS)
             and not weight.runs_worse
         )
 
@@ -277,42 +291,6 @@ class _Search:
         if plant.active == self._baseline.plant.active:
             return self._baseline
         return self._settled.get(plant.active) or self._settle(plant, best.noise)
-
-    def _drafts(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
-        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
-        starts: dict[str, list[Prospect]] = {}
-        for prospect in screen(self._workshop, structure, effects):
-            if prospect.gain > _LEAST_PROMISE_NATS:
-                starts.setdefault(prospect.effect.id, []).append(prospect)
-        drafts = [
-            (prospects[0].effect, self._draft(prospects, structure.noise))
-            for prospects in list(starts.values())[:most]
-        ]
-        return sorted(drafts, key=lambda item: item[1].cost)
-
-    def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
-        """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
-        further = _SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
-        enough = _STARTS_SHARE * prospects[0].gain
-        plants = self._nearer([p for p in prospects[:_STARTS_FOLLOWED] if p.gain > enough], noise)
-        if len(plants) > 1:
-            trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
-            best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
-            plants = [best.fitted.plant]
-        return self._workshop.draft(plants[0], noise, iterations=further)
-
-    def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
-        """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
-        scale = self._workshop.problem.scale
-        pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
-        costs = self._workshop.draft_costs([plant for pair in pairs for plant in pair], noise)
-        return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]
-
-    def _draft_cost(self, structure: Structure, noise: Noise) -> float:
-        """As `Draft.cost`, of a structure as it stands, under other noise."""
-        step_s = step_for(structure.plant, DRAFT_STEP_S)
-        fitted, check = self._workshop.draft_cost(structure.plant, noise, step_s)
-        return fitted + structure.fitted.prior_cost + check
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         return candidates(plant, self._workshop.problem.signals[0])
@@ -373,7 +351,7 @@ def _belief(effect: Effect) -> float:
 
 
 def _keeps_its_place(weight: Weight, needed: float) -> bool:
-    return weight.total > needed and weight.check_gain > 0.0 and not weight.runs_worse
+    return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse
 
 
 def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:

@@ -98,7 +98,7 @@ def _why_refused(weight: Weight) -> str:
     reasons = []
     if weight.gain <= GAIN_NATS:
         reasons.append(f"it gains {weight.gain:.1f} nats where {GAIN_NATS:g} are asked for")
-    if weight.check_gain <= CHECK_NATS:
+    if not weight.borne_out(CHECK_NATS):
         reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
     if weight.runs_worse:
         reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")

@@ -30,7 +30,11 @@ FREE_RUN_RATIO = 1.01
 _DOUBTING_RATIO = (
     1.1  # doubt in readings only moves what is fitted by a little, while other physics may still lack
 )
+_SURE_RATIO = 1.05
+_SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
 _UNKIND_RATIO = 2.5
+_MUCH_NEARER = 0.5
+_DENIED_NATS = 3.0
 _AS_MANY = 0.97
 
 _SHARE_ROUNDS = 3
@@ -109,6 +113,14 @@ class Weight:
         """The sum of both, by which candidates are ranked."""
         return self.gain + self.check_gain
 
+    def borne_out(self, least_nats: float) -> bool:
+        """Whether readings that were not fitted speak for the richer one: by likelihood, or by free runs over them.
+
+        A few of them say little one by one, and free runs much nearer say more.
+        """
+        nearer = self.free_run_ratio < _MUCH_NEARER and self.check_gain > -_DENIED_NATS
+        return self.check_gain > least_nats or nearer
+
 
 def weigh(simpler: Structure, richer: Structure) -> Weight:
     """What speaks for `richer` over `simpler`. Half a logarithm of the readings for each further parameter (BIC)."""
@@ -116,12 +128,13 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     further += _shares(richer.plant) - _shares(simpler.plant)
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
+    check_gain = simpler.check_cost - richer.check_cost
     kind, unkind = _free_run_ratios(simpler, richer)
     return Weight(
         gain - penalty,
-        simpler.check_cost - richer.check_cost,
+        check_gain,
         kind,
-        runs_worse=kind >= _most_ratio(simpler, richer)
+        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if check_gain > _SURE_NATS else 0.0)
         or (unkind >= _UNKIND_RATIO and not _dodges(simpler, richer)),
     )
 

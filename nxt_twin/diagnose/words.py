@@ -29,8 +29,13 @@ def sentence(
     fit: Fit,
     excitation: Excitation | None = None,
     names: Mapping[str, str] | None = None,
+    *,
+    patchwork: bool = False,
 ) -> str:
-    """What is wrong, in one sentence; `names` says in words which effects `excitation` could not have shown."""
+    """What is wrong, in one sentence; `names` says in words which effects `excitation` could not have shown.
+
+    `patchwork` says that it took more effects to come near than are likely to be missing at once.
+    """
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
     named = _listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
@@ -53,6 +58,11 @@ def sentence(
         return (
             f"Something is missing that no known effect accounts for; {named} foretells single readings better, but "
             f"free runs over data that was not fitted stay {fit.improved:.3g} {fit.unit} off."
+        )
+    if effects and patchwork:
+        return (
+            f"Something is missing that no known effect accounts for alone: it takes {named} to come near ({figures}), "
+            f"and so many at once are likelier pieces of something else."
         )
     if effects:
         return (

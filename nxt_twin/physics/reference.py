@@ -138,10 +138,10 @@ class _Axis:
     ) -> None:
         before = self._speed
         scope: _Scope = {"elapsed_s": elapsed_s, "speed": before, "current": self._current, "step_s": step_s}
-        scope["session_s"] = self._session_s
+        scope |= {"session_s": self._session_s, "mode": mode}
         scope["duty"] = self.chained("duty", scope, "duty", command)
         inertia = scope["inertia"] = self.formed("inertia", scope, self._base["inertia"])
-        drive: _Scope = {**self._base, **scope, "mode": mode}
+        drive: _Scope = {**self._base, **scope}
         drive["supply_v"] = self.chained("supply", scope, "supply_v", supply_v)
         resistance = self._base.get("resistance", 0.0)
         for call in self._calls("resistance"):

@@ -37,7 +37,7 @@ class StageRule:
     reads: tuple[str, ...]
 
 
-_DRIVE = ("duty", "elapsed_s", "speed", "current")
+_DRIVE = ("duty", "mode", "elapsed_s", "speed", "current")
 _MOTION = ("angle", "speed", "step_s", "elapsed_s", "inertia", "duty", "current")
 _FRICTION = ("level", "direction", "drive_torque", "load_torque", *_MOTION)
 
@@ -63,6 +63,7 @@ STAGES: dict[Stage, StageRule] = {
 }
 """`angle` is that of the middle of the step (of its end in `stop` and `reading`), `speed` that of its beginning.
 Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion it
-opposes. `limit` bounds the current. `pace` is how fast the stamps' clock runs, `lag` how late a reading's stamp is,
-`stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in the
-session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off."""
+opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `pace` is how fast the
+stamps' clock runs, `lag` how late a reading's stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the
+recording began; `session_s` is when that was in the session. `home` is the angle at which the run began. A `reading`
+term says how far the encoder is off."""

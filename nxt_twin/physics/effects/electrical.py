@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from nxt_twin.physics.base.dc_motor import MODE_FLOAT
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import NUMBER, Parameter
 
@@ -15,14 +16,14 @@ if TYPE_CHECKING:
 _UNREAD_V = 0.07
 
 
-def _sag(duty: float, internal: float) -> float:
-    return internal * duty * duty
+def _sag(duty: float, mode: int, internal: float) -> float:
+    return internal * (abs(duty) if mode == MODE_FLOAT else duty * duty)
 
 
 BATTERY_SAG = Effect(
     id="battery_sag",
     name="battery sag",
-    equation="U = u·(Ub - Ri·|u|·i): the bridge draws |u|·i, so that the winding sees Ri·u² in series",
+    equation="U = u·(Ub - Ri·|u|·i): the bridge draws |u|·i; the winding sees Ri·u² in series, floating Ri·|u|",
     source="a battery as a source with an internal resistance",
     equation_of="electrical",
     shows=("high_current", "after_command"),

@@ -1,0 +1,65 @@
+"""Candidate effects added to a structure and fitted roughly: enough to rank them."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.screen import Prospect, screen
+from nxt_twin.diagnose.structure import DRAFT_STEP_S, Draft, Structure, Workshop, step_for
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+
+STARTS_FOLLOWED = 3
+SLOW_ITERATIONS = 10
+
+_LEAST_PROMISE_NATS = 2.0
+_STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
+_START_ITERATIONS = 2
+_QUICK_ITERATIONS = 4
+
+
+@final
+class Drafts:
+    """Drafts of one workshop."""
+
+    def __init__(self, workshop: Workshop) -> None:
+        self._workshop = workshop
+
+    def of(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
+        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
+        starts: dict[str, list[Prospect]] = {}
+        for prospect in screen(self._workshop, structure, effects):
+            if prospect.gain > _LEAST_PROMISE_NATS:
+                starts.setdefault(prospect.effect.id, []).append(prospect)
+        drafts = [
+            (prospects[0].effect, self._draft(prospects, structure.noise))
+            for prospects in list(starts.values())[:most]
+        ]
+        return sorted(drafts, key=lambda item: item[1].cost)
+
+    def cost(self, structure: Structure, noise: Noise) -> float:
+        """As `Draft.cost`, of a structure as it stands, under other noise."""
+        step_s = step_for(structure.plant, DRAFT_STEP_S)
+        fitted, check = self._workshop.draft_cost(structure.plant, noise, step_s)
+        return fitted + structure.fitted.prior_cost + check
+
+    def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
+        """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
+        further = SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
+        enough = _STARTS_SHARE * prospects[0].gain
+        plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
+        if len(plants) > 1:
+            trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
+            plants = [best.fitted.plant]
+        return self._workshop.draft(plants[0], noise, iterations=further)
+
+    def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
+        """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
+        scale = self._workshop.problem.scale
+        pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
+        costs = self._workshop.draft_costs([plant for pair in pairs for plant in pair], noise)
+        return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]
