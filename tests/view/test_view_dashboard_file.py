@@ -9,6 +9,7 @@ import pytest
 from view_ticks import CHANNELS, PORTS, in_order, some_events, some_ticks
 
 from nxt_twin.recording.recording import FloatArray
+from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view.dashboard import open_dashboard
 from nxt_twin.view.dashboard.drawing import colours
@@ -162,6 +163,11 @@ def test_effects_keep_their_colours(tmp_path):
     shades = {name: _colour(batches[0]) for name, batches in styles.items()}
     assert len(set(shades.values())) == 3
     assert shades["nothing"] == colours.MEASURED[:3]
+
+
+def test_all_that_is_weighed_has_a_colour_of_its_own():
+    named = ("unknown", *DEFAULT_CANDIDATES)
+    assert len(set(colours.EFFECTS)) == len(colours.EFFECTS) >= len(named)
 
 
 def _colour(batch) -> tuple[int, int, int]:

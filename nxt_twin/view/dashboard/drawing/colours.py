@@ -38,5 +38,6 @@ EFFECTS: Final[tuple[Colour, ...]] = (
     (160, 130, 240, 255),
     (120, 220, 120, 255),
     (240, 140, 150, 255),
+    (176, 112, 62, 255),
 )
 """For effects in the order in which they are first named; the first, `nothing`, has `MEASURED`."""
