@@ -7,6 +7,7 @@ from nxt_twin.diagnose.diagnosis import Equation, Mismatch, Onset, SourceFinding
 from nxt_twin.diagnose.evidence import Evidence
 from nxt_twin.diagnose.linear import signatures, trials_of
 from nxt_twin.diagnose.locate import regimes, spells
+from nxt_twin.diagnose.moment import moments
 from nxt_twin.diagnose.onset import Direction, onsets
 from nxt_twin.diagnose.sources import SOURCE_OF, sources
 from nxt_twin.physics.layout import BASE_OWNER
@@ -45,6 +46,9 @@ def _onsets(simulator: Simulator, evidence: Evidence) -> tuple[Onset, ...]:
     """When each found effect set in; where none was found, when a parameter became another."""
     linear, problem = evidence.linear, evidence.problem
     plant = evidence.final.plant
+    told = moments(simulator, linear)
+    if told:
+        return told
     directions = [
         Direction(
             effect.id, trace_of(simulator, linear, without(plant, effect.id, problem.plant)), found=True

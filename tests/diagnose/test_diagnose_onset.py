@@ -8,6 +8,7 @@ from nxt_twin.diagnose.calibrate import clean_cases
 from nxt_twin.diagnose.confusion import trace_of, without
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.linear import linearise, signatures, trials_of
+from nxt_twin.diagnose.moment import moments as named_moments
 from nxt_twin.diagnose.onset import Direction, onsets
 from nxt_twin.physics.simulate import Simulator
 
@@ -53,3 +54,28 @@ def test_a_load_that_was_there_from_the_beginning_has_no_onset():
 
 def test_a_clean_motor_has_no_onset():
     assert moments(recorded(54)) == ()
+
+
+def payload_from(seed, from_s, *, families=("steps", "ramps", "reversals")):
+    """The moments of a payload that is in the structure already, added to the last recording at `from_s`."""
+    later = {"added_inertia_kg_m2": 8e-4, "added_from_s": from_s}
+    case = recorded(seed, families=families, later=later)
+    started = {"payload_inertia": {"added_inertia": 8e-4, "onset": 18.0}}
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        problem, _, final = settled(simulator, case, added=started)
+        return named_moments(simulator, linearise(simulator, problem, final))
+
+
+@pytest.mark.parametrize(("seed", "from_s"), [(55, 4.2), (56, 7.6)])
+def test_a_named_payload_has_a_moment_with_bounds_that_hold_it(seed, from_s):
+    (found,) = payload_from(seed, from_s)
+    assert (found.what, found.recording) == ("payload_inertia", "r3.csv")
+    assert abs(found.time_s - from_s) < 0.3
+    assert found.low_s <= from_s <= found.high_s
+    assert found.high_s - found.low_s < 1.0
+    assert found.p_value < 1e-3
+
+
+def test_a_payload_that_may_have_come_between_two_recordings_has_no_moment():
+    while_it_still_rests_s = 0.15
+    assert payload_from(57, while_it_still_rests_s) == ()

@@ -1,0 +1,129 @@
+"""When an effect set in that has such a moment among its parameters, by following the moment's likelihood."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import Onset
+from nxt_twin.diagnose.linear import Linear
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.signals import IntArray
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.recording import FloatArray
+
+_SYMBOL = "onset"  # of such a parameter, s since the session began
+_LEAST_NATS = 8.0
+_WITHIN_NATS = 2.0
+_COARSE_S, _FINE_S = 0.25, 0.02
+_FEWEST, _MOST = 20, 200
+_MOST_CELLS = 2_000_000  # moments times readings
+_ZOOM = 4
+
+
+@final
+@dataclass(frozen=True)
+class _Followed:
+    """Moments since the session began in rising order, and how likely each is, nats; shape (moments,)."""
+
+    at_s: FloatArray
+    nats: FloatArray
+
+
+def moments(simulator: Simulator, linear: Linear) -> tuple[Onset, ...]:
+    """The moments of all effects in the structure that have one, each if it is surely within a recording.
+
+    While the plant stands, or shows nothing of the effect, the likelihood does not fall: the bounds are the last moment
+    known to be before and the first known to be after, and the middle is given. What may as well have come between
+    two recordings has no moment.
+    """
+    plant = linear.structure.plant
+    slots = [Slot(effect.id, _SYMBOL) for effect in plant.effects]
+    found = [_moment(simulator, linear, slot) for slot in slots if slot in plant.values]
+    return tuple(onset for onset in found if onset is not None)
+
+
+def _moment(simulator: Simulator, linear: Linear, slot: Slot) -> Onset | None:
+    signals = {job.signals.name: job.signals for job in linear.jobs}
+    spans_s = {
+        name: (one.session_s, one.session_s + float(np.ptp(one.time_s))) for name, one in signals.items()
+    }
+    seconds = sum(high_s - low_s for low_s, high_s in spans_s.values())
+    most = int(np.clip(_MOST_CELLS // linear.innovations.size, _FEWEST, _MOST))
+    spacing_s = max(_COARSE_S, seconds / most)
+    grid_s = [np.arange(low_s, high_s, spacing_s) for low_s, high_s in spans_s.values()]
+    own_s = linear.structure.plant.values[slot]
+    followed = _follow(simulator, linear, slot, np.append(np.concatenate(grid_s), own_s), None)
+    tries = followed.at_s.size
+    while spacing_s > _FINE_S:
+        near_s = followed.at_s[_near(followed)]
+        zoomed = [
+            np.linspace(end_s - spacing_s, end_s + spacing_s, 2 * _ZOOM + 1) for end_s in near_s[[0, -1]]
+        ]
+        followed = _follow(simulator, linear, slot, np.concatenate(zoomed), followed)
+        spacing_s /= _ZOOM
+    time_s = float(followed.at_s[np.argmax(followed.nats)])
+    for name, (low_s, high_s) in spans_s.items():
+        if low_s <= time_s < high_s:
+            return _within(followed, name, low_s, high_s, tries, slot.owner)
+    return None
+
+
+def _within(
+    followed: _Followed, name: str, begins_s: float, ends_s: float, tries: int, what: str
+) -> Onset | None:
+    """The onset, where the readings of its recording say that it was neither there before nor came after."""
+    inside = _near(followed)
+    inner = (followed.at_s > begins_s) & (followed.at_s < ends_s)
+    before, after = (
+        followed.nats[inner & (followed.at_s < followed.at_s[inside[0]])],
+        followed.nats[inner & (followed.at_s > followed.at_s[inside[-1]])],
+    )
+    if not before.size or not after.size:
+        return None
+    strength = float(followed.nats.max() - max(before[0], after[-1]))
+    if strength < _LEAST_NATS:
+        return None
+    low_s, high_s = followed.at_s[inside[0] - 1] - begins_s, followed.at_s[inside[-1] + 1] - begins_s
+    return Onset(
+        what=what,
+        recording=name,
+        time_s=float(0.5 * (low_s + high_s)),
+        low_s=float(low_s),
+        high_s=float(high_s),
+        strength=strength,
+        p_value=min(tries * 0.5 * math.erfc(math.sqrt(strength)), 1.0),
+    )
+
+
+def _near(followed: _Followed) -> IntArray:
+    """The moments about as likely as the likeliest, from the first to the last in one piece."""
+    good = followed.nats > followed.nats.max() - _WITHIN_NATS
+    best = int(np.argmax(followed.nats))
+    breaks = np.flatnonzero(~good)
+    low = breaks[breaks < best].max(initial=-1) + 1
+    high = breaks[breaks > best].min(initial=good.size) - 1
+    return np.arange(low, high + 1)
+
+
+def _follow(
+    simulator: Simulator, linear: Linear, slot: Slot, at_s: FloatArray, known: _Followed | None
+) -> _Followed:
+    """`known` with more moments, all other variables fitted anew to first order at each."""
+    plant = linear.structure.plant
+    vectors = [plant.with_values({slot: float(moment_s)}).vectors() for moment_s in np.maximum(at_s, 0.0)]
+    values, active = (np.array(part) for part in zip(*vectors, strict=True))
+    rest = linear.innovations - linear.whitened(simulator.run(values, active, linear.jobs))
+    others = [number for number, variable in enumerate(linear.variables) if slot not in variable.slots]
+    slopes = linear.slopes[others]
+    along = rest @ slopes.T
+    normal = slopes @ slopes.T + np.diag(linear.tightness[others]) + 1e-9 * np.eye(len(others))
+    taken = np.sum(along * np.linalg.solve(normal, along.T).T, axis=1)
+    nats = 0.5 * (taken - np.sum(rest**2, axis=1))
+    if known is not None:
+        at_s, nats = np.append(known.at_s, at_s), np.append(known.nats, nats)
+    at_s, first = np.unique(np.maximum(at_s, 0.0), return_index=True)
+    return _Followed(at_s, nats[first])
