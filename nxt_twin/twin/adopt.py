@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, final
 
-from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.diagnosis import Diagnosis, Moved
 from nxt_twin.diagnose.engine import Answer, diagnose
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.plant import Plant
@@ -22,6 +22,7 @@ T = TypeVar("T")
 ENOUGH_S = 12.0
 _TRIES = 4
 _WORTHWHILE = 0.7
+_BATTERY = "internal_resistance_ohm"
 
 
 @final
@@ -125,6 +126,18 @@ def _better(diagnosis: Diagnosis) -> bool:
     if diagnosis.verdict != "unexplained":
         return True
     return bool(diagnosis.effects) and diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
+
+
+def battery_is_another(refit: Mapping[str, Moved]) -> bool:
+    """Whether a diagnosis is sure that the battery's resistance is not what it was: all motors would have the new one.
+
+    One motor within seconds hardly tells it, and what it tells of its own effects is good with either.
+    """
+    moved = refit.get(_BATTERY)
+    if moved is None or moved.interval_95 is None:
+        return True
+    low, high = moved.interval_95
+    return not low <= moved.before <= high
 
 
 def _plain(effect_id: str) -> str:

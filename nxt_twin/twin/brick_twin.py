@@ -171,15 +171,16 @@ class BrickTwin:
         """What is believed of a motor now."""
         return self._motors[port].state(self._batch, *self._commands[port])
 
-    def adopt(self, port: Port, plant: Plant, began_s: float) -> None:
+    def adopt(self, port: Port, plant: Plant, began_s: float, *, told_of_battery: bool = True) -> None:
         """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
 
         A battery's resistance that the motor's own model did not have before is that of all motors' battery, as it
-        looks from this one.
+        looks from this one, and is left as it was unless the model is `told_of_battery`.
         """
         motors, batch = self._motors, self._batch
         if _SAG.owner in plant.active and _SAG.owner not in self._plants[port].active:
-            self._cells_ohm = plant.values[_SAG] / self._company[port].times
+            if told_of_battery:
+                self._cells_ohm = plant.values[_SAG] / self._company[port].times
             plant = plant.without({_SAG.owner})
         self._plants[port] = plant
         self._supply = self._new_supply(self._supply.open_v)

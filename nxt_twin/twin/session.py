@@ -13,7 +13,7 @@ from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTi
 from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags, RowLags
 from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
-from nxt_twin.twin.adopt import Adopter, told
+from nxt_twin.twin.adopt import Adopter, battery_is_another, told
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
@@ -343,7 +343,8 @@ class Session:
             words = f"port {port.upper()}: {finished.why_not}; it goes on with the model that it has"
             self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=self.monitors[port].since_s))
             return
-        self._twin.adopt(port, finished.answer.plant, finished.began_s)
+        told_of_battery = battery_is_another(finished.answer.diagnosis.refit)
+        self._twin.adopt(port, finished.answer.plant, finished.began_s, told_of_battery=told_of_battery)
         self.monitors[port].forget(now_s, proving=True)
         self._history[port].clear()
         for event in told(port, now_s, finished.answer):

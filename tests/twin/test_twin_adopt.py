@@ -6,10 +6,12 @@ import pytest
 from twin_feed import nxt_motor
 from twin_rig import Rig, run, world_with
 
+from nxt_twin.diagnose.diagnosis import Moved
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.layout import Slot
-from nxt_twin.twin.adopt import Adopter, AtOnce
+from nxt_twin.twin.adopt import Adopter, AtOnce, battery_is_another
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
+from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.verdict import verdict
 
 
@@ -71,6 +73,27 @@ def test_a_twin_is_diagnosed_with_the_battery_that_it_is_run_with():
     twin.adopt("a", as_run.with_effect("battery_sag", {"internal": 0.9}), 0.0)
     assert "battery_sag" not in twin.plants["a"].active  # it is the battery's, which all motors share
     assert twin.plant_as_run("b").values[sag] == 0.9
+
+
+def test_a_battery_that_may_be_as_it_was_stays_so():
+    twin = BrickTwin({"a": nxt_motor(), "b": nxt_motor()}, TwinOptions(candidates=(), cells_ohm=0.4))
+    twin.adopt("a", nxt_motor().with_effect("battery_sag", {"internal": 0.9}), 0.0, told_of_battery=False)
+    assert "battery_sag" not in twin.plants["a"].active
+    assert twin.plant_as_run("b").values[Slot("battery_sag", "internal")] == 0.4
+
+
+@pytest.mark.parametrize(("interval", "sure"), [((0.2, 1.3), False), ((0.2, 0.9), True), (None, True)])
+def test_a_battery_is_another_if_the_diagnosis_is_sure(interval, sure):
+    moved = Moved(before=1.0, after=0.5, std=0.25, unit="Ω", interval_95=interval)
+    assert battery_is_another({"internal_resistance_ohm": moved}) is sure
+
+
+def test_what_is_adopted_of_one_motor_leaves_the_others_in_peace(tmp_path):
+    """Twelve seconds of one motor hardly tell the battery's resistance, which all three share."""
+    rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": -0.045}}))
+    outcome = run(rig, 24.0, ports=("a", "b", "c"), candidates=DEFAULT_CANDIDATES, adopter=Adopter(AtOnce()))
+    assert "adopted" in outcome.kinds()
+    assert {event.port for event in outcome.memory.events if event.kind == "divergence"} == {"a"}
 
 
 def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
