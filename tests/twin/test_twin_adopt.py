@@ -91,7 +91,14 @@ def test_a_battery_is_another_if_the_diagnosis_is_sure(interval, sure):
 def test_what_is_adopted_of_one_motor_leaves_the_others_in_peace(tmp_path):
     """Twelve seconds of one motor hardly tell the battery's resistance, which all three share."""
     rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": -0.045}}))
-    outcome = run(rig, 24.0, ports=("a", "b", "c"), candidates=DEFAULT_CANDIDATES, adopter=Adopter(AtOnce()))
+    outcome = run(
+        rig,
+        24.0,
+        ports=("a", "b", "c"),
+        sensors={1: "touch", 3: "light", 4: "ultrasonic"},
+        candidates=DEFAULT_CANDIDATES,
+        adopter=Adopter(AtOnce()),
+    )
     assert "adopted" in outcome.kinds()
     assert {event.port for event in outcome.memory.events if event.kind == "divergence"} == {"a"}
 
