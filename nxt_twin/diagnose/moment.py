@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Onset
+from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.linear import Linear
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.signals import IntArray
@@ -16,8 +18,8 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import FloatArray
 
 _SYMBOL = "onset"  # of such a parameter, s since the session began
-_LEAST_NATS = 8.0
-_WITHIN_NATS = 2.0
+_WITHIN_NATS = 4.0  # twice what a likelihood without flaw would ask for
+_MARGIN_S = 0.5
 _COARSE_S, _FINE_S = 0.25, 0.02
 _FEWEST, _MOST = 20, 200
 _MOST_CELLS = 2_000_000  # moments times readings
@@ -58,36 +60,45 @@ def _moment(simulator: Simulator, linear: Linear, slot: Slot) -> Onset | None:
     own_s = linear.structure.plant.values[slot]
     followed = _follow(simulator, linear, slot, np.append(np.concatenate(grid_s), own_s), None)
     tries = followed.at_s.size
+    inner = _inner(followed, list(spans_s.values()))
+    if not inner.any():
+        return None
+    best_s = float(followed.at_s[np.argmax(np.where(inner, followed.nats, -np.inf))])
+    name, span_s = next((name, one) for name, one in spans_s.items() if one[0] <= best_s < one[1])
+    followed = _part(followed, span_s)
     while spacing_s > _FINE_S:
-        near_s = followed.at_s[_near(followed)]
+        near_s = followed.at_s[_near(followed, span_s)]
         zoomed = [
             np.linspace(end_s - spacing_s, end_s + spacing_s, 2 * _ZOOM + 1) for end_s in near_s[[0, -1]]
         ]
-        followed = _follow(simulator, linear, slot, np.concatenate(zoomed), followed)
+        followed = _part(_follow(simulator, linear, slot, np.concatenate(zoomed), followed), span_s)
         spacing_s /= _ZOOM
-    time_s = float(followed.at_s[np.argmax(followed.nats)])
-    for name, (low_s, high_s) in spans_s.items():
-        if low_s <= time_s < high_s:
-            return _within(followed, name, low_s, high_s, tries, slot.owner)
-    return None
+    return _within(followed, name, span_s, tries, slot.owner)
+
+
+def _part(followed: _Followed, span_s: tuple[float, float]) -> _Followed:
+    inside = (followed.at_s >= span_s[0]) & (followed.at_s <= span_s[1])
+    return _Followed(followed.at_s[inside], followed.nats[inside])
+
+
+def _inner(followed: _Followed, spans_s: Sequence[tuple[float, float]]) -> BoolArray:
+    """Moments well within a recording: at its ends it is the same as between two."""
+    inside = [
+        (followed.at_s > low_s + _MARGIN_S) & (followed.at_s < high_s - _MARGIN_S)
+        for low_s, high_s in spans_s
+    ]
+    return np.asarray(np.any(inside, axis=0))
 
 
 def _within(
-    followed: _Followed, name: str, begins_s: float, ends_s: float, tries: int, what: str
+    followed: _Followed, name: str, span_s: tuple[float, float], tries: int, what: str
 ) -> Onset | None:
     """The onset, where the readings of its recording say that it was neither there before nor came after."""
-    inside = _near(followed)
-    inner = (followed.at_s > begins_s) & (followed.at_s < ends_s)
-    before, after = (
-        followed.nats[inner & (followed.at_s < followed.at_s[inside[0]])],
-        followed.nats[inner & (followed.at_s > followed.at_s[inside[-1]])],
-    )
-    if not before.size or not after.size:
+    inside = _near(followed, span_s)
+    if inside[0] == 0 or inside[-1] == followed.at_s.size - 1:
         return None
-    strength = float(followed.nats.max() - max(before[0], after[-1]))
-    if strength < _LEAST_NATS:
-        return None
-    low_s, high_s = followed.at_s[inside[0] - 1] - begins_s, followed.at_s[inside[-1] + 1] - begins_s
+    strength = float(max(followed.nats[inside].max() - max(followed.nats[0], followed.nats[-1]), 0.0))
+    low_s, high_s = followed.at_s[inside[0] - 1] - span_s[0], followed.at_s[inside[-1] + 1] - span_s[0]
     return Onset(
         what=what,
         recording=name,
@@ -99,13 +110,13 @@ def _within(
     )
 
 
-def _near(followed: _Followed) -> IntArray:
-    """The moments about as likely as the likeliest, from the first to the last in one piece."""
-    good = followed.nats > followed.nats.max() - _WITHIN_NATS
-    best = int(np.argmax(followed.nats))
-    breaks = np.flatnonzero(~good)
+def _near(followed: _Followed, span_s: tuple[float, float]) -> IntArray:
+    """The moments about as likely as the likeliest within, from the first to the last in one piece."""
+    inner = _inner(followed, [span_s])
+    best = int(np.argmax(np.where(inner, followed.nats, -np.inf)))
+    breaks = np.flatnonzero(followed.nats <= followed.nats[best] - _WITHIN_NATS)
     low = breaks[breaks < best].max(initial=-1) + 1
-    high = breaks[breaks > best].min(initial=good.size) - 1
+    high = breaks[breaks > best].min(initial=followed.nats.size) - 1
     return np.arange(low, high + 1)
 
 

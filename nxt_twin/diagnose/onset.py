@@ -19,7 +19,12 @@ _SURE = 0.02
 _WITHIN_NATS = 2.0
 _MARGIN_S = 0.5
 _LONGEST_INTERVAL_S = 2.0
+_ENDS_S, _ENDS_SHARE = (
+    1.5,
+    0.125,
+)  # a best moment so near an end tells of a beginning or an end, not of a change
 _GRID = 400
+_SHIFTS = 60
 _ABSENT = (-2.5, -0.4)
 
 
@@ -44,7 +49,8 @@ def onsets(linear: Linear, directions: Sequence[Direction], clean: FloatArray) -
 
     A structural change test: the direction, cut off before (or after) each moment, is weighed with everything that
     the re-fit can take up projected out. The p-value holds the best moment of a recording against the best moments
-    of `clean` cases, shape (cases, readings).
+    of `clean` cases, shape (cases, readings), and of these readings' own innovations shifted in time: what is missing
+    all the time gathers at some moment too.
     """
     names = np.array([job.signals.name for job in linear.jobs])[linear.run]
     found = []
@@ -99,8 +105,19 @@ def _best_moment(
     low_s, high_s = float(times_s[grid[near[0]] - 1]), float(times_s[grid[near[-1]]])
     if nats[best] < _LEAST_NATS or high_s - low_s > _LONGEST_INTERVAL_S:
         return None
-    chance = np.max(np.where(told, 0.5 * score(clean) ** 2 / np.maximum(left, 1e-12), 0.0), axis=1)
-    p_value = (1.0 + float(np.sum(chance >= nats[best]))) / (1.0 + len(clean))
-    if p_value > _SURE:
+    ends_s = min(_ENDS_S, _ENDS_SHARE * float(times_s[-1] - times_s[0]))
+    if not times_s[0] + ends_s < times_s[grid[best]] < times_s[-1] - ends_s:
         return None
+    p_value = 0.0
+    for others in (clean, _shifted(linear.innovations)):  # the second only for what the first lets pass
+        chance = np.max(np.where(told, 0.5 * score(others) ** 2 / np.maximum(left, 1e-12), 0.0), axis=1)
+        p_value = max(p_value, (1.0 + float(np.sum(chance >= nats[best]))) / (1.0 + len(others)))
+        if p_value > _SURE:
+            return None
     return float(times_s[grid[best]]), low_s, high_s, float(nats[best]), p_value
+
+
+def _shifted(innovations: FloatArray) -> FloatArray:
+    """The innovations moved on by so many shares of their length, shape (shifts, readings)."""
+    steps = np.linspace(0.0, innovations.size, _SHIFTS + 2)[1:-1].astype(int)
+    return np.array([np.roll(innovations, step) for step in steps])

@@ -325,7 +325,6 @@ RESTLESS: tuple[Restless, ...] = (
         "torque",
         lambda course, unit: 1.0 / (1.0 + (course.speed / (_SLOW_SHARE * unit.speed)) ** 2),
     ),
-    Restless("electrical", "torque", lambda course, unit: (course.drive / unit.drive) ** 2),
     Restless("measurement", "count", lambda course, unit: np.abs(course.speed) / unit.speed),
     Restless("timing", "reading", lambda course, unit: (course.speed / unit.speed) ** 2),
 )

@@ -41,7 +41,7 @@ SOURCE_OF: dict[Equation, Source] = {
     "timing": "clock_or_link",
 }
 
-_COMPLETE_TORQUE = 2e-3
+_COMPLETE_TORQUE = 3e-3
 _ABOVE_FLOOR = 1.5
 """What a complete model leaves at most: an unknown torque as a share of an ordinary one, and a reading noise over that
 of the readings' quantum."""
