@@ -181,6 +181,8 @@ def _gain(linear: Linear, rows: FloatArray) -> float:
     """
     shares = linear.absorbed(rows)
     gram = rows @ rows.T - shares @ (linear.slopes @ rows.T)
+    if not np.isfinite(gram).all():  # a run that blew up
+        return 0.0
     strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
     told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
     strengths, axes = strengths[told], axes[:, told]
