@@ -119,13 +119,14 @@ def _stated(found: list[Fed]) -> str:
 def _line(name: str, found: list[Fed]) -> str:
     hours = len(found) * DURATION_S / 3600.0
     alarms = sum(len(fed.of("divergence")) for fed in found)
+    blocked = sum(len(fed.of("stall")) for fed in found)
     square = float(np.mean([np.mean(fed.squares) for fed in found]))
     peaks = np.sort([fed.most_nats for fed in found])
     doubted = min(fed.least_nothing for fed in found)
     return (
         f"{name}: {alarms} alarms in {hours:.2f} motor hours, at most {at_most_per_hour(alarms, hours):.2g} an hour "
         f"(95 %); most evidence of a minute: median {np.median(peaks):.1f}, highest {peaks[-1]:.1f} nats; the model's "
-        f"least probability {doubted:.2g}; mean normalised square {square:.2f}"
+        f"least probability {doubted:.2g}; mean normalised square {square:.2f}; said to be blocked: {blocked}"
     )
 
 

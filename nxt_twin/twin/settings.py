@@ -71,7 +71,7 @@ class Watch:
 
     Attributes:
         alarm_nats: evidence for a missing torque at which a divergence is called.
-        doubt: probability of the model, beside the effects that are weighed, below which it is hardly possible.
+        doubt: probability of the model, beside the effects that are weighed, below which it is doubted.
         doubt_s: how long it has to be so.
         most_nats: what one reading can add to it.
         calm_s: how long a motor has to move without new evidence until all is said to be well again.
