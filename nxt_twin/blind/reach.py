@@ -12,9 +12,10 @@ from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judge import free_runs, overall
 from nxt_twin.diagnose.noise import first_guess, with_noise
 from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.structure import Structure, Workshop, weigh
+from nxt_twin.diagnose.structure import Structure, Workshop
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.diagnose.variables import starts_of
+from nxt_twin.diagnose.weight import weigh
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant

@@ -29,16 +29,17 @@ STRUCTURED_TORQUE = 2e-3
 LARGE_TORQUE = 3e-2
 MOST_LEFT = 0.1
 FAR_OFF = 4.0
-UNSETTLED_TORQUE = 1e-2
-HARDLY = 0.4
+UNSETTLED = 3.5e-3
+HARDLY = 0.15
 MOST_NAMED = 3
 """When what is left is more than noise: a flexible function of the state foretells it by so many nats, more than in
 clean recordings made up like these, and it is at least the second, or it is the third whatever foretells it; as
 fractions of a torque ordinary for the plant. Where effects were found, it must also be the fourth of all that there
 was to explain. Where none was found, free runs over readings that only check must not be the fifth times as far off
-as noise alone. Where what was found leaves more unknown torque than the sixth, what is left of the error of free runs
-must be less than the seventh: a term that an unknown effect happens to resemble does not carry the motion. Where more
-effects than the last were needed, beside those that plant files mostly state, they are pieces of something else."""
+as noise alone. Where something was found, the unknown torque that it leaves, times the share that it leaves of the
+error of free runs, must not be above the sixth unless that share is below the seventh: a term that an unknown effect
+happens to resemble does not carry the motion. Where more effects than the last were needed, beside those that plant
+files mostly state, they are pieces of something else."""
 
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
@@ -149,7 +150,8 @@ def verdict_of(evidence: Evidence) -> Verdict:
         return "unexplained" if structured or large or runs_away else "adequate"
     gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
     mostly_left = structured and left > MOST_LEFT * (left + gained)
-    hardly = after > UNSETTLED_TORQUE and _free_run_ratio(evidence) > HARDLY
+    share = _free_run_ratio(evidence)
+    hardly = share > HARDLY and share * after > UNSETTLED
     still_large = large and after > 0.5 * before
     return "unexplained" if mostly_left or hardly or still_large or is_patchwork(evidence) else "explained"
 

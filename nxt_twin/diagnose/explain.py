@@ -10,17 +10,14 @@ from typing import final
 from nxt_twin.diagnose.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import (
-    FREE_RUN_RATIO,
     SETTLED_STEP_S,
     Draft,
     Structure,
-    Weight,
     Workshop,
-    free_run_ratio,
     is_mechanical,
     step_for,
-    weigh,
 )
+from nxt_twin.diagnose.weight import FREE_RUN_RATIO, Weight, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
@@ -43,6 +40,10 @@ _SHORT_LIST = 5
 _LEADING = 2
 _SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
 _LIFTED = 2.5  # so many times a draft's gain other noise makes of it, or what it made of the leading one's
+_MANY_NATS = 100.0
+_FEW_MOMENTS = (
+    3.5  # from which alone less than that may come by chance: a few turns a little off, and a period found
+)
 _COMB = 5  # so many starts are separate peaks
 _UNFITTED_NATS = 60.0  # what a fit may still gain where an effect was taken out
 _BETTER_NATS = 1.0
@@ -154,7 +155,9 @@ class _Search:
         if effect.id not in added.plant.active:
             return added
         simpler = self._without(added, effect.id)
-        return added if self._worth_it(effect, weigh(simpler, added), simpler) else simpler
+        weight = weigh(simpler, added)
+        kept = self._worth_it(effect, weight, simpler) and self._lasts(weight, simpler, added)
+        return added if kept else simpler
 
     def pruned(self, best: Structure) -> Structure:
         """Take out, one at a time, effects that no longer earn their place."""
@@ -228,10 +231,14 @@ class _Search:
                 trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
-        ranked.sort(
-            key=lambda item: (-self._worth_it(item[0], item[1], best), -item[1].total - _belief(item[0]))
-        )
+        ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
+
+    def _rank(
+        self, effect: Effect, weight: Weight, trial: Structure, best: Structure
+    ) -> tuple[bool, bool, float]:
+        worth_it = self._worth_it(effect, weight, best)
+        return worth_it, worth_it and self._lasts(weight, best, trial), weight.total + _belief(effect)
 
     def _leaders(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
@@ -276,6 +283,14 @@ class _Search:
             and weight.borne_out(CHECK_NATS)
             and not weight.runs_worse
         )
+
+    def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
+        """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
+
+        Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
+        """
+        first = simpler.plant.active == self._baseline.plant.active
+        return first or weight.gain > _MANY_NATS or self._workshop.moments(simpler, richer) > _FEW_MOMENTS
 
     def _needed(self, best: Structure) -> float:
         explained = _cost(self._doubting(best)) - _cost(best)

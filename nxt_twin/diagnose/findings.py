@@ -17,7 +17,7 @@ from nxt_twin.diagnose.explain import (
     probability,
 )
 from nxt_twin.diagnose.judge import free_runs, overall
-from nxt_twin.diagnose.structure import Weight
+from nxt_twin.diagnose.weight import Weight
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 

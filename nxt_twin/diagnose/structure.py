@@ -1,8 +1,7 @@
-"""Structures - sets of effects - fitted and weighed against each other."""
+"""Structures - sets of effects - fitted, and judged by readings that only check."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -25,17 +24,6 @@ DRAFT_STEP_S = 4e-3
 SETTLED_STEP_S = 2e-3
 """Steps while structures are searched and weighed; what is reported is fitted with `STEP_S`. For an NXT motor they err
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""
-
-FREE_RUN_RATIO = 1.01
-_DOUBTING_RATIO = (
-    1.1  # doubt in readings only moves what is fitted by a little, while other physics may still lack
-)
-_SURE_RATIO = 1.05
-_SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
-_UNKIND_RATIO = 2.5
-_MUCH_NEARER = 0.5
-_DENIED_NATS = 3.0
-_AS_MANY = 0.97
 
 _SHARE_ROUNDS = 3
 _SHARE_RESTS = 0.03
@@ -89,82 +77,6 @@ class Draft:
     def cost(self) -> float:
         """Of all readings and priors, nats."""
         return self.fitted.cost + self.fitted.prior_cost + self.check_cost
-
-
-@final
-@dataclass(frozen=True)
-class Weight:
-    """What speaks for a structure over a simpler one, nats.
-
-    Attributes:
-        gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
-        check_gain: in likelihood of readings that were not.
-        free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
-        runs_worse: whether free runs speak against the richer one: it predicts one step better and has learnt noise.
-    """
-
-    gain: float
-    check_gain: float
-    free_run_ratio: float
-    runs_worse: bool
-
-    @property
-    def total(self) -> float:
-        """The sum of both, by which candidates are ranked."""
-        return self.gain + self.check_gain
-
-    def borne_out(self, least_nats: float) -> bool:
-        """Whether readings that were not fitted speak for the richer one: by likelihood, or by free runs over them.
-
-        A few of them say little one by one, and free runs much nearer say more.
-        """
-        nearer = self.free_run_ratio < _MUCH_NEARER and self.check_gain > -_DENIED_NATS
-        return self.check_gain > least_nats or nearer
-
-
-def weigh(simpler: Structure, richer: Structure) -> Weight:
-    """What speaks for `richer` over `simpler`. Half a logarithm of the readings for each further parameter (BIC)."""
-    further = len(richer.fitted.variables) - len(simpler.fitted.variables)
-    further += _shares(richer.plant) - _shares(simpler.plant)
-    penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
-    gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
-    check_gain = simpler.check_cost - richer.check_cost
-    kind, unkind = _free_run_ratios(simpler, richer)
-    return Weight(
-        gain - penalty,
-        check_gain,
-        kind,
-        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if check_gain > _SURE_NATS else 0.0)
-        or (unkind >= _UNKIND_RATIO and not _dodges(simpler, richer)),
-    )
-
-
-def _most_ratio(simpler: Structure, richer: Structure) -> float:
-    """The ratio of errors in free runs from which they speak against the richer one."""
-    if _dodges(simpler, richer):
-        return math.inf
-    added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
-    doubting = bool(added) and all("outlier" in effect.terms for effect in added)
-    return _DOUBTING_RATIO if doubting else FREE_RUN_RATIO
-
-
-def _dodges(simpler: Structure, richer: Structure) -> bool:
-    """Whether the simpler one takes for faults what it cannot explain, so that its free runs tell nothing."""
-    return simpler.believed < _AS_MANY * richer.believed
-
-
-def free_run_ratio(simpler: Structure, richer: Structure) -> float:
-    """The error of `richer` in free runs over that of `simpler`, in the kinder of the two ways to run.
-
-    A start anew cannot know the state of a load behind play or a shaft; a whole run of an integrator drifts.
-    """
-    return _free_run_ratios(simpler, richer)[0]
-
-
-def _free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
-    pairs = zip(simpler.free_run_rms, richer.free_run_rms, strict=True)
-    kind, unkind = sorted(after / max(before, 1e-15) for before, after in pairs)
-    return kind, unkind
 
 
 @final
@@ -291,7 +203,7 @@ class Workshop:
                 patience_nats=_EXACT_PATIENCE_NATS if patience_nats is None else patience_nats,
                 covariance=patience_nats is None,
             )
-            before, plant = plant, self._with_shares(fitted.plant, tuned)
+            before, plant = plant, self._withshares(fitted.plant, tuned)
             if rounds == _SHARE_ROUNDS or _shares_rest(before, plant):
                 return replace(fitted, plant=plant), slopes
             slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
@@ -336,14 +248,33 @@ class Workshop:
         gain = float(costs[-1] - costs[best])
         return (plants[best], gain) if gain > _POLLED_NATS else (fitted.plant, 0.0)
 
+    def moments(self, simpler: Structure, richer: Structure) -> float:
+        """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike.
+
+        Both under the noise of `simpler`: a noise that one moment forced upon a model costs it all the others.
+        """
+        step_s = step_for(richer.plant, SETTLED_STEP_S)
+        tuned = self.tuned(simpler.noise, step_s)
+        gains: dict[tuple[str, int], float] = {}
+        for sign, structure in ((1.0, simpler), (-1.0, richer)):
+            values, active = structure.plant.vectors()
+            results = self.simulator.run(values[None], active[None], tuned.jobs)
+            for job, result in zip(tuned.jobs, results, strict=True):
+                seconds = np.floor(job.signals.time_s - job.signals.time_s[0]).astype(int)
+                for second, cost in enumerate(np.bincount(seconds, np.nan_to_num(result.cost[0]))):
+                    key = (job.signals.name, second)
+                    gains[key] = gains.get(key, 0.0) + sign * float(cost)
+        each = np.array(list(gains.values()))
+        return float(np.sum(each) ** 2 / max(np.sum(each**2), 1e-12))
+
     def _check_cost(self, plant: Plant, tuned: Target) -> float:
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], tuned.jobs)
         return float(replace(tuned, counted=self.problem.check).cost(results)[0])
 
-    def _with_shares(self, plant: Plant, target: Target) -> Plant:
+    def _withshares(self, plant: Plant, target: Target) -> Plant:
         """Set the share of each fault to the mean probability with which it explains a reading."""
-        if not _shares(plant):
+        if not shares(plant):
             return plant
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], target.jobs)
@@ -391,5 +322,6 @@ def _shares_rest(before: Plant, after: Plant) -> bool:
     return all(abs(after.values[s] - before.values[s]) < _SHARE_RESTS * before.values[s] for s in slots)
 
 
-def _shares(plant: Plant) -> int:
+def shares(plant: Plant) -> int:
+    """How many shares of faulty readings `plant` has, which no fit counts among its variables."""
     return sum("outlier" in effect.terms for effect in plant.effects)

@@ -11,7 +11,8 @@ from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.explain import candidates, explain
 from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
 from nxt_twin.diagnose.screen import screen
-from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for, weigh
+from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for
+from nxt_twin.diagnose.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
 

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS
 from nxt_twin.diagnose.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.sight import lacks
-from nxt_twin.diagnose.structure import weigh
+from nxt_twin.diagnose.weight import weigh
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 

@@ -80,7 +80,7 @@ CLOCK_SKEW = Effect(
     shows=("high_speed", "elapsed_time"),
     parameters=(
         # A triangle's first harmonic spans a fifth less than the triangle, a square's a quarter more.
-        Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03,), 0.0, 0.5, law=0.12),
+        Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03, 0.09), 0.0, 0.5, law=0.12),
         # A half for a wander between none and s. As the span found is off by the law's shape, so is half of it: held to
         # a half, the rest would be taken for a delay.
         Parameter("lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.3, 0.7, spread=0.12, otherwise=0.5),
