@@ -14,6 +14,9 @@ _FREE_PLAY = 2
 _HARDLY_S = 0.03
 """How long a motor that turns at all takes to leave its free play."""
 
+_FEWEST = 6
+"""Counts that must be alike: a motor that goes to and fro can be read a few times at the same place."""
+
 
 @final
 class Standstill:
@@ -27,6 +30,7 @@ class Standstill:
         self._watch = watch
         self._count: int | None = None
         self._since_s = 0.0
+        self._alike = 0
         self._ever = False
         self._ways: dict[int, float] = {}
         self._way = 0
@@ -44,6 +48,7 @@ class Standstill:
         if abs(count - (self._count or 0)) > _FREE_PLAY:
             self._ever = self._ever or self._count is not None
             self._begin(time_s, count)
+        self._alike += 1
         way = (power_pct > 0) - (power_pct < 0)
         if abs(power_pct) < self._watch.stall_power_pct:
             way = 0
@@ -52,7 +57,7 @@ class Standstill:
         still_s = time_s - self._since_s
         self._way = way if still_s >= _HARDLY_S else 0
         driven_s = time_s - self._ways[way] if way else 0.0
-        if driven_s < self._watch.stall_s:
+        if driven_s < self._watch.stall_s or self._alike < _FEWEST:
             return False
         still_at = count == self._count
         gone = still_at and (len(self._ways) == 2 or not self._ever)
@@ -64,5 +69,6 @@ class Standstill:
     def _begin(self, time_s: float, count: int) -> None:
         self._count = count
         self._since_s = time_s
+        self._alike = 0
         self._ways.clear()
         self.trouble = None

@@ -129,6 +129,12 @@ def test_a_motor_that_turned_and_stops_is_blocked():
     assert still.trouble is None
 
 
+def test_a_few_counts_alike_over_a_slow_link_are_no_stall():
+    still = Standstill(Watch())
+    assert not any(still.take(0.2 * n, 100, 60) for n in range(5))
+    assert still.take(1.0, 100, 60)
+
+
 def test_a_motor_without_a_count_either_way_is_not_there():
     still = Standstill(Watch())
     powers = [60] * 20 + [-60] * 20
