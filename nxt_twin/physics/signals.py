@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.base.dc_motor import MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.base.dc_motor import MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.recording import FloatArray, InputKind, Recording
 
 IntArray = NDArray[np.int64]
@@ -88,7 +89,11 @@ def signals_of(recording: Recording, port: str | None) -> Signals:
     Raises:
         RecordingError: the port was not driven or not read, or nothing was read at all.
     """
-    found = _mapped(recording) if recording.kinds else _brick(recording, port or "a")
+    found = (
+        _mapped(recording)
+        if recording.kinds
+        else _dated(_brick(recording, port or "a"), recording.lags, port)
+    )
     if np.isfinite(found.measured).sum() < 10:
         raise RecordingError(
             "fewer than 10 readings",
@@ -122,6 +127,24 @@ def _brick(recording: Recording, port: str) -> Signals:
         measured=np.radians(recording.columns[tacho]),
         is_speed=False,
         quantum=_TACHO_QUANTUM_RAD,
+    )
+
+
+def _dated(signals: Signals, lags: KnownLags, port: str | None) -> Signals:
+    """A brick's signals with what is in a row at its own moment, where a sidecar tells by how much that is off."""
+    read_before_s, _ = lags.read_before_s(port or "a")
+    acted_after_s, _ = lags.acted_after_s(port or "a")
+    taken_s, acted_s = signals.time_s - read_before_s, signals.command_time_s + acted_after_s
+    if acted_after_s <= 0.0:
+        return replace(signals, time_s=taken_s, command_time_s=acted_s)
+    # Nothing drives what is read in the first row: its command acts later.
+    return replace(
+        signals,
+        time_s=taken_s,
+        command_time_s=np.insert(acted_s, 0, taken_s[0]),
+        command=np.insert(signals.command, 0, 0.0),
+        command_mode=np.insert(signals.command_mode, 0, MODE_COAST),
+        command_supply_v=np.insert(signals.command_supply_v, 0, signals.command_supply_v[0]),
     )
 
 

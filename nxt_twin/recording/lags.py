@@ -107,11 +107,11 @@ class KnownLags:
             _seconds(told.get(key)) for key in (_READ, _READ_STD, _ACTED, _ACTED_STD)
         )
 
-    def read_before_s(self, port: Port) -> tuple[float, float]:
+    def read_before_s(self, port: str) -> tuple[float, float]:
         """How long before its row's stamp a motor's count was taken, and how well that is known."""
         return self._read.get(port, 0.0), self._read_std.get(port, 0.0)
 
-    def acted_after_s(self, port: Port) -> tuple[float, float]:
+    def acted_after_s(self, port: str) -> tuple[float, float]:
         """How long after its row's stamp a command acted, and how well that is known."""
         return self._acted.get(port, 0.0), self._acted_std.get(port, 0.0)
 

@@ -1,5 +1,8 @@
 """A session with three motors, recorded and played again."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 import yaml
 from twin_feed import nxt_motor
@@ -8,7 +11,9 @@ from twin_rig import EVERY_SENSOR, Rig, run
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import PacedClock
 from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
+from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.recording.case import Case
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.stream import RecordingWriter
@@ -68,6 +73,19 @@ def test_three_motors_played_again_hold_as_they_did_live(tmp_path, record, profi
     record(path, profile)
     assert _divergences(path, read_recording(path).lags) == []
     assert _divergences(path, KnownLags()) != []
+
+
+def test_lags_are_no_delay_to_a_diagnosis(tmp_path):
+    path = tmp_path / "run.csv"
+    _written_down(path, "bluetooth")
+    told = read_recording(path)
+    assert _named(told) == []
+    assert _named(replace(told, lags=KnownLags())) == ["command_delay"]
+
+
+def _named(recording):
+    case = Case("run", Path(), nxt_motor().to_config(), (recording,), (), "a")
+    return [effect.id for effect in diagnose(case).diagnosis.effects]
 
 
 def test_lags_of_an_earlier_recording_of_that_name_are_replaced(tmp_path):
