@@ -17,6 +17,7 @@ from nxt_twin.diagnose.explain import (
     probability,
 )
 from nxt_twin.diagnose.judge import free_runs, overall
+from nxt_twin.diagnose.moment import with_bounds
 from nxt_twin.diagnose.weight import Weight
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
@@ -34,7 +35,7 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
                 id=effect.id,
                 name=effect.name,
                 equation=effect.equation,
-                params=estimates(evidence, effect),
+                params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
                 probability=probability(0.0, [rival.behind for rival in rivals]),
                 confusable_with=_confusions(simulator, evidence, effect, rivals),
             )

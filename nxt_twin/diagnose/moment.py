@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.diagnosis import Onset
+from nxt_twin.diagnose.diagnosis import Estimate, Onset
 from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.linear import Linear
+from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.signals import IntArray
 from nxt_twin.physics.simulate import Simulator
@@ -20,6 +21,7 @@ from nxt_twin.recording.recording import FloatArray
 _SYMBOL = "onset"  # of such a parameter, s since the session began
 _WITHIN_NATS = 4.0  # twice what a likelihood without flaw would ask for
 _MARGIN_S = 0.5
+_NORMAL_95 = 1.959964
 _COARSE_S, _FINE_S = 0.25, 0.02
 _FEWEST, _MOST = 20, 200
 _MOST_CELLS = 2_000_000  # moments times readings
@@ -48,6 +50,43 @@ def moments(simulator: Simulator, linear: Linear) -> tuple[Onset, ...]:
     return tuple(onset for onset in found if onset is not None)
 
 
+def with_bounds(
+    simulator: Simulator, linear: Linear, effect: Effect, params: Mapping[str, Estimate]
+) -> dict[str, Estimate]:
+    """`params` of `effect` with the interval of its moment, if it has one, followed in the same way.
+
+    A slope tells nothing of a moment at which the plant stood. The interval may reach over the end of a recording.
+    """
+    slot = Slot(effect.id, _SYMBOL)
+    if slot not in linear.structure.plant.values:
+        return dict(params)
+    name = linear.structure.plant.layout.parameters[slot].name
+    low_s, high_s = _bounds_s(simulator, linear, slot)
+    std = (high_s - low_s) / (2.0 * _NORMAL_95)
+    return {**params, name: replace(params[name], std=std, interval_95=(low_s, high_s))}
+
+
+def _bounds_s(simulator: Simulator, linear: Linear, slot: Slot) -> tuple[float, float]:
+    """Between which moments of the session the fitted one lies."""
+    own_s = linear.structure.plant.values[slot]
+    ends_s = max(job.signals.session_s + float(np.ptp(job.signals.time_s)) for job in linear.jobs)
+    spacing_s = max(_COARSE_S, ends_s / _MOST)
+    grid_s = np.append(np.arange(0.0, ends_s + spacing_s, spacing_s), own_s)
+    followed = _follow(simulator, linear, slot, grid_s, None)
+    while True:
+        near = _piece(followed, int(np.argmin(np.abs(followed.at_s - own_s))))
+        before, after = max(near[0] - 1, 0), min(near[-1] + 1, followed.at_s.size - 1)
+        low_s, high_s = float(followed.at_s[before]), float(followed.at_s[after])
+        if spacing_s <= _FINE_S:
+            return low_s, high_s
+        zoomed = [
+            np.linspace(followed.at_s[one], followed.at_s[other], _ZOOM + 1)
+            for one, other in ((before, near[0]), (near[-1], after))
+        ]
+        followed = _follow(simulator, linear, slot, np.concatenate(zoomed), followed)
+        spacing_s /= _ZOOM
+
+
 def _moment(simulator: Simulator, linear: Linear, slot: Slot) -> Onset | None:
     signals = {job.signals.name: job.signals for job in linear.jobs}
     spans_s = {
@@ -63,7 +102,10 @@ def _moment(simulator: Simulator, linear: Linear, slot: Slot) -> Onset | None:
     inner = _inner(followed, list(spans_s.values()))
     if not inner.any():
         return None
-    best_s = float(followed.at_s[np.argmax(np.where(inner, followed.nats, -np.inf))])
+    best = int(np.argmax(np.where(inner, followed.nats, -np.inf)))
+    if followed.nats[best] < followed.nats[_between(inner)].max(initial=-np.inf):
+        return None
+    best_s = float(followed.at_s[best])
     name, span_s = next((name, one) for name, one in spans_s.items() if one[0] <= best_s < one[1])
     followed = _part(followed, span_s)
     while spacing_s > _FINE_S:
@@ -90,6 +132,13 @@ def _inner(followed: _Followed, spans_s: Sequence[tuple[float, float]]) -> BoolA
     return np.asarray(np.any(inside, axis=0))
 
 
+def _between(inner: BoolArray) -> BoolArray:
+    """Moments about the end of one recording and the beginning of the next."""
+    first, last = np.flatnonzero(inner)[[0, -1]]
+    number = np.arange(inner.size)
+    return np.asarray(~inner & (number > first) & (number < last))
+
+
 def _within(
     followed: _Followed, name: str, span_s: tuple[float, float], tries: int, what: str
 ) -> Onset | None:
@@ -113,10 +162,14 @@ def _within(
 def _near(followed: _Followed, span_s: tuple[float, float]) -> IntArray:
     """The moments about as likely as the likeliest within, from the first to the last in one piece."""
     inner = _inner(followed, [span_s])
-    best = int(np.argmax(np.where(inner, followed.nats, -np.inf)))
-    breaks = np.flatnonzero(followed.nats <= followed.nats[best] - _WITHIN_NATS)
-    low = breaks[breaks < best].max(initial=-1) + 1
-    high = breaks[breaks > best].min(initial=followed.nats.size) - 1
+    return _piece(followed, int(np.argmax(np.where(inner, followed.nats, -np.inf))))
+
+
+def _piece(followed: _Followed, about: int) -> IntArray:
+    """The moments about as likely as the one `about`, in one piece with it."""
+    breaks = np.flatnonzero(followed.nats <= followed.nats[about] - _WITHIN_NATS)
+    low = breaks[breaks < about].max(initial=-1) + 1
+    high = breaks[breaks > about].min(initial=followed.nats.size) - 1
     return np.arange(low, high + 1)
 
 

@@ -6,11 +6,16 @@ from diagnose_motors import recorded, settled
 
 from nxt_twin.diagnose.calibrate import clean_cases
 from nxt_twin.diagnose.confusion import trace_of, without
+from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.moment import moments as named_moments
+from nxt_twin.diagnose.moment import with_bounds
 from nxt_twin.diagnose.onset import Direction, onsets
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
+
+SESSION_S = 12.0  # the recording in which the payload is added is the second that is fitted
 
 
 def moments(case, *, named=None):
@@ -57,18 +62,24 @@ def test_a_clean_motor_has_no_onset():
 
 
 def payload_from(seed, from_s, *, families=("steps", "ramps", "reversals")):
-    """The moments of a payload that is in the structure already, added to the last recording at `from_s`."""
+    """A payload that is in the structure already, added to the last recording at `from_s`: moments, and interval."""
     later = {"added_inertia_kg_m2": 8e-4, "added_from_s": from_s}
     case = recorded(seed, families=families, later=later)
-    started = {"payload_inertia": {"added_inertia": 8e-4, "onset": 18.0}}
+    started = {"payload_inertia": {"added_inertia": 8e-4, "onset": SESSION_S + from_s + 0.3}}
     with Simulator(problem_for(case).plant.layout) as simulator:
         problem, _, final = settled(simulator, case, added=started)
-        return named_moments(simulator, linearise(simulator, problem, final))
+        linear = linearise(simulator, problem, final)
+        effect = final.plant.layout.effect("payload_inertia")
+        fitted = {"onset_s": Estimate(final.plant.values[Slot("payload_inertia", "onset")], 55.0, "s")}
+        told = with_bounds(simulator, linear, effect, fitted)["onset_s"]
+        return named_moments(simulator, linear), told.interval_95
 
 
 @pytest.mark.parametrize(("seed", "from_s"), [(55, 4.2), (56, 7.6)])
 def test_a_named_payload_has_a_moment_with_bounds_that_hold_it(seed, from_s):
-    (found,) = payload_from(seed, from_s)
+    (found,), (low_s, high_s) = payload_from(seed, from_s)
+    assert low_s <= SESSION_S + from_s <= high_s
+    assert high_s - low_s < 2.5
     assert (found.what, found.recording) == ("payload_inertia", "r3.csv")
     assert abs(found.time_s - from_s) < 0.3
     assert found.low_s <= from_s <= found.high_s
@@ -78,4 +89,7 @@ def test_a_named_payload_has_a_moment_with_bounds_that_hold_it(seed, from_s):
 
 def test_a_payload_that_may_have_come_between_two_recordings_has_no_moment():
     while_it_still_rests_s = 0.15
-    assert payload_from(57, while_it_still_rests_s) == ()
+    found, (low_s, high_s) = payload_from(57, while_it_still_rests_s)
+    assert found == ()
+    assert low_s <= SESSION_S + while_it_still_rests_s <= high_s
+    assert high_s - low_s < 2.0
