@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -58,7 +58,6 @@ class Evidence:
         before, after: what the two leave at each reading.
         baseline_runs, final_runs: their free runs over what is held out.
         linear: `final` as a linear regression.
-        lacking: `baseline` as one, under the noise of `final`.
         covariance: of the variables of `final`, robust, SI.
         clean: innovations of made-up clean recordings, as those of `linear`.
         leftover_limit: nats that a clean case leaves at most.
@@ -75,7 +74,6 @@ class Evidence:
     baseline_runs: list[FreeRun]
     final_runs: list[FreeRun]
     linear: Linear
-    lacking: Linear
     covariance: FloatArray
     clean: FloatArray
     leftover_limit: float
@@ -96,9 +94,6 @@ def gather(
         for structure in (baseline, final)
     )
     linear = linearise(simulator, problem, final)
-    lacking = (
-        linear if baseline is final else linearise(simulator, problem, replace(baseline, noise=final.noise))
-    )
     clean = clean_cases(linear, rng)
     clean_left = leftover_nats_of(after, _clean_residuals(linear, rng))
     limit = leftover_threshold(clean_left, STRUCTURED_NATS)
@@ -115,7 +110,6 @@ def gather(
         baseline_runs=free_runs(simulator, problem, baseline.plant, final.plant, final.noise),
         final_runs=free_runs(simulator, problem, final.plant, final.plant, final.noise),
         linear=linear,
-        lacking=lacking,
         covariance=robust_covariance(simulator, linear),
         clean=linear.left_of(clean),
         leftover_limit=limit,

@@ -26,6 +26,7 @@ _MOST_STARS = 8
 _SHRINKING = 0.5
 _FINEST_STAR = 0.1
 _LONGEST_STEP = 3.0  # in arms of the star
+_WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
 _FLAT_NATS = 1e-3
 _RESTING_NATS = 0.2
 
@@ -112,7 +113,7 @@ def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, floa
     twist = 0.0 if held.any() else corner - right - up + middle
     bends = np.where(held, 1.0, [right + left - 2.0 * middle, up + down - 2.0 * middle])
     curve = np.array([[bends[0], twist], [twist, bends[1]]])
-    if not np.isfinite(costs).all():
+    if not (np.abs(costs) < _WILD_NATS).all():  # nor where one is no number
         nearest = int(np.nanargmin(costs))
         return _LONGEST_STEP * _STAR[nearest], float(middle - costs[nearest])
     # Where the surface bends down or hardly at all, the slope still says which way, and the clipping how far.
