@@ -55,7 +55,8 @@ def read_recording(path: Path) -> Recording:
     sidecar = read_sidecar(path)
     plant = sidecar.get("plant")
     named = plant if isinstance(plant, str) else None
-    return Recording(path.name, columns, plant=named, lags=KnownLags(sidecar))
+    lags = KnownLags(sidecar, str(path.with_suffix(".yaml")))
+    return Recording(path.name, columns, plant=named, lags=lags)
 
 
 def read_sidecar(path: Path) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Final, final
 
 import yaml
 
+from nxt_twin.errors import RecordingError
+
 if TYPE_CHECKING:
     # Needs recordings itself.
     from nxt_twin.recording.columns import Port
@@ -22,6 +24,8 @@ _READ: Final = "read_before_s"
 _READ_STD: Final = "read_std_s"
 _ACTED: Final = "acted_after_s"
 _ACTED_STD: Final = "acted_std_s"
+_LONGEST_S: Final = 10.0
+_MEND: Final = f"write such as {_READ}: {{a: 0.004}}, up to {_LONGEST_S:g} s, or take {_KEY} out"
 
 
 @final
@@ -98,13 +102,19 @@ class KnownLags:
 
     Args:
         sidecar: its keys.
+        where: it lies, for complaints.
+
+    Raises:
+        RecordingError: they are not seconds by port.
     """
 
-    def __init__(self, sidecar: Mapping[str, Any] | None = None) -> None:
-        told = (sidecar or {}).get(_KEY)
-        told = told if isinstance(told, Mapping) else {}
+    def __init__(self, sidecar: Mapping[str, Any] | None = None, where: str = "") -> None:
+        told = (sidecar or {}).get(_KEY) or {}
+        if not isinstance(told, Mapping):
+            raise RecordingError("tells no lags by kind", where=f"{where}, key {_KEY}", mend=_MEND)
         self._read, self._read_std, self._acted, self._acted_std = (
-            _seconds(told.get(key)) for key in (_READ, _READ_STD, _ACTED, _ACTED_STD)
+            _seconds(told.get(key) or {}, f"{where}, key {_KEY}: {key}")
+            for key in (_READ, _READ_STD, _ACTED, _ACTED_STD)
         )
 
     def read_before_s(self, port: str) -> tuple[float, float]:
@@ -116,8 +126,12 @@ class KnownLags:
         return self._acted.get(port, 0.0), self._acted_std.get(port, 0.0)
 
 
-def _seconds(told: object) -> dict[str, float]:
-    """What a user may have edited: whatever is no number is none."""
-    if not isinstance(told, Mapping):
-        return {}
-    return {str(port): float(each) for port, each in told.items() if isinstance(each, int | float)}
+def _seconds(told: object, where: str) -> dict[str, float]:
+    """What a user may have edited."""
+    if not isinstance(told, Mapping) or not all(_is_lag(each) for each in told.values()):
+        raise RecordingError("tells no seconds by port", where=where, mend=_MEND)
+    return {str(port): float(each) for port, each in told.items()}
+
+
+def _is_lag(told: object) -> bool:
+    return isinstance(told, int | float) and abs(told) <= _LONGEST_S

@@ -12,6 +12,7 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import PacedClock
 from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
 from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.errors import RecordingError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.files import read_recording, read_sidecar
@@ -95,10 +96,19 @@ def test_lags_of_an_earlier_recording_of_that_name_are_replaced(tmp_path):
     assert 0.0 < KnownLags(read_sidecar(path)).read_before_s("a")[0] < 0.01
 
 
-def test_a_users_sidecar_is_left_alone_and_nonsense_in_it_is_nothing(tmp_path):
+def test_a_users_sidecar_is_left_alone(tmp_path):
     session = run(Rig(), 1.0).session
     (tmp_path / "run.yaml").write_text("plant: nxt_motor\n")
     session.row_lags.write_beside(tmp_path / "run.csv")
     assert yaml.safe_load((tmp_path / "run.yaml").read_text()) == {"plant": "nxt_motor"}
-    for told in (None, 3, {"read_before_s": [1]}, {"read_before_s": {"a": "soon"}}):
-        assert KnownLags({"row_lags": told}).read_before_s("a") == (0.0, 0.0)
+    assert KnownLags({"row_lags": None}).read_before_s("a") == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "told", ["3", "{read_before_s: [1]}", "{acted_after_s: {a: soon}}", "{read_std_s: {a: .nan}}"]
+)
+def test_nonsense_about_lags_is_told_with_its_place(tmp_path, told):
+    (tmp_path / "run.csv").write_text("time_s,a_power_pct,a_tacho_deg\n0,0,0\n0.01,0,0\n")
+    (tmp_path / "run.yaml").write_text(f"row_lags: {told}\n")
+    with pytest.raises(RecordingError, match=r"run\.yaml, key row_lags"):
+        read_recording(tmp_path / "run.csv")
