@@ -58,23 +58,16 @@ def drive(
             return 0.0, 0.0
     else:
         source = duty * supply_v
-    if inductance == 0.0 and drop == 0.0 and limit == math.inf:
-        # By itself, so that the step need not wait for the current of the one before.
-        gain = torque_constant * share / resistance
-        return gain * source, gain * back_emf
-    lag = 0.0 if mode == MODE_FLOAT or inductance == 0.0 else 2.0 * inductance / step_s
+    lag = 0.0 if mode == MODE_FLOAT else 2.0 * inductance / step_s
     impedance = resistance + lag
-    net = source - back_emf * speed
-    if drop > 0.0:
-        if abs(net) <= drop:
-            source = back_emf * speed
-            net = 0.0
-        else:
-            source -= math.copysign(drop, net)
-            net -= math.copysign(drop, net)
-    if abs(net + lag * current) > limit * impedance:
-        return torque_constant * share * math.copysign(limit, net + lag * current), 0.0
-    gain = torque_constant * share / impedance
+    if drop > 0.0 or limit < math.inf:
+        net = source - back_emf * speed
+        lost = min(drop, abs(net))
+        source -= math.copysign(lost, net)
+        net -= math.copysign(lost, net)
+        if abs(net + lag * current) > limit * impedance:
+            return torque_constant * share * math.copysign(limit, net + lag * current), 0.0
+    gain = torque_constant * share * (1.0 / impedance)
     return gain * (source + lag * current), gain * back_emf
 
 
@@ -92,7 +85,7 @@ def current_after(
 
     Without inductance, or where nothing carries the current on, the middle's stands for the step.
     """
-    middle = (force - 0.5 * coupling * (before + after)) / torque_constant
+    middle = (force - 0.5 * coupling * (before + after)) * (1.0 / torque_constant)
     if inductance <= 0.0 or coupling == 0.0 or mode == MODE_FLOAT:
         return middle
     return 2.0 * middle - current

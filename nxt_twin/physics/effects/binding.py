@@ -6,6 +6,7 @@ import math
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.effects.bristles import bent, bristle_torque
+from nxt_twin.physics.inline import cosine, power
 from nxt_twin.physics.parameter import ANGLE, NUMBER, TORQUE, Parameter
 
 PRESLIDING = Effect(
@@ -43,8 +44,8 @@ PRESLIDING = Effect(
 def _binding(
     level: float, angle: float, binding: float, cycles: float, phase: float, sharpness: float
 ) -> float:
-    nearness = 0.5 + 0.5 * math.cos(cycles * angle + phase)
-    return level + (binding * math.exp(sharpness * math.log(nearness)) if nearness > 1e-12 else 0.0)
+    nearness = 0.5 + 0.5 * cosine(cycles * angle + phase)
+    return level + binding * power(nearness, sharpness)
 
 
 ANGLE_DEPENDENT_FRICTION = Effect(

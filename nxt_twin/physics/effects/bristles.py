@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from nxt_twin.physics.inline import exponential
+
 
 def bristle_torque(
     level: float, direction: float, speed: float, bend: float, reach: float, step_s: float
@@ -16,5 +18,5 @@ def bristle_torque(
 def bent(bend: float, before: float, after: float, reach: float, step_s: float) -> float:
     """How far they are bent after a step, as a share of what they bear."""
     moved = 0.5 * (before + after) * step_s
-    left = math.exp(-abs(moved) / reach)
+    left = exponential(-abs(moved) / reach)
     return bend * left + math.copysign(1.0 - left, moved)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from nxt_twin.physics.base.dc_motor import MODE_FLOAT
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.inline import power
 from nxt_twin.physics.parameter import NUMBER, Parameter
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ VOLTAGE_DROP = Effect(
 
 
 def _power_law(duty: float, exponent: float) -> float:
-    return math.copysign(abs(duty) ** exponent, duty)
+    return math.copysign(power(abs(duty), exponent), duty)
 
 
 POWER_CURVE = Effect(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.inline import exponential, power
 from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
 
 _FADED = 16.0
@@ -170,7 +171,7 @@ def _stribeck(
         least > _FADED and stribeck_exponent >= 1.0
     ):  # before the power, which takes longer than all the rest of a step
         return level
-    return level + max(0.0, breakaway - level) * math.exp(-(ratio**stribeck_exponent))
+    return level + max(0.0, breakaway - level) * exponential(-power(ratio, stribeck_exponent))
 
 
 STICTION = Effect(
@@ -283,7 +284,7 @@ QUADRATIC_DRAG = Effect(
 
 
 def _warmup(level: float, elapsed_s: float, cold_extra: float, time_constant: float) -> float:
-    return level + cold_extra * math.exp(-elapsed_s / time_constant)
+    return level + cold_extra * exponential(-elapsed_s / time_constant)
 
 
 FRICTION_WARMUP = Effect(

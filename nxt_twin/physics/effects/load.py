@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.inline import cosine, sine
 from nxt_twin.physics.parameter import ANGLE, INERTIA, NUMBER, STIFFNESS, TORQUE, Parameter
 from nxt_twin.physics.signals import Signals
 
@@ -44,7 +45,7 @@ CONSTANT_LOAD = Effect(
 
 
 def _gravity(angle: float, gravity: float, phase: float) -> float:
-    return -gravity * math.sin(angle + phase)
+    return -gravity * sine(angle + phase)
 
 
 GRAVITY_LOAD = Effect(
@@ -106,7 +107,7 @@ SPRING_LOAD = Effect(
 
 
 def _ripple(angle: float, cogging: float, cycles: float, phase: float) -> float:
-    return cogging * math.cos(cycles * angle + phase)
+    return cogging * cosine(cycles * angle + phase)
 
 
 COGGING = Effect(
