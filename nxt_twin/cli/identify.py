@@ -11,7 +11,7 @@ import typer
 
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.errors import LinkUrlError
-from nxt_twin.cli.openers import mock_options
+from nxt_twin.cli.openers import concealing, mock_options
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.cli.record import opened
 from nxt_twin.errors import ProgramError
@@ -20,13 +20,14 @@ from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified
 from nxt_twin.experiment.identify import carry_out, conclude
 from nxt_twin.experiment.outline import axes_of, outline
-from nxt_twin.experiment.plan import Experiment, read_experiment
+from nxt_twin.experiment.plan import Experiment, MotorIdentification, read_experiment
 from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
 from nxt_twin.experiment.positioner.positioner import Axis
 from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
 from nxt_twin.experiment.run_sweep import Progress, Surroundings
 from nxt_twin.experiment.standin.movers import standin_positioners
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
+from nxt_twin.twin.settings import pace_of
 
 
 def identify(
@@ -70,13 +71,15 @@ def identify(
         with bench.brick as brick:
             positioners = standin_positioners(bench, movers)
             ask = helper(bench, wanted)
-            carry_out(wanted, folder, Surroundings(brick, bench.clock, positioners, ask, screen.tell))
+            around = Surroundings(brick, bench.clock, positioners, ask, screen.tell, pace_of(url))
+            carry_out(wanted, folder, around)
     else:
         clock = SystemClock()
         with opened(url, clock) as brick:
             positioners = open_positioners(movers, brick, clock, screen.ask)
             try:
-                carry_out(wanted, folder, Surroundings(brick, clock, positioners, screen.ask, screen.tell))
+                around = Surroundings(brick, clock, positioners, screen.ask, screen.tell, pace_of(url))
+                carry_out(wanted, folder, around)
             finally:
                 close_positioners(positioners)
     screen.clear()
@@ -100,8 +103,16 @@ def _bench(wanted: Experiment, url: str) -> Workbench:
         options = mock_options(url.partition(":")[2])
     except LinkUrlError as error:
         raise typer.BadParameter(str(error), param_hint="URL") from error
-    world = options.get("world")
-    bench = workbench(None if world is None else Path(world), int(options.get("seed", "0")))
+    world, secret = options.get("world"), options.get("conceal")
+    if secret is not None and isinstance(wanted, MotorIdentification) and len(wanted.loads) > 1:
+        what = "a motor that conceals something has no disc put on it: choose an experiment without one"
+        raise typer.BadParameter(what, param_hint="URL")
+    bench = workbench(
+        None if world is None else Path(world),
+        int(options.get("seed", "0")),
+        options.get("profile", "none"),
+        concealing(secret),
+    )
     place_sensors(bench, wanted)
     return bench
 

@@ -99,10 +99,13 @@ class RowWriter:
         path: the complete recording's path.
         columns: contract 1's columns.
         kept: rows to begin with.
+
+    Attributes:
+        path: as given.
     """
 
     def __init__(self, path: Path, columns: tuple[str, ...], kept: Sequence[Mapping[str, str]]) -> None:
-        self._path = path
+        self.path = path
         self._partial = path.with_suffix(f".csv{_PART}")
         self._columns = columns
         self._file: TextIO = self._partial.open("w", encoding="utf-8", newline="")
@@ -127,7 +130,7 @@ class RowWriter:
     def finish(self) -> None:
         """The recording is complete."""
         self._file.close()
-        self._partial.replace(self._path)
+        self._partial.replace(self.path)
 
 
 def _check_numbers(row: Mapping[str, str | None], columns: Sequence[str]) -> None:

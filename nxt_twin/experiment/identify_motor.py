@@ -33,11 +33,13 @@ from nxt_twin.experiment.steady import steady_state
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
-from nxt_twin.recording.columns import BATTERY
+from nxt_twin.recording.columns import BATTERY, Port
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.recording import FloatArray, Recording
 
-_DELAY_S: Final = 3e-3
+_DELAY_S: Final = 20e-3
+"""Of a command in the fit, which dates commands so much sooner than the sidecars tell: what is left of the link's delay
+may be less than nothing, and a delay in a fit may not."""
 _FITTED: Final = ("resistance", "inertia", "torque_constant", "viscous", "coulomb")
 _KEYS: Final = (
     "resistance_ohm",
@@ -167,7 +169,7 @@ def _doubts(fits: Sequence[Ratios]) -> tuple[str, ...]:
 def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) -> Ratios:
     """Fit a set of runs, and keep of the fit what needs no anchor.
 
-    The link's delay, which shifts commands against readings, is fitted along and left out.
+    What the sidecars leave of the link's delay, which shifts commands against readings, is fitted along and left out.
     """
     config = {
         **load_plant_config(experiment.plant),
@@ -177,9 +179,11 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     missing = [key for key in _KEYS if key not in config]
     if missing:
         raise PlantError(f"lacks {', '.join(missing)}", where=experiment.plant, mend="begin with nxt_motor")
-    case = Case(experiment.name, Path(), config, tuple(recordings), (), experiment.port)
+    sooner = tuple(_sooner(recording, experiment.port) for recording in recordings)
+    case = Case(experiment.name, Path(), config, sooner, (), experiment.port)
     problem = problem_for(case)
-    structure, covariance = _fitted(problem)
+    lag_std_s = {each.name: each.lags.acted_after_s(experiment.port)[1] for each in recordings}
+    structure, covariance = _fitted(problem, lag_std_s)
     fitted = structure.fitted
     symbols = [variable.slots[0].symbol for variable in fitted.variables]
     order = [symbols.index(symbol) for symbol in _FITTED]
@@ -189,7 +193,11 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     return Ratios(ratios, spread, by_voltage, structure, _runs_off(problem, structure))
 
 
-def _fitted(problem: Problem) -> tuple[Structure, FloatArray]:
+def _sooner(recording: Recording, port: Port) -> Recording:
+    return replace(recording, lags=recording.lags.acting_sooner(port, _DELAY_S))
+
+
+def _fitted(problem: Problem, lag_std_s: Mapping[str, float]) -> tuple[Structure, FloatArray]:
     """The fit with the noise that suits it, and its covariance."""
     with Simulator(problem.plant.layout) as simulator:
         workshop = Workshop(simulator, problem)
@@ -199,7 +207,8 @@ def _fitted(problem: Problem) -> tuple[Structure, FloatArray]:
         ]
         structure = min(found, key=lambda each: each.fitted.cost + each.fitted.prior_cost)
         linear = linearise(simulator, problem, structure, STEP_S)
-        return structure, fit_covariance(simulator, linear, problem.everything(), np.random.default_rng(0))
+        rng = np.random.default_rng(0)
+        return structure, fit_covariance(simulator, linear, problem.everything(), lag_std_s, rng)
 
 
 def _runs_off(problem: Problem, structure: Structure) -> float:

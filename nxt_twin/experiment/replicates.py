@@ -9,7 +9,7 @@ unknown torque is taken off the one that was found in the real ones.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -40,19 +40,23 @@ _INDUCTANCE_DOUBT: Final = 0.15
 _MOVE: Final = 0.05
 
 
-def fit_covariance(simulator: Simulator, linear: Linear, target: Target, rng: Generator) -> FloatArray:
+def fit_covariance(
+    simulator: Simulator, linear: Linear, target: Target, lag_std_s: Mapping[str, float], rng: Generator
+) -> FloatArray:
     """Covariance of the fit's variables, SI, shape (variables, variables).
 
     Args:
         simulator: for the plant's layout.
         linear: the fit; its runs begin at rest.
         target: the readings that it is about.
-        rng: of the roundings and the unknown torque.
+        lag_std_s: by how much the lags of a recording's commands differ on the link, by its name.
+        rng: of the roundings, the lags and the unknown torque.
     """
     values, active = linear.structure.plant.vectors()
     turned = []
     for job in linear.jobs:
-        late = [free_job(one, at_rest(one)) for one in _late(job.signals, rng)]
+        shifted = _late(job.signals, lag_std_s[job.signals.name], rng)
+        late = [free_job(one, at_rest(one)) for one in shifted]
         results = simulator.run(values[None], active[None], late)
         turned.append(np.array([result.predicted[0] for result in results]))
     noise = _beyond(simulator, linear, target, turned, rng)
@@ -108,10 +112,13 @@ def _by_inductance(simulator: Simulator, linear: Linear) -> FloatArray:
     return np.outer(shift, shift)
 
 
-def _late(signals: Signals, rng: Generator) -> list[Signals]:
-    """The same commands, as early or late as a run may find the bridge's co-processor."""
-    shifts_s = _EXCHANGE_S * (rng.random(_REPLICATES) - 0.5)
-    return [replace(signals, command_time_s=signals.command_time_s + shift_s) for shift_s in shifts_s]
+def _late(signals: Signals, lag_std_s: float, rng: Generator) -> list[Signals]:
+    """The same commands: as early or late as a run may find the bridge's co-processor, and each as the link may be."""
+    run_s = _EXCHANGE_S * (rng.random((_REPLICATES, 1)) - 0.5)
+    link_s = lag_std_s * rng.standard_normal((_REPLICATES, signals.command_time_s.size))
+    # None overtakes another.
+    acted_s = np.sort(signals.command_time_s + run_s + link_s, axis=1)
+    return [replace(signals, command_time_s=row) for row in acted_s]
 
 
 def _replicates(job: Job, angle_rad: FloatArray, noise: Noise, rng: Generator) -> list[Job]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from typing import Final, final
 
-from firmware_protocol import OutputPort
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.errors import BrickError
 from nxt_twin.experiment.errors import ExperimentError
@@ -14,9 +13,9 @@ from nxt_twin.experiment.plan import Load, MotorIdentification
 from nxt_twin.experiment.run_sweep import Progress, Surroundings
 from nxt_twin.recording.columns import BATTERY, TIME, mode_column, power_column, tacho_column
 from nxt_twin.recording.program import Command, Run, commands
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.twin.dating import Dating
+from nxt_twin.twin.polling import OUTPUTS, tell
 
-_PORTS: Final = {"a": OutputPort.A, "b": OutputPort.B, "c": OutputPort.C}
 _BATTERY_READINGS: Final = 5
 """Of the resting battery before each run: the motor's own current would pull later ones down."""
 
@@ -67,6 +66,7 @@ def _record(
             recorder.drive()
         finally:
             _let_go(around.brick)
+        recorder.row_lags.write_beside(writer.path)
         writer.finish()
 
 
@@ -79,13 +79,17 @@ def _let_go(brick: Brick) -> None:
 
 @final
 class _Recorder:
-    """One run."""
+    """One run.
+
+    Attributes:
+        row_lags: by how much what is in a row is off its stamp.
+    """
 
     def __init__(
         self, experiment: MotorIdentification, run: Run, writer: RowWriter, around: Surroundings
     ) -> None:
         self._experiment = experiment
-        self._port = _PORTS[experiment.port]
+        self._output = OUTPUTS[experiment.port]
         self._writer = writer
         self._brick = around.brick
         self._clock = around.clock
@@ -94,6 +98,8 @@ class _Recorder:
         self._in_force = Command(0.0, 0, "coast")
         self._zero_s = self._clock.now_s()
         self._start_deg: int | None = None
+        self._dating = Dating(around.pace)
+        self.row_lags = self._dating.row_lags
 
     def rest(self) -> None:
         """Let the motor come to rest, whatever it was doing, and read the battery then.
@@ -101,11 +107,11 @@ class _Recorder:
         One that something keeps turning is recorded as it is.
         """
         self._brick.device.keep_awake()
-        self._brick.motors.coast(self._port)
+        self._brick.motors.coast(self._output)
         for _ in range(_MOST_RESTS):
-            before_deg = self._brick.motors.tacho_deg(self._port).value
+            before_deg = self._brick.motors.tacho_deg(self._output).value
             self._clock.sleep(self._experiment.rest_s)
-            if self._brick.motors.tacho_deg(self._port).value == before_deg:
+            if self._brick.motors.tacho_deg(self._output).value == before_deg:
                 break
         self._zero_s = self._clock.now_s()
         for _ in range(_BATTERY_READINGS):
@@ -127,10 +133,12 @@ class _Recorder:
 
     def _row(self, *, elapsed_s: float | None = None, battery_v: float | None = None) -> None:
         """One poll; with `elapsed_s`, commands that are due follow its reading."""
-        reading = self._brick.motors.tacho_deg(self._port)
-        if elapsed_s is not None:
-            self._command(elapsed_s)
+        reading = self._brick.motors.tacho_deg(self._output)
         port = self._experiment.port
+        self._dating.count(port, reading)
+        self._dating.row(reading.received_s)
+        if elapsed_s is not None:
+            self._command(elapsed_s, reading.received_s)
         self._writer.append(
             {
                 TIME: round(reading.received_s - self._zero_s, 6),
@@ -142,13 +150,15 @@ class _Recorder:
         )
         self._watch(reading.value)
 
-    def _command(self, elapsed_s: float) -> None:
+    def _command(self, elapsed_s: float, stamp_s: float) -> None:
         wanted = None
         while self._waiting and self._waiting[0].start_s <= elapsed_s + 1e-9:
             wanted = self._waiting.popleft()
         if wanted is not None:
             self._in_force = wanted
-            _send(self._brick, self._port, wanted.power_pct, wanted.mode)
+            port = self._experiment.port
+            reply = tell(self._brick, port, wanted.power_pct, wanted.mode)
+            self._dating.command(port, reply, stamp_s)
 
     def _watch(self, tacho_deg: int) -> None:
         if self._start_deg is None:
@@ -158,18 +168,3 @@ class _Recorder:
             what = f"the motor turned {abs(tacho_deg - self._start_deg)} degrees, more than {most:g}"
             mend = "shorten the runs, or allow more by most_turn_deg"
             raise ExperimentError(what, where=f"port {self._experiment.port}", mend=mend)
-
-
-def _send(brick: Brick, port: int, power_pct: int, mode: DriveMode) -> None:
-    """Command a mode. Coasting is driving with no power and an open off phase: it acts at once, where the
-    firmware's own coasting takes the power away by 1 % each ms.
-    """  # noqa: D205
-    match mode:
-        case "drive":
-            brick.motors.drive(port, power_pct)
-        case "float":
-            brick.motors.drive(port, power_pct, floating=True)
-        case "coast":
-            brick.motors.drive(port, 0, floating=True)
-        case "brake":
-            brick.motors.brake(port)

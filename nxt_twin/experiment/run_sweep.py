@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, final
 
 from firmware_protocol.ultrasonic import NO_ECHO, UltrasonicCommand
@@ -15,6 +15,7 @@ from nxt_twin.experiment.positioner.by_hand import Ask
 from nxt_twin.experiment.positioner.positioner import Axis, Positioner, within
 from nxt_twin.experiment.sweep import Part, Place, Sweep
 from nxt_twin.recording.columns import TIME
+from nxt_twin.twin.settings import Pace
 
 _GAP_S: Final = 1.0
 """What the stamps leave out between the end of an earlier attempt and where it is gone on with."""
@@ -49,6 +50,7 @@ class Surroundings:
         positioners: one for each axis that is moved.
         ask: a person who prepares things.
         tell: is told how far it is.
+        pace: when, between request and reply, the brick acts.
     """
 
     brick: Brick
@@ -56,6 +58,7 @@ class Surroundings:
     positioners: Mapping[Axis, Positioner]
     ask: Ask
     tell: Tell = lambda _: None
+    pace: Pace = field(default_factory=Pace)
 
 
 def run_sweep(sweep: Sweep, folder: RunFolder, around: Surroundings) -> None:

@@ -23,13 +23,12 @@ from nxt_twin.recording.columns import (
     touch_column,
     ultrasonic_column,
 )
-from nxt_twin.recording.lags import RowLags
 from nxt_twin.recording.recording import DRIVE_MODES
+from nxt_twin.twin.dating import Dating
 from nxt_twin.twin.driver import Driver, Told
 from nxt_twin.twin.history import Recorder
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
 from nxt_twin.twin.settings import Pace
-from nxt_twin.twin.timing import Timing
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.
@@ -105,10 +104,9 @@ class Logbook:
         self._counts: dict[Port, int] = {}
         self._battery_due_s = 0.0
         self._began_s = 0.0
-        self._pace = pace or Pace()
-        self._timing = Timing(self._pace)
+        self._dating = Dating(pace or Pace())
         self.rows = 0
-        self.row_lags = RowLags()
+        self.row_lags = self._dating.row_lags
 
     @property
     def _now_s(self) -> float:
@@ -151,14 +149,13 @@ class Logbook:
         received_s = self._now_s
         for port in self._ports:
             reply = self._brick.motors.read(OUTPUTS[port])
-            taken = self._timing.moment(reply.sent_s, reply.received_s)
-            self.row_lags.taken(port, taken.at_s - self._pace.count_age_s - self._began_s, taken.std_s)
+            self._dating.count(port, reply)
             received_s = reply.received_s - self._began_s
             self._counts[port] = reply.value.tacho_deg
             row[tacho_column(port)] = float(reply.value.tacho_deg)
             if self._driver is None or port not in self._driver.ports:
                 self._told[port] = reported(reply.value)
-        self.row_lags.row(received_s)
+        self._dating.row(self._began_s + received_s)
         if self._driver is not None and (seconds is None or received_s < seconds):
             self._command(self._driver, received_s)
         for port in self._ports:
@@ -174,9 +171,7 @@ class Logbook:
             if self._told.get(port) != told:
                 self._told[port] = told
                 reply = tell(self._brick, port, *told)
-                taken = self._timing.moment(reply.sent_s, reply.received_s)
-                after_s = taken.at_s + self._pace.command_lag_s - self._began_s - now_s
-                self.row_lags.acted(port, after_s, taken.std_s)
+                self._dating.command(port, reply, self._began_s + now_s)
 
     def _read_battery(self, row: dict[str, float]) -> None:
         if self._now_s >= self._battery_due_s:

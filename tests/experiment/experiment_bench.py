@@ -53,8 +53,8 @@ def small(kind: str, **changes: Any) -> Experiment:
     return _KINDS[kind].model_validate({"kind": kind, "name": f"small {kind}", **SMALL[kind], **changes})
 
 
-def bench_for(experiment: Experiment, seed: int = 1) -> Workbench:
-    bench = workbench(seed=seed)
+def bench_for(experiment: Experiment, seed: int = 1, profile: str = "none") -> Workbench:
+    bench = workbench(seed=seed, profile=profile)
     place_sensors(bench, experiment)
     return bench
 

@@ -20,6 +20,8 @@ from nxt_twin.recording.recording import Recording
 
 Fit = tuple[Simulator, Linear, Target]
 
+SURE = {f"run{n}.csv": 0.0 for n in range(3)}
+
 MOTOR = {
     "kind": "dc_motor",
     "resistance_ohm": 7.6,
@@ -79,7 +81,7 @@ def stds(covariance: np.ndarray) -> np.ndarray:
 def test_the_covariance_does_not_hang_on_which_made_up_recordings_were_drawn(
     one: Fit,
 ) -> None:
-    several = [stds(fit_covariance(*one, np.random.default_rng(seed))) for seed in range(4)]
+    several = [stds(fit_covariance(*one, SURE, np.random.default_rng(seed))) for seed in range(4)]
     assert np.all(np.ptp(several, axis=0) < 0.3 * np.mean(several, axis=0))
 
 
@@ -87,9 +89,15 @@ def test_a_wilder_unknown_torque_makes_every_doubt_larger(one: Fit) -> None:
     simulator, linear, target = one
     wilder = replace(linear.structure.noise, disturbance_std=5.0)
     stormy = replace(linear, structure=replace(linear.structure, noise=wilder))
-    calm = stds(fit_covariance(simulator, linear, target, np.random.default_rng(0)))
-    wild = stds(fit_covariance(simulator, stormy, target, np.random.default_rng(0)))
+    calm = stds(fit_covariance(simulator, linear, target, SURE, np.random.default_rng(0)))
+    wild = stds(fit_covariance(simulator, stormy, target, SURE, np.random.default_rng(0)))
     assert np.all(wild > 1.5 * calm)
+
+
+def test_a_link_of_which_nobody_knows_when_it_hands_commands_on_makes_every_doubt_larger(one: Fit) -> None:
+    late = dict.fromkeys(SURE, 5e-3)
+    sure, doubtful = (stds(fit_covariance(*one, lags, np.random.default_rng(0))) for lags in (SURE, late))
+    assert np.all(doubtful > 1.2 * sure)
 
 
 def test_errors_of_a_motor_worked_out_by_hand_are_as_large_as_the_covariance_says() -> None:
@@ -100,6 +108,6 @@ def test_errors_of_a_motor_worked_out_by_hand_are_as_large_as_the_covariance_say
         symbols = [variable.slots[0].symbol for variable in linear.variables]
         index = symbols.index("torque_constant")
         slot = linear.variables[index].slots[0]
-        std = stds(fit_covariance(simulator, linear, target, np.random.default_rng(seed)))[index]
+        std = stds(fit_covariance(simulator, linear, target, SURE, np.random.default_rng(seed)))[index]
         errors.append((linear.structure.plant.values[slot] - 0.49) / std)
     assert 0.2 < float(np.sqrt(np.mean(np.square(errors)))) < 2.0

@@ -38,6 +38,7 @@ from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
+from nxt_twin.mock.start import Change, profile_named
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.columns import PORTS, Port
@@ -67,25 +68,35 @@ class Workbench:
     random: Random
 
 
-def workbench(world: World | Path | None = None, seed: int = 0) -> Workbench:
+def workbench(
+    world: World | Path | None = None,
+    seed: int = 0,
+    profile: str = "none",
+    change: Change = lambda _: None,
+) -> Workbench:
     """Switch a mock brick on with nothing placed in its rig yet.
 
     Args:
         world: its surroundings, or their file; as LEGO ships it by default.
         seed: of all chance.
+        profile: delays of its link.
+        change: done to its body before it is switched on.
 
     Raises:
         WorldError: the world file is none.
         PlantError: a motor's plant in it is none.
+        ServeError: there is no such profile.
     """
     folder = world.parent if isinstance(world, Path) else None
     around = load_world(world) if isinstance(world, Path) else world or World()
     body = around.body(seed, folder)
     _stand_anywhere(body, Random(f"hubs {seed}"))  # noqa: S311 - places, not secrets
+    change(body)
     firmware = Firmware(body, around.identity())
     firmware.tick()
     clock = VirtualClock()
-    link = MockLink(Host(firmware, clock), seed=seed, late=LinkTimeoutError, lost=LinkLostError)
+    host, delays = Host(firmware, clock), profile_named(profile)
+    link = MockLink(host, delays, seed=seed, late=LinkTimeoutError, lost=LinkLostError)
     chance = Random(seed)  # noqa: S311 - noise, not secrets
     return Workbench(around, folder, Brick(link, clock), body, Rig(), clock, chance)
 
