@@ -14,6 +14,7 @@ from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.cli.openers import concealing, mock_options
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.cli.record import opened
+from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end
 from nxt_twin.errors import ProgramError
 from nxt_twin.experiment.errors import ExperimentError, StoppedError
 from nxt_twin.experiment.folder import RunFolder
@@ -27,6 +28,7 @@ from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
 from nxt_twin.experiment.run_sweep import Progress, Surroundings
 from nxt_twin.experiment.standin.movers import standin_positioners
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
+from nxt_twin.recording.columns import PORTS, Port
 from nxt_twin.twin.settings import pace_of
 
 
@@ -34,7 +36,10 @@ def identify(
     experiment: Annotated[
         str, typer.Argument(help="An experiment: a YAML file, or the name of one that comes along.")
     ],
-    url: Annotated[str, typer.Argument(help="The brick: usb:, bt:ADDRESS, tcp:HOST:PORT, mock: …")] = "usb:",
+    url: Annotated[
+        str | None,
+        typer.Argument(help="The brick: usb:, bt:ADDRESS, tcp:HOST:PORT, mock: …; without: the first found."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="The run's folder; one that is half done is gone on with."),
@@ -49,12 +54,14 @@ def identify(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")
     ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
     """Carry out an experiment on a brick, fit what it recorded, and write plant.yaml or sensor.yaml.
 
-    On `mock:` a rig made of software moves things, in virtual time. Interrupted, the motors coast and positioners
-    stop; run with the same --out, the experiment goes on where it stopped.
+    On `mock:` a rig made of software moves things, in virtual time; on a brick that is not made of software you are
+    asked before motors turn. Interrupted, the motors coast and positioners stop; run with the same --out, the
+    experiment goes on where it stopped.
     """
     wanted = read_experiment(experiment)
     movers = _movers(positioner or [], wanted)
@@ -64,24 +71,16 @@ def identify(
         return
     if out is None:
         raise typer.BadParameter("is missing: where should the recordings go?", param_hint="--out")
+    found = chosen_url(url, SystemClock())
+    if turned := _turned(wanted, movers):
+        get_leave(found, turned, yes=yes)
+    bench = _bench(wanted, found) if found.split(":")[0] == "mock" else None
     folder = RunFolder(out, wanted)
     screen = _Screen()
-    if url.split(":")[0] == "mock":
-        bench = _bench(wanted, url)
-        with bench.brick as brick:
-            positioners = standin_positioners(bench, movers)
-            ask = helper(bench, wanted)
-            around = Surroundings(brick, bench.clock, positioners, ask, screen.tell, pace_of(url))
-            carry_out(wanted, folder, around)
+    if bench is None:
+        _on_brick(wanted, found, movers, folder, screen)
     else:
-        clock = SystemClock()
-        with opened(url, clock) as brick:
-            positioners = open_positioners(movers, brick, clock, screen.ask)
-            try:
-                around = Surroundings(brick, clock, positioners, screen.ask, screen.tell, pace_of(url))
-                carry_out(wanted, folder, around)
-            finally:
-                close_positioners(positioners)
+        _on_mock(wanted, bench, movers, folder, screen)
     screen.clear()
     _show(conclude(wanted, folder), folder, json)
 
@@ -96,6 +95,37 @@ def _movers(texts: list[str], wanted: Experiment) -> Mapping[Axis, PositionerSpe
         return assigned([read_spec(text) for text in texts], axes_of(wanted))
     except (ProgramError, ExperimentError) as error:
         raise typer.BadParameter(str(error), param_hint="--positioner") from error
+
+
+def _on_mock(
+    wanted: Experiment,
+    bench: Workbench,
+    movers: Mapping[Axis, PositionerSpec],
+    folder: RunFolder,
+    screen: _Screen,
+) -> None:
+    with bench.brick as brick:
+        positioners, ask = standin_positioners(bench, movers), helper(bench, wanted)
+        carry_out(wanted, folder, Surroundings(brick, bench.clock, positioners, ask, screen.tell))
+
+
+def _on_brick(
+    wanted: Experiment, url: str, movers: Mapping[Axis, PositionerSpec], folder: RunFolder, screen: _Screen
+) -> None:
+    clock = SystemClock()
+    with tidy_end(), opened(url, clock) as brick:
+        positioners = open_positioners(movers, brick, clock, screen.ask)
+        try:
+            around = Surroundings(brick, clock, positioners, screen.ask, screen.tell, pace_of(url))
+            carry_out(wanted, folder, around)
+        finally:
+            close_positioners(positioners)
+
+
+def _turned(wanted: Experiment, movers: Mapping[Axis, PositionerSpec]) -> tuple[Port, ...]:
+    """The brick's motors that are going to turn: the one that is tried, and those of rails."""
+    own = (wanted.port,) if isinstance(wanted, MotorIdentification) else ()
+    return own + tuple(port for port in PORTS for spec in movers.values() if port == spec.address)
 
 
 def _bench(wanted: Experiment, url: str) -> Workbench:

@@ -162,7 +162,8 @@ def _doubts(fits: Sequence[Ratios]) -> tuple[str, ...]:
         return ()
     return (
         f"WARNING: run freely, this model is {max(away):.1f} times as far off as its own noise explains: physics is"
-        " missing, and the intervals do not hold. `nxt-twin diagnose` on the run's folder says what it is.",
+        " missing, and the intervals do not hold. `nxt-twin diagnose` on the run's folder says what it is, where these"
+        " runs can tell.",
     )
 
 

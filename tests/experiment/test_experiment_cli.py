@@ -5,6 +5,7 @@ import pytest
 from experiment_bench import small
 from typer.testing import CliRunner
 
+from nxt_twin.brick.errors import LinkRefusedError
 from nxt_twin.cli.app import program
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.plan import dump_experiment
@@ -88,3 +89,34 @@ def test_without_a_folder_it_is_wrong_use() -> None:
 def test_a_url_or_positioner_that_cannot_be_is_wrong_use(tmp_path: Path, wrong: list[str]) -> None:
     result = RUNNER.invoke(program(["identify"]), ["identify", *wrong, "--out", str(tmp_path / "run")])
     assert result.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["motor_steps", "mock:?profile=telegraph"],
+        ["motor_steps_disc", "mock:?conceal=7"],
+        ["motor_steps", "usb:"],
+        ["distance_sweep", "usb:", "--positioner", "rail:b,mm_per_deg=0.3"],
+    ],
+)
+def test_nothing_is_left_by_what_is_not_begun(tmp_path: Path, wrong: list[str]) -> None:
+    """Among it motors of a real brick, of which nobody is there to be asked."""
+    result = RUNNER.invoke(program(["identify"]), ["identify", *wrong, "--out", str(tmp_path / "run")])
+    assert result.exit_code == 2
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("wanted", [["motor_steps", "--yes"], ["touch_force"]])
+def test_a_brick_is_looked_for_where_nobody_has_to_be_asked(tmp_path: Path, wanted: list[str]) -> None:
+    with pytest.raises(LinkRefusedError):
+        run(*wanted, "usb:00165300DEAD", "--out", str(tmp_path / "run"))
+
+
+def test_what_the_mock_conceals_is_in_the_motor_that_is_tried(tmp_path: Path) -> None:
+    (tmp_path / "secret.yaml").write_text("effects: [spring_load]\nsize: large\nseed: 3\n", encoding="utf-8")
+    (tmp_path / "world.yaml").write_text("battery: {internal_resistance_ohm: 0.0}\n", encoding="utf-8")
+    mock = f"mock:?seed=3&world={tmp_path}/world.yaml"
+    assert "physics is missing" not in run("motor_steps", mock, "--out", str(tmp_path / "plain"))
+    concealing = f"{mock}&conceal={tmp_path}/secret.yaml"
+    assert "physics is missing" in run("motor_steps", concealing, "--out", str(tmp_path / "held"))
