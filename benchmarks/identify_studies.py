@@ -56,6 +56,7 @@ from nxt_twin.mock.body.world import World
 from nxt_twin.physics.signals import IntArray
 from nxt_twin.recording.program import commands
 from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.twin.settings import PACES, Pace
 
 EACH_PING: Final = {"settle_s": 0.05, "every_s": 0.05}
 """So that each reading sees a ping of its own."""
@@ -106,12 +107,15 @@ def _bench(seed: int) -> Workbench:
     return bench
 
 
-def _carried_out(experiment: Experiment, bench: Workbench, ask: Ask | None = None) -> Identified:
+def _carried_out(
+    experiment: Experiment, bench: Workbench, ask: Ask | None = None, pace: Pace | None = None
+) -> Identified:
     axes = () if isinstance(experiment, MotorIdentification) else sweep_of(experiment).axes
     movers = {axis: RigMover(bench.rig, axis) for axis in axes}
     pinged = isinstance(experiment, DistanceSweep | AngleSweep | TwoSensors)
     clock = Waits(bench) if pinged else bench.clock
-    around = Surroundings(bench.brick, clock, movers, ask or helper(bench, experiment))
+    helping = ask or helper(bench, experiment)
+    around = Surroundings(bench.brick, clock, movers, helping, pace=pace or Pace())
     with tempfile.TemporaryDirectory() as path:
         folder = RunFolder(Path(path) / "run", experiment)
         carry_out(experiment, folder, around)
@@ -159,21 +163,22 @@ def _anchored(
     return experiment.model_copy(update={"resistance_ohm": Anchor(value=shown, std=0.05 * shown)})
 
 
-def _motor(name: str, internal_ohm: float = 0.0) -> Repetition:
+def _motor(name: str, internal_ohm: float = 0.0, profile: str = "none") -> Repetition:
     def repeat(seed: int) -> tuple[Identified, Truth]:
         random = np.random.default_rng([seed, 11])
         truth = _motor_truth(random)
         experiment = read_experiment(name)
         assert isinstance(experiment, MotorIdentification)
         experiment = _anchored(experiment, truth, random)
-        bench = workbench(_world(truth, random, internal_ohm), seed)
+        bench = workbench(_world(truth, random, internal_ohm), seed, profile)
         off = experiment.loads[-1].added_inertia_std_kg_m2 * random.standard_normal()
 
         def put(inertia: float) -> None:
             """A disc that is off by its own stated doubt."""
             mount(bench, experiment.port, inertia + off if inertia else 0.0)
 
-        return _carried_out(experiment, bench, Hand(put)), _with_ratios(truth)
+        pace = PACES["bt" if profile == "bluetooth" else "usb"]
+        return _carried_out(experiment, bench, Hand(put), pace), _with_ratios(truth)
 
     return repeat
 
@@ -376,6 +381,8 @@ def _two_sensors(seed: int) -> tuple[Identified, Truth]:
 STUDIES: dict[str, Repetition] = {
     "motor, resistance as the anchor": _motor("motor_steps"),
     "motor, disc as the anchor": _motor("motor_steps_disc"),
+    "motor over USB's delays": _motor("motor_steps", profile="usb"),
+    "motor over Bluetooth's delays": _motor("motor_steps", profile="bluetooth"),
     "ultrasonic, distance sweep": _distance,
     "ultrasonic, angle sweep": _angle,
     "light, gradient under two lights": _gradient,
