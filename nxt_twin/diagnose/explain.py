@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from nxt_twin.diagnose.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
-from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import (
     SETTLED_STEP_S,
     Draft,
@@ -35,6 +34,7 @@ RIVAL_NATS = 6.0
 SWAP_NATS = 1.0
 
 _DRAFTED = 10
+_PROMISED = 0.1  # of the gain that is needed: with less of it no linear look at an effect has been that wrong
 _RIVALS_DRAFTED = 4
 _SHORT_LIST = 5
 _LEADING = 2
@@ -209,7 +209,8 @@ class _Search:
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
-        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED)
+        needed = self._needed(best)
+        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED, _PROMISED * needed)
         if not drafts:
             return []
         cost = self._drafts.cost(best, best.noise)
@@ -224,7 +225,7 @@ class _Search:
         ]
         settled = self._leaders(best, cost, within)
         lowest = min(_cost(trial) for _, trial in settled)
-        in_reach = _IN_REACH * max(_cost(best) - lowest, self._needed(best))
+        in_reach = _IN_REACH * max(_cost(best) - lowest, needed)
         ranked = []
         for effect, trial in settled:
             if _cost(best) - _cost(trial) > in_reach:
@@ -266,7 +267,7 @@ class _Search:
         if not is_mechanical(effect):
             return trial
         sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
-        prospects = screen(self._workshop, best, [effect])[:STARTS_FOLLOWED]
+        prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
         drafts = [self._workshop.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
         leading = min(drafts, key=lambda draft: draft.cost)
         elsewhere = leading.fitted.plant
