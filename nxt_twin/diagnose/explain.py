@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 from nxt_twin.diagnose.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
@@ -141,14 +142,34 @@ class _Search:
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
             full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
-            if not ranked or full or not self._worth_it(ranked[0][0], ranked[0][1], best):
-                return best, refused
-            added = self._still_worth_it(self.pruned(ranked[0][2]), ranked[0][0])
-            known = been.get(added.plant.active, math.inf)
-            if _cost(added) > known - _BETTER_NATS:  # what is added is taken out again: round and round
-                return best, refused
+            added = None if full or not ranked else self._added(best, ranked)
+            if added is None or _cost(added) > been.get(added.plant.active, math.inf) - _BETTER_NATS:
+                return best, refused  # the latter where what is added is taken out again: round and round
             been[added.plant.active] = _cost(added)
             best = added
+
+    def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
+        """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""
+        effect, weight, trial = ranked[0]
+        if self._worth_it(effect, weight, best):
+            return self._still_worth_it(self.pruned(trial), effect)
+        return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+
+    def _with_another(self, best: Structure, tried: tuple[Effect, Weight, Structure]) -> Structure | None:
+        """`best` with an effect that nothing but free runs speaks against, and another beside which these do not.
+
+        Where more than one thing is missing, the one that is right may well run further off by itself.
+        """
+        effect, weight, trial = tried
+        if not (self._likelier(effect, weight, best) and self._lasts(weight, best, trial)):
+            return None
+        ranked = self._forward(trial)
+        if not ranked or not self._worth_it(ranked[0][0], ranked[0][1], trial):
+            return None
+        both = self.pruned(ranked[0][2])
+        kept = {effect.id, ranked[0][0].id} <= both.plant.active
+        kept = kept and all(self._still_worth_it(both, one) is both for one in (effect, ranked[0][0]))
+        return both if kept and not weigh(best, both).runs_worse else None
 
     def _still_worth_it(self, added: Structure, effect: Effect) -> Structure:
         """`added`, or less `effect` where that, settled anew from there, comes too near to add it."""
@@ -279,11 +300,11 @@ class _Search:
 
         What readings that count for little explain does not count: there is no form in them that could be wrong.
         """
-        return (
-            weight.gain > self._needed(best) + _choice_nats(effect)
-            and weight.borne_out(CHECK_NATS)
-            and not weight.runs_worse
-        )
+        return self._likelier(effect, weight, best) and not weight.runs_worse
+
+    def _likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """The same, were there no free runs."""
+        return weight.gain > self._needed(best) + _choice_nats(effect) and weight.borne_out(CHECK_NATS)
 
     def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
         """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
