@@ -54,7 +54,7 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     further = len(richer.fitted.variables) - len(simpler.fitted.variables)
     further += shares(richer.plant) - shares(simpler.plant)
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
-    gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
+    gain = simpler.fitted_cost - richer.fitted_cost
     check_gain = simpler.check_cost - richer.check_cost
     kind, unkind = _free_run_ratios(simpler, richer)
     sure = check_gain > _SURE_NATS
