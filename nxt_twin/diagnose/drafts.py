@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -22,23 +23,55 @@ _QUICK_ITERATIONS = 4
 
 
 @final
+@dataclass(frozen=True)
+class _Known:
+    """What was tried with one structure: the starts of each effect, likeliest first, and its draft, by its id."""
+
+    structure: Structure
+    prospects: dict[str, list[Prospect]] = field(default_factory=dict)
+    drafts: dict[str, Draft] = field(default_factory=dict)
+
+
+@final
 class Drafts:
-    """Drafts of one workshop."""
+    """Drafts of one workshop; what was made for a structure once is not made again."""
 
     def __init__(self, workshop: Workshop) -> None:
         self._workshop = workshop
+        self._known: list[_Known] = []
 
-    def of(self, structure: Structure, effects: list[Effect], most: int) -> list[tuple[Effect, Draft]]:
-        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first."""
-        starts: dict[str, list[Prospect]] = {}
-        for prospect in screen(self._workshop, structure, effects):
-            if prospect.gain > _LEAST_PROMISE_NATS:
-                starts.setdefault(prospect.effect.id, []).append(prospect)
-        drafts = [
-            (prospects[0].effect, self._draft(prospects, structure.noise))
-            for prospects in list(starts.values())[:most]
-        ]
-        return sorted(drafts, key=lambda item: item[1].cost)
+    def of(
+        self, structure: Structure, effects: list[Effect], most: int, least_nats: float = 0.0
+    ) -> list[tuple[Effect, Draft]]:
+        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first.
+
+        Those that promise less than `least_nats` are left out.
+        """
+        least = max(least_nats, _LEAST_PROMISE_NATS)
+        prospects = self.prospects(structure, effects)
+        likely = [e for e in effects if e.id in prospects and prospects[e.id][0].gain > least]
+        likely.sort(key=lambda e: -prospects[e.id][0].gain)
+        drafts = self._of(structure).drafts
+        for effect in likely[:most]:
+            if effect.id not in drafts:
+                followed = [p for p in prospects[effect.id] if p.gain > _LEAST_PROMISE_NATS]
+                drafts[effect.id] = self._draft(followed, structure.noise)
+        made = [(effect, drafts[effect.id]) for effect in likely[:most]]
+        return sorted(made, key=lambda item: item[1].cost)
+
+    def prospects(self, structure: Structure, effects: list[Effect]) -> dict[str, list[Prospect]]:
+        """The starts of each of `effects` beside `structure`, by the effect's id, likeliest first."""
+        known = self._of(structure).prospects
+        for prospect in screen(self._workshop, structure, [e for e in effects if e.id not in known]):
+            known.setdefault(prospect.effect.id, []).append(prospect)
+        return known
+
+    def _of(self, structure: Structure) -> _Known:
+        for known in self._known:
+            if known.structure is structure:
+                return known
+        self._known.append(_Known(structure))
+        return self._known[-1]
 
     def cost(self, structure: Structure, noise: Noise) -> float:
         """As `Draft.cost`, of a structure as it stands, under other noise."""

@@ -5,22 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 from nxt_twin.diagnose.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
-from nxt_twin.diagnose.screen import screen
+from nxt_twin.diagnose.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.structure import (
-    SETTLED_STEP_S,
     Draft,
     Structure,
     Workshop,
     is_mechanical,
-    step_for,
 )
 from nxt_twin.diagnose.weight import FREE_RUN_RATIO, Weight, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
@@ -35,6 +33,7 @@ RIVAL_NATS = 6.0
 SWAP_NATS = 1.0
 
 _DRAFTED = 10
+_PROMISED = 0.1  # of the gain that is needed: with less of it no linear look at an effect has been that wrong
 _RIVALS_DRAFTED = 4
 _SHORT_LIST = 5
 _LEADING = 2
@@ -45,7 +44,6 @@ _FEW_MOMENTS = (
     3.5  # from which alone less than that may come by chance: a few turns a little off, and a period found
 )
 _COMB = 5  # so many starts are separate peaks
-_UNFITTED_NATS = 60.0  # what a fit may still gain where an effect was taken out
 _BETTER_NATS = 1.0
 _SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
 _IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
@@ -125,36 +123,55 @@ class _Search:
     def __init__(self, workshop: Workshop, baseline: Structure) -> None:
         self._workshop = workshop
         self._baseline = baseline
-        self._settled: dict[frozenset[str], Structure] = {}
+        self._settled = Settled(workshop, baseline)
         self._drafts = Drafts(workshop)
         self._tried: list[Effect] = []
-        self._keep(baseline)
 
     def grown(
         self, best: Structure, progress: Progress
     ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
         """Add effects to `best` while one earns its place; what came near is noted."""
-        been = {best.plant.active: _cost(best)}
+        been = {best.plant.active: best.fitted_cost}
         while True:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
             full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
-            if not ranked or full or not self._worth_it(ranked[0][0], ranked[0][1], best):
-                return best, refused
-            added = self._still_worth_it(self.pruned(ranked[0][2]), ranked[0][0])
-            known = been.get(added.plant.active, math.inf)
-            if _cost(added) > known - _BETTER_NATS:  # what is added is taken out again: round and round
-                return best, refused
-            been[added.plant.active] = _cost(added)
+            added = None if full or not ranked else self._added(best, ranked)
+            if added is None or added.fitted_cost > been.get(added.plant.active, math.inf) - _BETTER_NATS:
+                return best, refused  # the latter where what is added is taken out again: round and round
+            been[added.plant.active] = added.fitted_cost
             best = added
+
+    def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
+        """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""
+        effect, weight, trial = ranked[0]
+        if self._worth_it(effect, weight, best):
+            return self._still_worth_it(self.pruned(trial), effect)
+        return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+
+    def _with_another(self, best: Structure, tried: tuple[Effect, Weight, Structure]) -> Structure | None:
+        """`best` with an effect that nothing but free runs speaks against, and another beside which these do not.
+
+        Where more than one thing is missing, the one that is right may well run further off by itself.
+        """
+        effect, weight, trial = tried
+        if not (self._likelier(effect, weight, best) and self._lasts(weight, best, trial)):
+            return None
+        ranked = self._forward(trial)
+        if not ranked or not self._worth_it(ranked[0][0], ranked[0][1], trial):
+            return None
+        both = self.pruned(ranked[0][2])
+        kept = {effect.id, ranked[0][0].id} <= both.plant.active
+        kept = kept and all(self._still_worth_it(both, one) is both for one in (effect, ranked[0][0]))
+        return both if kept and not weigh(best, both).runs_worse else None
 
     def _still_worth_it(self, added: Structure, effect: Effect) -> Structure:
         """`added`, or less `effect` where that, settled anew from there, comes too near to add it."""
         if effect.id not in added.plant.active:
             return added
-        simpler = self._without(added, effect.id)
+        simpler = self._settled.without(added, effect.id)
         weight = weigh(simpler, added)
         kept = self._worth_it(effect, weight, simpler) and self._lasts(weight, simpler, added)
         return added if kept else simpler
@@ -164,7 +181,7 @@ class _Search:
         while True:
             weakest: tuple[float, Structure] | None = None
             for effect_id in sorted(best.plant.active - self._baseline.plant.active):
-                simpler = self._without(best, effect_id)
+                simpler = self._settled.without(best, effect_id)
                 weight = weigh(simpler, best)
                 kept = _keeps_its_place(weight, KEEP_NATS + self._belief_in_what_returns(simpler, best))
                 if not kept and (weakest is None or weight.total < weakest[0]):
@@ -181,17 +198,17 @@ class _Search:
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best`, the weightiest first."""
         weighed = [
-            (best.plant.layout.effect(effect_id), weigh(self._without(best, effect_id), best))
+            (best.plant.layout.effect(effect_id), weigh(self._settled.without(best, effect_id), best))
             for effect_id in sorted(best.plant.active - self._baseline.plant.active)
         ]
         return tuple(sorted(weighed, key=lambda item: -item[1].total))
 
     def rivals(self, best: Structure, effect: Effect) -> tuple[Rival, ...]:
         """Effects that were near at some time, are declared confusable or promise much, put in `effect`'s place."""
-        bare = self._without(best, effect.id)
+        bare = self._settled.without(best, effect.id)
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
         allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
-        known = {e.id: settled for e in allowed if (settled := self._settled_with(bare.plant, e))}
+        known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
         rivals = [
             Rival(e, weigh(known[e.id], best).total + _belief(effect) - _belief(e), known[e.id])
             for e in allowed
@@ -202,14 +219,15 @@ class _Search:
         for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, _RIVALS_DRAFTED)):
             reach = _RIVAL_REACH_NATS if rank or known else _FAR_REACH_NATS
             if draft.cost - equal < reach:
-                trial = self._settle(draft.fitted.plant, bare.noise)
+                trial = self._settled.settle(draft.fitted.plant, bare.noise)
                 beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
                 rivals.append(Rival(other, beaten_by, trial))
         return tuple(sorted(rivals, key=lambda rival: rival.behind)[:_SHORT_LIST])
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
-        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED)
+        needed = self._needed(best)
+        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED, _PROMISED * needed)
         if not drafts:
             return []
         cost = self._drafts.cost(best, best.noise)
@@ -223,11 +241,11 @@ class _Search:
             or (effect.states and cost - draft.cost > _IN_REACH * leading)
         ]
         settled = self._leaders(best, cost, within)
-        lowest = min(_cost(trial) for _, trial in settled)
-        in_reach = _IN_REACH * max(_cost(best) - lowest, self._needed(best))
+        lowest = min(trial.fitted_cost for _, trial in settled)
+        in_reach = _IN_REACH * max(best.fitted_cost - lowest, needed)
         ranked = []
         for effect, trial in settled:
-            if _cost(best) - _cost(trial) > in_reach:
+            if best.fitted_cost - trial.fitted_cost > in_reach:
                 trial = self._settled_anew(best, effect, trial)
             if _shows(trial.plant, effect, self._workshop.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
@@ -250,9 +268,9 @@ class _Search:
             promise = cost - draft.cost
             if settled and lifted * promise + _SLACK_NATS < needed:
                 continue
-            trial = self._settle(draft.fitted.plant, best.noise)
+            trial = self._settled.settle(draft.fitted.plant, best.noise)
             if not settled and promise > 0.0:
-                gain = _cost(best) + best.check_cost - _cost(trial) - trial.check_cost
+                gain = best.fitted_cost + best.check_cost - trial.fitted_cost - trial.check_cost
                 lifted = max(lifted, gain / promise)
             settled.append((effect, trial))
         return settled
@@ -266,23 +284,23 @@ class _Search:
         if not is_mechanical(effect):
             return trial
         sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
-        prospects = screen(self._workshop, best, [effect])[:STARTS_FOLLOWED]
+        prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
         drafts = [self._workshop.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
         leading = min(drafts, key=lambda draft: draft.cost)
         elsewhere = leading.fitted.plant
         costs = self._workshop.draft_costs([elsewhere, trial.plant], trial.noise)
-        return self._settle(elsewhere, sober) if costs[0] < costs[1] + _UNFITTED_NATS else trial
+        return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
     def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
 
         What readings that count for little explain does not count: there is no form in them that could be wrong.
         """
-        return (
-            weight.gain > self._needed(best) + _choice_nats(effect)
-            and weight.borne_out(CHECK_NATS)
-            and not weight.runs_worse
-        )
+        return self._likelier(effect, weight, best) and not weight.runs_worse
+
+    def _likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """The same, were there no free runs."""
+        return weight.gain > self._needed(best) + _choice_nats(effect) and weight.borne_out(CHECK_NATS)
 
     def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
         """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
@@ -293,7 +311,7 @@ class _Search:
         return first or weight.gain > _MANY_NATS or self._workshop.moments(simpler, richer) > _FEW_MOMENTS
 
     def _needed(self, best: Structure) -> float:
-        explained = _cost(self._doubting(best)) - _cost(best)
+        explained = self._doubting(best).fitted_cost - best.fitted_cost
         return max(GAIN_NATS, _FORM_SHARE * explained)
 
     def _doubting(self, best: Structure) -> Structure:
@@ -305,38 +323,10 @@ class _Search:
                 plant = plant.with_effect(effect.id, shares)
         if plant.active == self._baseline.plant.active:
             return self._baseline
-        return self._settled.get(plant.active) or self._settle(plant, best.noise)
+        return self._settled.like(plant) or self._settled.settle(plant, best.noise)
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         return candidates(plant, self._workshop.problem.signals[0])
-
-    def _without(self, best: Structure, effect_id: str) -> Structure:
-        """`best` less one effect, settled from where `best` lies if that is better than where it was settled before.
-
-        An effect that merely led out of a dead end would else be named for it.
-        """
-        plant = _simpler(best.plant, effect_id, self._workshop.problem.plant)
-        before = self._settled.get(plant.active)
-        if before is not None:
-            cost, _ = self._workshop.draft_cost(plant, best.noise, step_for(plant, SETTLED_STEP_S))
-            if cost > before.fitted.cost + _UNFITTED_NATS:
-                return before
-        return self._settle(plant, best.noise)
-
-    def _settled_with(self, bare: Plant, effect: Effect) -> Structure | None:
-        """What was settled before with just `effect` added to `bare`, if anything was."""
-        return self._settled.get((bare.active - set(effect.supersedes)) | {effect.id})
-
-    def _settle(self, plant: Plant, noise: Noise) -> Structure:
-        """Settle, unless that set of effects came out better before."""
-        return self._keep(self._workshop.settled(plant, noise))
-
-    def _keep(self, structure: Structure) -> Structure:
-        active = structure.plant.active
-        before = self._settled.get(active)
-        if before is None or _cost(structure) < _cost(before):
-            self._settled[active] = structure
-        return self._settled[active]
 
 
 def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
@@ -353,10 +343,6 @@ def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure 
 def _choice_nats(effect: Effect) -> float:
     """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
     return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= _COMB)
-
-
-def _cost(structure: Structure) -> float:
-    return structure.fitted.cost + structure.fitted.prior_cost
 
 
 def _belief(effect: Effect) -> float:
@@ -377,17 +363,6 @@ def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
     nothing = plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
     nothing = max(nothing, main.least(scale.recordings) if main.least else 0.0)
     return value > _CLEAR * bounds.lower * bounds.si and (nothing <= 0.0 or value > _ABOVE * nothing)
-
-
-def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
-    """`plant` without the effect; the plain terms that it had replaced come back."""
-    effect = plant.layout.effect(effect_id)
-    bare = plant.without([effect_id])
-    mean = sum(plant.values[Slot(effect_id, p.symbol)] for p in effect.parameters) / len(effect.parameters)
-    for plain in effect.supersedes:
-        symbol = plant.layout.effect(plain).parameters[0].symbol
-        bare = bare.with_effect(plain, {symbol: baseline.values.get(Slot(plain, symbol), mean)})
-    return bare
 
 
 def probability(behind: float, others: list[float]) -> float:

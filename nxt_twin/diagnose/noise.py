@@ -29,6 +29,8 @@ _LONGEST_STEP = 3.0  # in arms of the star
 _WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
 _FLAT_NATS = 1e-3
 _RESTING_NATS = 0.2
+_SAME_DAMPING = 0.1  # in logarithms
+_WORSE_NATS = 100.0
 
 
 def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
@@ -74,7 +76,7 @@ def estimate(
     """
     floor = reading_floor([job.signals for job in target.jobs])
     lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
-    damping = damping_per_s(plant)
+    damping = _likelier_damping_per_s(simulator, plant, target, start)
 
     def noise_at(logs: FloatArray) -> Noise:
         reading, disturbance = np.exp(np.maximum(logs, lowest))
@@ -101,6 +103,19 @@ def estimate(
         ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
     return noise_at(best), start_cost - cost
+
+
+def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> float:
+    """How fast the plant forgets its speed, or what `start` says of it where that is out of the question.
+
+    A plant whose current is held, or has yet to follow, forgets nothing like as fast as its equation at rest tells, and
+    with gains that count on it a run may run away.
+    """
+    own = replace(start, damping_per_s=damping_per_s(plant))
+    if abs(math.log(own.damping_per_s / start.damping_per_s)) < _SAME_DAMPING:
+        return own.damping_per_s
+    costs = _costs(simulator, plant, target, [own, start])
+    return (own if costs[0] < costs[1] + _WORSE_NATS else start).damping_per_s
 
 
 def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:

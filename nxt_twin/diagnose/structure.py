@@ -64,6 +64,11 @@ class Structure:
         """The fitted plant."""
         return self.fitted.plant
 
+    @property
+    def fitted_cost(self) -> float:
+        """Of the readings that were fitted and of the priors, nats."""
+        return self.fitted.cost + self.fitted.prior_cost
+
 
 @final
 @dataclass(frozen=True)

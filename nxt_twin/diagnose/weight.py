@@ -54,15 +54,17 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     further = len(richer.fitted.variables) - len(simpler.fitted.variables)
     further += shares(richer.plant) - shares(simpler.plant)
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
-    gain = simpler.fitted.cost + simpler.fitted.prior_cost - richer.fitted.cost - richer.fitted.prior_cost
+    gain = simpler.fitted_cost - richer.fitted_cost
     check_gain = simpler.check_cost - richer.check_cost
     kind, unkind = _free_run_ratios(simpler, richer)
+    sure = check_gain > _SURE_NATS
+    unkind_only = sure and kind < _MUCH_NEARER  # a start anew in the middle may lie on the edge of sticking
     return Weight(
         gain - penalty,
         check_gain,
         kind,
-        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if check_gain > _SURE_NATS else 0.0)
-        or (unkind >= _UNKIND_RATIO and not _dodges(simpler, richer)),
+        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if sure else 0.0)
+        or (unkind >= _UNKIND_RATIO and not unkind_only and not _dodges(simpler, richer)),
     )
 
 

@@ -1,7 +1,7 @@
 """Elementary functions that compile to plain arithmetic, for the terms of a kernel's step.
 
 They are no quicker than those of the mathematics library; but a call, even one that is not reached, keeps the whole
-step's quantities out of the processor's registers: without any, a kernel makes up to half as many steps a second more.
+step's quantities out of the processor's registers, whatever acts in it.
 Each is as exact as its docstring says, which is far beyond what a step is, and stands in for the library's nowhere
 else.
 """

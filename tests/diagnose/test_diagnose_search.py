@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnose_cases import concealed
+from diagnose_cases import concealed, diagnosed
 
 from nxt_twin.diagnose import screen as screening
+from nxt_twin.diagnose.drafts import Drafts
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.explain import candidates, explain
 from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
@@ -82,6 +83,43 @@ def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
                 disturbance_std=disturbance * start.disturbance_std,
             )
             assert cost_under(likeliest) < cost_under(noise) + 1.0
+
+
+def test_no_noise_is_settled_on_under_which_a_run_runs_away():
+    """A motor whose current is held does not forget its speed as its resistance tells, a light one within 3 ms."""
+    bench = Bench(("current_limit",), seed=144)
+    light = bench.baseline.plant.with_values({Slot("base", "inertia"): 2e-4})
+    plant, target = light.with_effect("current_limit", {"ceiling": 0.06}), bench.problem.target
+    start = replace(bench.baseline.noise, damping_per_s=30.0)
+    values, active = plant.vectors()
+
+    def cost_under(noise):
+        tuned = with_noise(target, noise)
+        return tuned.cost(bench.simulator.run(values[None], active[None], tuned.jobs))[0]
+
+    likeliest, gain = estimate(bench.simulator, plant, target, start)
+    assert damping_per_s(plant) > 5.0 * start.damping_per_s
+    assert gain >= 0.0
+    assert cost_under(likeliest) <= cost_under(start)
+
+
+def test_effects_are_found_that_free_runs_speak_against_one_by_one():
+    """With a twisting shaft but without the spring a free run is further off than with neither."""
+    concealing = ("spring_load", "inductance", "shaft_compliance")
+    found = diagnosed(concealing, seed=5507709547413580, size="large").diagnosis
+    assert found.verdict == "explained"
+    assert {effect.id for effect in found.effects} == set(concealing)
+
+
+def test_a_draft_is_made_once_for_a_structure(lacking):
+    drafts = Drafts(lacking.workshop)
+    effects = candidates(lacking.baseline.plant, lacking.problem.signals[0])
+    first = drafts.of(lacking.baseline, effects, 2)
+    before = lacking.steps
+    again = drafts.of(lacking.baseline, effects, 2)
+    assert lacking.steps == before
+    assert [(effect.id, draft.cost) for effect, draft in again] == [(e.id, d.cost) for e, d in first]
+    assert drafts.of(lacking.baseline, effects, 2, least_nats=1e9) == []
 
 
 def test_mechanical_states_take_finer_steps(lacking):
