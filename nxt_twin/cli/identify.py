@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json as json_format
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,7 +22,7 @@ from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified
 from nxt_twin.experiment.identify import carry_out, conclude
 from nxt_twin.experiment.outline import axes_of, outline
-from nxt_twin.experiment.plan import Experiment, MotorIdentification, read_experiment
+from nxt_twin.experiment.plan import Experiment, MotorIdentification, own_experiments, read_experiment
 from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
 from nxt_twin.experiment.positioner.positioner import Axis
 from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
@@ -34,8 +35,9 @@ from nxt_twin.twin.settings import pace_of
 
 def identify(
     experiment: Annotated[
-        str, typer.Argument(help="An experiment: a YAML file, or the name of one that comes along.")
-    ],
+        str | None,
+        typer.Argument(help="An experiment: a name or a YAML file; without: list the names."),
+    ] = None,
     url: Annotated[
         str | None,
         typer.Argument(help="The brick: usb:, bt:ADDRESS, tcp:HOST:PORT, mock: …; without: the first found."),
@@ -63,6 +65,9 @@ def identify(
     asked before motors turn. Interrupted, the motors coast and positioners stop; run with the same --out, the
     experiment goes on where it stopped.
     """
+    if experiment is None:
+        _list(json)
+        return
     wanted = read_experiment(experiment)
     movers = _movers(positioner or [], wanted)
     lines = list(outline(wanted, movers))
@@ -83,6 +88,17 @@ def identify(
         _on_mock(wanted, bench, movers, folder, screen)
     screen.clear()
     _show(conclude(wanted, folder), folder, json)
+
+
+def _list(json: str | None) -> None:
+    reasons = {name: read_experiment(name).why for name in own_experiments()}
+    if json:
+        told = [{"name": name, "why": why} for name, why in reasons.items()]
+        answer = {"schema": "nxt-twin/experiments/1", "experiments": told}
+        emit_json(json, json_format.dumps(answer, ensure_ascii=False))
+    if json != "-":
+        for name, why in reasons.items():
+            print(f"{name:18} {why}")
 
 
 def _movers(texts: list[str], wanted: Experiment) -> Mapping[Axis, PositionerSpec]:

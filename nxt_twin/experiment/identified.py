@@ -58,7 +58,7 @@ class Identified:
         compared: values got in another way, for comparison; in no configuration.
         notes: what a person should know, one sentence each.
         config: the plant or sensor, as for a YAML file; None where there is no such thing.
-        recordings: files of the run's folder that a diagnosis of the plant would be about.
+        recordings: files of the run's folder that a diagnosis of the plant or sensor would be about.
     """
 
     experiment: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,8 @@ def identify_sensor(
     """
     sweep = sweep_of(experiment)
     recordings = [folder.read(part.name) for part in sweep.parts]
-    return identified_from(experiment, recordings)
+    files = tuple(f"recordings/{recording.name}" for recording in recordings)
+    return replace(identified_from(experiment, recordings), recordings=files)
 
 
 def identified_from(

@@ -291,6 +291,15 @@ _KINDS: dict[str, type[Experiment]] = {
 }
 
 
+def own_experiments() -> list[str]:
+    """The names of those that come along, sorted."""
+    return [file.stem for file in sorted(_own_folder().glob("*.yaml"))]
+
+
+def _own_folder() -> Path:
+    return configs_dir() / "experiments"
+
+
 def read_experiment(name_or_path: str | Path) -> Experiment:
     """Read an experiment: a file, or the name of one of the tool's own such as `distance_sweep`.
 
@@ -299,9 +308,8 @@ def read_experiment(name_or_path: str | Path) -> Experiment:
     """
     path = Path(name_or_path)
     if path.suffix.lower() not in (".yaml", ".yml"):
-        folder = configs_dir() / "experiments"
-        path = folder / f"{name_or_path}.yaml"
-        known = [file.stem for file in sorted(folder.glob("*.yaml"))]
+        path = _own_folder() / f"{name_or_path}.yaml"
+        known = own_experiments()
         if str(name_or_path) not in known:
             mend = f"nearest known: {nearest(str(name_or_path), known)}; or name a .yaml file"
             raise ProgramError(f"there is no experiment named {quoted(str(name_or_path))}", mend=mend)

@@ -48,7 +48,7 @@ def test_on_the_mock_from_beginning_to_end(tmp_path: Path) -> None:
     text = run(file, "mock:?seed=3", "--out", str(out))
     assert "press_force_g" in text
     names = {path.name for path in out.iterdir()}
-    assert names == {"experiment.yaml", "recordings", "identified.json", "sensor.yaml"}
+    assert names == {"experiment.yaml", "recordings", "identified.json", "sensor.yaml", "case.yaml"}
     again = json.loads(run(file, "mock:?seed=99", "--out", str(out), "--json", "-"))
     assert again == json.loads((out / "identified.json").read_text())
 
@@ -111,6 +111,21 @@ def test_nothing_is_left_by_what_is_not_begun(tmp_path: Path, wrong: list[str]) 
 def test_a_brick_is_looked_for_where_nobody_has_to_be_asked(tmp_path: Path, wanted: list[str]) -> None:
     with pytest.raises(LinkRefusedError):
         run(*wanted, "usb:00165300DEAD", "--out", str(tmp_path / "run"))
+
+
+def test_names_are_listed() -> None:
+    told = json.loads(run("--json", "-"))
+    names = [each["name"] for each in told["experiments"]]
+    assert [line.split()[0] for line in run().splitlines()] == names
+    assert {"motor_steps", "two_sensors"} < set(names)
+
+
+@pytest.mark.parametrize("kind", ["distance_sweep", "angle_sweep", "touch_cycles", "gradient_sweep"])
+def test_nothing_is_missing_from_a_sensor_that_was_identified(tmp_path: Path, kind: str) -> None:
+    run(write(kind, tmp_path), "mock:?seed=3", "--out", str(tmp_path / "run"))
+    result = RUNNER.invoke(program(["diagnose"]), ["diagnose", str(tmp_path / "run"), "--json", "-"])
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["verdict"] == "adequate"
 
 
 def test_what_the_mock_conceals_is_in_the_motor_that_is_tried(tmp_path: Path) -> None:
