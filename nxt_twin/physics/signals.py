@@ -16,6 +16,7 @@ from nxt_twin.physics.base.dc_motor import MODE_COAST, MODE_CURRENT, MODE_DRIVE,
 from nxt_twin.physics.others import with_others
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
+from nxt_twin.recording.pulses import pulsed
 from nxt_twin.recording.recording import FloatArray, InputKind, Recording
 
 IntArray = NDArray[np.int64]
@@ -135,7 +136,7 @@ def _brick(recording: Recording, port: str) -> Signals:
                 "no such column", where=f"{recording.name}, column {column}", mend="name another port"
             )
     rows = recording.rows
-    duty = _held(recording.columns[power], start=0.0) / 100.0
+    duty = pulsed(_held(recording.columns[power], start=0.0) / 100.0, recording.pulse_steps)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
     supply = _supply(recording.time_s, recording.columns.get("battery_v"), _effort(recording))
     keep = _changes(duty, mode, supply)
