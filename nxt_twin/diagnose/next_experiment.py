@@ -110,7 +110,7 @@ def _stage(simulator: Simulator, problem: Problem, noise: Noise) -> _Stage:
     return _Stage(
         simulator=simulator,
         noise=noise,
-        like=signals[0],
+        like=signals[0].alone(),
         poll_s=max(float(np.median(steps)), _SHORTEST_POLL_S),
         supply_v=float(np.nanmedian(np.concatenate([s.command_supply_v for s in signals]))),
         most=max(float(np.max(np.abs(s.command))) for s in signals),

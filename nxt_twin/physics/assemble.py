@@ -35,6 +35,9 @@ _HELD = (
     "level = 0.0",
 )
 
+_FORMED = frozenset({"resistance", "supply_v"})
+"""Parameters of a base that a step forms anew."""
+
 _FEWEST_GROUPED = 3  # lines of one stage that are worth a flag of their own
 
 TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
@@ -55,6 +58,7 @@ def source(plan: Layout) -> str:
         lag=_indent(_stage(plan, "lag"), 8),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
         states_restart=_indent(_restart(plan), 12),
+        others=_others(plan),
         step=_indent(iter(step), 16),
         settling=SETTLING,
         settle=_indent(_stage(plan, "reading"), 20),
@@ -125,7 +129,7 @@ def _helpers(plan: Layout) -> list[FunctionType]:
 
 def _functions(plan: Layout) -> list[FunctionType]:
     terms = [effect.terms[stage] for effect in plan.effects for stage in effect.terms]
-    own = [plan.base.drive, plan.base.current_after]
+    own = [plan.base.drive, plan.base.current_after, plan.base.drawn_by_others]
     return [function for function in [*own, *terms] if isinstance(function, FunctionType)]
 
 
@@ -139,6 +143,8 @@ def _imports(plan: Layout) -> Iterator[str]:
     yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
     if settle := plan.base.current_after:
         yield f"_current_after = njit({settle.__module__}.{settle.__name__})"
+    if others := plan.base.drawn_by_others:
+        yield f"_drawn_by_others = njit({others.__module__}.{others.__name__})"
     for effect in plan.effects:
         for stage, term in effect.terms.items():
             yield f"_{effect.id}_{stage} = njit({term.__module__}.{term.__name__})"
@@ -161,10 +167,15 @@ def _restart(plan: Layout) -> Iterator[str]:
                 yield f"{effect.id}__{state} = {'speed' if state in effect.moving else '0.0'}"
 
 
-def _call(plan: Layout, name: str, function: Callable[..., object]) -> str:
+def _others(plan: Layout) -> str:
+    """What the other motors draw, as long as nothing changes what they do."""
+    others = plan.base.drawn_by_others
+    return _call(plan, "_drawn_by_others", others, formed=frozenset()) if others else "(0.0, 0.0)"
+
+
+def _call(plan: Layout, name: str, function: Callable[..., object], formed: frozenset[str] = _FORMED) -> str:
     """A call of one of the base's functions, each argument by its name in the kernel."""
     own = {parameter.symbol for parameter in plan.base.parameters}
-    formed = {"resistance", "supply_v"}
     names = inspect.signature(function).parameters
     arguments = (f"base__{name}" if name in own - formed else name for name in names)
     return f"{name}({', '.join(arguments)})"

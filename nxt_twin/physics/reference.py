@@ -16,6 +16,7 @@ from nxt_twin.physics.assemble import SETTLING
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 from nxt_twin.physics.terms import Call, calls
 from nxt_twin.recording.recording import FloatArray
@@ -28,7 +29,8 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     signals = job.signals
     axis = _Axis(plant, home=float(job.start.position[0]), session_s=signals.session_s)
     began_s = float(signals.time_s[0])
-    commands = signals.command_time_s + axis.formed("delay", {}, 0.0)
+    delay_s = axis.formed("delay", {}, 0.0)
+    commands, loads = signals.command_time_s + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
     taken_s = [t - axis.formed("lag", {"stamp_s": t - began_s}, 0.0) for t in signals.time_s.tolist()]
     time_s = taken_s[0]
@@ -36,7 +38,8 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     found = {name: np.zeros(rows) for name in ("predicted", "weight", "cost")}
     last_reading = 0.0
     for k in range(rows):
-        edges = commands[(commands > time_s) & (commands < taken_s[k])]
+        edges = np.concatenate([commands, loads])
+        edges = edges[(edges > time_s) & (edges < taken_s[k])]
         for stop in [*np.unique(edges).tolist(), taken_s[k]]:
             held = int(np.searchsorted(commands, time_s, side="right")) - 1
             pieces = max(1, math.ceil((stop - time_s) / job.step_s - 1e-9))
@@ -46,6 +49,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
                     command=float(signals.command[held]) if held >= 0 else 0.0,
                     mode=int(signals.command_mode[max(held, 0)]),
                     supply_v=float(signals.command_supply_v[max(held, 0)]),
+                    others=_others_at(signals, int(np.searchsorted(loads, time_s, side="right")) - 1),
                     elapsed_s=time_s + piece * piece_s - began_s,
                     step_s=piece_s / pace,
                     fading=math.exp(-piece_s / pace / job.disturbance_time_s),
@@ -134,11 +138,19 @@ class _Axis:
         return value
 
     def step(
-        self, command: float, mode: int, supply_v: float, elapsed_s: float, step_s: float, fading: float
+        self,
+        command: float,
+        mode: int,
+        supply_v: float,
+        others: tuple[float, float],
+        elapsed_s: float,
+        step_s: float,
+        fading: float,
     ) -> None:
         before = self._speed
         scope: _Scope = {"elapsed_s": elapsed_s, "speed": before, "current": self._current, "step_s": step_s}
         scope |= {"session_s": self._session_s, "mode": mode}
+        scope["others_a"], scope["others_s"] = self._drawn_by_others(supply_v, *others)
         scope["duty"] = self.chained("duty", scope, "duty", command)
         inertia = scope["inertia"] = self.formed("inertia", scope, self._base["inertia"])
         drive: _Scope = {**self._base, **scope}
@@ -175,6 +187,11 @@ class _Axis:
             self._angle, self._speed = self._value(call, scope)
         self._disturbance *= fading
 
+    def _drawn_by_others(self, open_circuit_v: float, share: float, speed: float) -> tuple[float, float]:
+        drawn = self._plant.layout.base.drawn_by_others
+        now = {"open_circuit_v": open_circuit_v, "others_share": share, "others_speed": speed}
+        return _call(drawn, {**self._base, **now}) if drawn else (0.0, 0.0)
+
     def _advance(self, scope: _Scope) -> None:
         for call in self._calls("advance"):
             values = self._value(call, scope)
@@ -196,6 +213,14 @@ class _Axis:
         return [
             own[name] if name in own else states[name] if name in states else scope[name] for name in names
         ]
+
+
+def _others_at(signals: Signals, told: int) -> tuple[float, float]:
+    """How the other motors load the supply since it was told for the nth time; not at all before the first."""
+    if told < 0:
+        return 0.0, 0.0
+    share, speed = signals.others_load[told].tolist()
+    return share, speed
 
 
 def _braked(before: float, free: float, direction: float, bite: float) -> float:

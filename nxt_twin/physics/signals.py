@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
@@ -13,11 +13,15 @@ from numpy.typing import NDArray
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.base.dc_motor import MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.others import with_others
+from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
+from nxt_twin.recording.pulses import pulsed
 from nxt_twin.recording.recording import FloatArray, InputKind, Recording
 
 IntArray = NDArray[np.int64]
 
+_FEWEST_READINGS = 10
 _QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
 _TACHO_QUANTUM_RAD = math.radians(1.0)
@@ -41,6 +45,8 @@ class Signals:
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
+        others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
+        others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """
 
     name: str
@@ -55,6 +61,8 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
+    others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))
+    others_load: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
     @cached_property
     def interval_s(self) -> float:
@@ -64,6 +72,10 @@ class Signals:
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""
         return replace(self, time_s=self.time_s[rows], measured=self.measured[rows])
+
+    def alone(self) -> Signals:
+        """The same with the brick's other motors at rest."""
+        return replace(self, others_time_s=np.zeros(0), others_load=np.zeros((0, 2)))
 
     def command_at_samples(self) -> FloatArray:
         """The command in force just before each reading, shape (samples,)."""
@@ -89,18 +101,31 @@ def signals_of(recording: Recording, port: str | None) -> Signals:
     Raises:
         RecordingError: the port was not driven or not read, or nothing was read at all.
     """
-    found = (
-        _mapped(recording)
-        if recording.kinds
-        else _dated(_brick(recording, port or "a"), recording.lags, port)
-    )
-    if np.isfinite(found.measured).sum() < 10:
+    found = _mapped(recording) if recording.kinds else _beside_others(recording, port or "a")
+    if np.isfinite(found.measured).sum() < _FEWEST_READINGS:
         raise RecordingError(
-            "fewer than 10 readings",
+            f"fewer than {_FEWEST_READINGS} readings",
             where=f"{recording.name}, column {found.channel}",
             mend="record for longer",
         )
     return found
+
+
+def _beside_others(recording: Recording, port: str) -> Signals:
+    """One motor's signals beside all others of which both commands and counts are known."""
+    columns, nothing = recording.columns, np.zeros(0)
+    others = [
+        _on_its_port(recording, other)
+        for other in PORTS
+        if other != port
+        and power_column(other) in columns
+        and np.isfinite(columns.get(tacho_column(other), nothing)).sum() >= _FEWEST_READINGS
+    ]
+    return with_others(_on_its_port(recording, port), others)
+
+
+def _on_its_port(recording: Recording, port: str) -> Signals:
+    return _dated(_brick(recording, port), recording.lags, port)
 
 
 def _brick(recording: Recording, port: str) -> Signals:
@@ -111,9 +136,9 @@ def _brick(recording: Recording, port: str) -> Signals:
                 "no such column", where=f"{recording.name}, column {column}", mend="name another port"
             )
     rows = recording.rows
-    duty = _held(recording.columns[power], start=0.0) / 100.0
+    duty = pulsed(_held(recording.columns[power], start=0.0) / 100.0, recording.pulse_steps)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
-    supply = _supply(recording.time_s, recording.columns.get("battery_v"), duty)
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"), _effort(recording))
     keep = _changes(duty, mode, supply)
     return Signals(
         name=recording.name,
@@ -130,10 +155,10 @@ def _brick(recording: Recording, port: str) -> Signals:
     )
 
 
-def _dated(signals: Signals, lags: KnownLags, port: str | None) -> Signals:
+def _dated(signals: Signals, lags: KnownLags, port: str) -> Signals:
     """A brick's signals with what is in a row at its own moment, where a sidecar tells by how much that is off."""
-    read_before_s, _ = lags.read_before_s(port or "a")
-    acted_after_s, _ = lags.acted_after_s(port or "a")
+    read_before_s, _ = lags.read_before_s(port)
+    acted_after_s, _ = lags.acted_after_s(port)
     taken_s, acted_s = signals.time_s - read_before_s, signals.command_time_s + acted_after_s
     if acted_after_s <= 0.0:
         return replace(signals, time_s=taken_s, command_time_s=acted_s)
@@ -180,6 +205,13 @@ def _held(values: FloatArray, *, start: float) -> FloatArray:
     last = np.maximum.accumulate(np.where(known, np.arange(values.size), -1))
     filled: FloatArray = np.where(last >= 0, values[np.maximum(last, 0)], start)
     return filled
+
+
+def _effort(recording: Recording) -> FloatArray:
+    """The sum of the duties of all motors, which are on one battery, from each row on."""
+    powers = [recording.columns[name] for name in map(power_column, PORTS) if name in recording.columns]
+    effort: FloatArray = np.sum([np.abs(_held(power, start=0.0)) / 100.0 for power in powers], axis=0)
+    return effort
 
 
 def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray) -> FloatArray:

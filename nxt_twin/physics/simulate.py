@@ -122,6 +122,8 @@ class Simulator:
             signals.command,
             signals.command_mode,
             signals.command_supply_v,
+            signals.others_time_s,
+            signals.others_load,
             signals.time_s,
             signals.measured,
             job.observer.gains,

@@ -37,7 +37,8 @@ class StageRule:
     reads: tuple[str, ...]
 
 
-_DRIVE = ("duty", "mode", "elapsed_s", "speed", "current")
+_OTHERS = ("others_a", "others_s")
+_DRIVE = ("duty", "mode", "elapsed_s", "speed", "current", *_OTHERS)
 _MOTION = ("angle", "speed", "step_s", "elapsed_s", "inertia", "duty", "current")
 _FRICTION = ("level", "direction", "drive_torque", "load_torque", *_MOTION)
 
@@ -46,7 +47,7 @@ STAGES: dict[Stage, StageRule] = {
     "pace": StageRule("add", "pace", ()),
     "lag": StageRule("take", "target", ("stamp_s",)),
     "duty": StageRule("replace", "duty", ("duty", "elapsed_s")),
-    "supply": StageRule("replace", "supply_v", ("supply_v", "elapsed_s")),
+    "supply": StageRule("replace", "supply_v", ("supply_v", "elapsed_s", *_OTHERS)),
     "inertia": StageRule("add", "inertia", ("elapsed_s", "session_s", "step_s")),
     "resistance": StageRule("add", "resistance", ("resistance", *_DRIVE)),
     "inductance": StageRule("add", "inductance", _DRIVE),
@@ -63,7 +64,8 @@ STAGES: dict[Stage, StageRule] = {
 }
 """`angle` is that of the middle of the step (of its end in `stop` and `reading`), `speed` that of its beginning.
 Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion it
-opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `pace` is how fast the
-stamps' clock runs, `lag` how late a reading's stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the
-recording began; `session_s` is when that was in the session. `home` is the angle at which the run began. A `reading`
-term says how far the encoder is off."""
+opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `others_a` is what the
+brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt that it falls; both
+are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag` how late a reading's
+stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in
+the session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off."""

@@ -33,11 +33,13 @@ def _timing(values, active, out_time_s, target_s):
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def _schedule(
     target_s, began_s, delay_s, pace, step_max_s, command_time_s, command, command_mode, command_supply_v,
-    disturbance_rate, span, steps, first,
+    others_time_s, others_load, disturbance_rate, span, steps, first,
 ):
     commands = command_time_s.shape[0]
+    loads = others_time_s.shape[0]
     t = target_s[0]
     j = -1
+    m = -1
     n = 0
     for k in range(target_s.shape[0]):
         target = target_s[k]
@@ -48,6 +50,10 @@ def _schedule(
             stop = target
             if j + 1 < commands and command_time_s[j + 1] + delay_s < target:
                 stop = command_time_s[j + 1] + delay_s
+            while m + 1 < loads and others_time_s[m + 1] + delay_s <= t:
+                m += 1
+            if m + 1 < loads and others_time_s[m + 1] + delay_s < stop:
+                stop = others_time_s[m + 1] + delay_s
             pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
             piece_s = (stop - t) / pieces
             span[n, 0] = piece_s
@@ -56,6 +62,8 @@ def _schedule(
             span[n, 3] = t - began_s
             span[n, 4] = command[j] if j >= 0 else 0.0
             span[n, 5] = command_supply_v[j] if j >= 0 else command_supply_v[0]
+            span[n, 6] = others_load[m, 0] if m >= 0 else 0.0
+            span[n, 7] = others_load[m, 1] if m >= 0 else 0.0
             steps[n, 0] = pieces
             steps[n, 1] = command_mode[j] if j >= 0 else command_mode[0]
             n += 1
@@ -88,6 +96,9 @@ def run(
             fading = span[n, 2]
             held = span[n, 4]
             open_circuit_v = span[n, 5]
+            others_share = span[n, 6]
+            others_speed = span[n, 7]
+            others_a, others_s = {others} if others_share > 0.0 else (0.0, 0.0)
             mode = steps[n, 1]
             momentum = 2.0 * inertia / step_s
             for piece in range(steps[n, 0]):
@@ -152,14 +163,15 @@ def run(
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run_many(
-    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v,
+    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s, others_load,
     out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
 ):
     rows = out_time_s.shape[0]
     target_s = np.empty(rows)
-    span = np.empty((rows + command_time_s.shape[0], 6))
-    steps = np.empty((rows + command_time_s.shape[0], 2), np.int64)
+    most = rows + command_time_s.shape[0] + others_time_s.shape[0]
+    span = np.empty((most, 8))
+    steps = np.empty((most, 2), np.int64)
     first = np.empty(rows + 1, np.int64)
     log_scale = np.zeros(rows)
     for k in range(rows):
@@ -172,7 +184,7 @@ def run_many(
         if lagged or before != (delay_s, pace, False):
             _schedule(
                 target_s, out_time_s[0], delay_s, pace, step_max_s, command_time_s, command, command_mode,
-                command_supply_v, disturbance_rate, span, steps, first,
+                command_supply_v, others_time_s, others_load, disturbance_rate, span, steps, first,
             )
         run(
             values[i], active[i], span, steps, first,
@@ -236,6 +248,7 @@ def step_many(values_of_all, active_of_all, state, commands, modes, open_circuit
     home = 0.0
     disturbance = 0.0
     fading = 0.0
+    others_a, others_s = 0.0, 0.0
     for i in range(values_of_all.shape[0]):
         values = values_of_all[i]
         active = active_of_all[i]

@@ -18,6 +18,7 @@ from nxt_twin.errors import RecordingError
 from nxt_twin.recording.checks import contract_columns
 from nxt_twin.recording.columns import CATALOGUE, check_names
 from nxt_twin.recording.lags import KnownLags
+from nxt_twin.recording.pulses import known_pulse_steps
 from nxt_twin.recording.recording import FloatArray, Recording
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.lines import TextLayout
@@ -34,7 +35,7 @@ _READERS: Mapping[str, Callable[[Path, Choose], Table]] = MappingProxyType(
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording, and the plant and the lags that its sidecar tells.
+    """Read a recording, and the plant, the lags and the bridge's steps that its sidecar tells.
 
     Commands that a row leaves empty are filled in with the one in force.
 
@@ -55,8 +56,9 @@ def read_recording(path: Path) -> Recording:
     sidecar = read_sidecar(path)
     plant = sidecar.get("plant")
     named = plant if isinstance(plant, str) else None
-    lags = KnownLags(sidecar, str(path.with_suffix(".yaml")))
-    return Recording(path.name, columns, plant=named, lags=lags)
+    where = str(path.with_suffix(".yaml"))
+    lags, pulse_steps = KnownLags(sidecar, where), known_pulse_steps(sidecar, where)
+    return Recording(path.name, columns, plant=named, lags=lags, pulse_steps=pulse_steps)
 
 
 def read_sidecar(path: Path) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, final
 import yaml
 
 from nxt_twin.errors import RecordingError
+from nxt_twin.recording.pulses import PULSE_STEPS, PULSES_KEY
 
 if TYPE_CHECKING:
     # Needs recordings itself.
@@ -74,7 +75,7 @@ class RowLags:
         self._acted.setdefault(port, Lag()).add(after_s, std_s)
 
     def write_beside(self, recording: Path) -> None:
-        """Put them in the recording's sidecar, unless it has one that tells more, which is then the user's."""
+        """Put them, and the bridge's steps, in the recording's sidecar, unless one tells more and is the user's."""
         sidecar = recording.with_suffix(".yaml")
         if not self._read or (sidecar.exists() and not _tells_no_more(sidecar)):
             return
@@ -84,7 +85,8 @@ class RowLags:
             _ACTED: {port: round(lag.mean_s, 6) for port, lag in self._acted.items()},
             _ACTED_STD: {port: round(lag.std_s, 6) for port, lag in self._acted.items()},
         }
-        sidecar.write_text(yaml.safe_dump({_KEY: document}, sort_keys=False), encoding="utf-8")
+        keys = {_KEY: document, PULSES_KEY: PULSE_STEPS}
+        sidecar.write_text(yaml.safe_dump(keys, sort_keys=False), encoding="utf-8")
 
 
 def _tells_no_more(sidecar: Path) -> bool:
@@ -93,7 +95,7 @@ def _tells_no_more(sidecar: Path) -> bool:
         keys = yaml.safe_load(sidecar.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError):
         return False
-    return isinstance(keys, dict) and keys.keys() == {_KEY}
+    return isinstance(keys, dict) and _KEY in keys and keys.keys() <= {_KEY, PULSES_KEY}
 
 
 @final

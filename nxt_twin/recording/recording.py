@@ -46,6 +46,7 @@ class Recording:
         output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.
         plant: the plant named by the recording's sidecar, if any.
         lags: by how much counts and commands are off the stamps of their rows, as the sidecar tells.
+        pulse_steps: in how many steps the bridge takes a duty, as the sidecar tells; 0 where it gives any.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Recording:
     output_quantum: float = 0.0
     plant: str | None = None
     lags: KnownLags = field(default_factory=KnownLags)
+    pulse_steps: int = 0
 
     def __post_init__(self) -> None:
         frozen = {}

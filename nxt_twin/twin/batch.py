@@ -14,7 +14,7 @@ from nxt_twin.physics.kernel import kernel
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
-from nxt_twin.twin.bridge import Hold
+from nxt_twin.twin.bridge import FLOAT, Hold
 
 STEP_S = 1e-3
 _LATEST_S = 1e-9
@@ -152,4 +152,6 @@ class Batch:
 
     def drawn_a(self, row: int) -> float:
         """The current that a row's motor draws from the supply, A."""
-        return float(self._duty[row] * self.state[row, CURRENT])
+        current_a = float(self.state[row, CURRENT])
+        # A floating winding conducts only while it is connected: its mean current is all that the battery gives.
+        return abs(current_a) if self._mode[row] == FLOAT else float(self._duty[row]) * current_a

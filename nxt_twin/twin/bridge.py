@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from nxt_twin.recording.pulses import PULSE_STEPS
 from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
 
-_PULSE_STEPS = 125
-"""The pulse width counter's top, in the brick's co-processor."""
 _FADE_S = 0.004
 """A motor that is let go is driven by 1 % less each ms (LEGO NXT firmware 1.29, d_output.c); in steps of so much."""
 _FADE_PCT_PER_S = 1000.0
@@ -38,8 +37,8 @@ def firmware_bridge(power_pct: int, mode: DriveMode, before: float) -> tuple[Hol
             Hold(n * _FADE_S, sign * (abs(before) - (n + 0.5) * lost), FLOAT) for n in range(steps)
         )
         return (*fading, Hold(steps * _FADE_S, 0.0, COAST))
-    steps = min(abs(power_pct) * _PULSE_STEPS // 100, _PULSE_STEPS)
-    duty = (steps if power_pct >= 0 else -steps) / _PULSE_STEPS
+    steps = min(abs(power_pct) * PULSE_STEPS // 100, PULSE_STEPS)
+    duty = (steps if power_pct >= 0 else -steps) / PULSE_STEPS
     if not steps:
         return (Hold(0.0, 0.0, COAST if mode == "float" else BRAKE),)
     return (Hold(0.0, duty, DRIVE_MODES.index(mode)),)

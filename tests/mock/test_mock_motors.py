@@ -7,7 +7,11 @@ from mock_rig import USB, Rig
 
 import firmware_protocol as fp
 from firmware_protocol import RegulationMode, RunState, Status
+from nxt_twin.mock.body.motors import Motors
 from nxt_twin.mock.body.world import World
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.stepper import Stepper
+from nxt_twin.recording.configs import load_plant_config
 
 
 def degrees_per_second(rig: Rig, port: int) -> float:
@@ -157,3 +161,14 @@ def test_the_battery_sags_under_load_and_drains(rig):
         rig.coast(port)
     rig.run(3000)
     assert rig.body.battery.open_circuit_v < 8.2
+
+
+@pytest.mark.parametrize(("brake", "winding_v"), [(True, 0.496 * 8.0), (False, 8.0)])
+def test_a_bridge_draws_what_its_winding_takes_while_it_is_connected(brake, winding_v):
+    stepper = Stepper([plant_from_config(load_plant_config("nxt_motor"), "power_pct")])
+    motors = Motors(stepper)
+    motors.set(0, -50, brake=brake)
+    for _ in range(1000):
+        drawn_a = motors.step(8.0, 1e-3)
+    current_a = (winding_v - 0.4908 * abs(stepper.speed[0])) / 7.6
+    assert drawn_a == pytest.approx(0.496 * current_a, rel=1e-3)

@@ -12,7 +12,7 @@ from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
-from nxt_twin.twin.bridge import FLOAT, Hold, firmware_bridge, plain_bridge
+from nxt_twin.twin.bridge import DRIVE, FLOAT, Hold, firmware_bridge, plain_bridge
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates, delay_s
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.history import History
@@ -285,3 +285,12 @@ def test_motors_take_turns_in_weighing_effects():
         before = now
     assert max(map(len, turns[4:])) == 1
     assert {port for turn in turns[4:] for port in turn} == set("abc")
+
+
+@pytest.mark.parametrize(("mode", "winding_v"), [(DRIVE, 4.0), (FLOAT, 8.0)])
+def test_a_bridge_draws_what_its_winding_takes_while_it_is_connected(mode, winding_v):
+    batch = Batch([nxt_motor()], ["a"], [0.0], torque_time_s=1.0)
+    batch.command("a", 0.0, [Hold(0.0, -0.5, mode)])
+    batch.advance(1.0, 8.0)
+    current_a = (winding_v - 0.4908 * abs(batch.state[0, 1])) / 7.6
+    assert batch.drawn_a(0) == pytest.approx(0.5 * current_a, rel=1e-3)

@@ -74,7 +74,9 @@ class Motors:
     def step(self, supply_v: float, duration_s: float) -> float:
         """Advance, and give the current that the motors draw from the supply, A."""
         self._plants.step(self._duty, self._mode, supply_v, duration_s)
-        return float(self._duty.dot(self._plants.current))
+        # A floating winding conducts only while it is connected: its mean current is all that the battery gives.
+        connected = np.where(self._mode == MODE_FLOAT, np.sign(self._duty), self._duty)
+        return float(connected.dot(self._plants.current))
 
     def counts(self) -> list[int]:
         """The encoders' counts since power-on."""

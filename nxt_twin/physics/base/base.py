@@ -19,7 +19,8 @@ class Base:
 
     The symbols of the drive's arguments are quantities of the step or symbols of `parameters`;
     the first parameter is the inertia. `current_after` gives the winding current (A) at the end of a step, None
-    for a plant without a winding.
+    for a plant without a winding. `drawn_by_others` gives what the other motors on the same supply draw at its
+    open-circuit voltage (A) and by how much less for each volt that it falls (S), None where a supply is no part of it.
     """
 
     kind: str
@@ -27,3 +28,4 @@ class Base:
     parameters: tuple[Parameter, ...]
     drive: Drive
     current_after: Callable[..., float] | None = None
+    drawn_by_others: Callable[..., tuple[float, float]] | None = None

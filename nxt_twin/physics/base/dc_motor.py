@@ -91,6 +91,17 @@ def current_after(
     return 2.0 * middle - current
 
 
+def drawn_by_others(
+    open_circuit_v: float, others_share: float, others_speed: float, resistance: float, back_emf: float
+) -> tuple[float, float]:
+    """What other motors of this make draw (A) at the supply's open-circuit voltage, and how that falls with it (S).
+
+    `physics.others` tells what their shares and speeds are. Negative where they are quicker than they are driven.
+    """
+    fall = others_share / resistance
+    return fall * open_circuit_v - others_speed * back_emf / resistance, fall
+
+
 DC_MOTOR = Base(
     kind="dc_motor",
     frames=("motor",),
@@ -121,4 +132,5 @@ DC_MOTOR = Base(
     ),
     drive=drive,
     current_after=current_after,
+    drawn_by_others=drawn_by_others,
 )

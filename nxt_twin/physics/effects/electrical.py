@@ -17,19 +17,29 @@ if TYPE_CHECKING:
 _UNREAD_V = 0.07
 
 
-def _sag(duty: float, mode: int, internal: float) -> float:
-    return internal * (abs(duty) if mode == MODE_FLOAT else duty * duty)
+def _sag(duty: float, mode: int, others_s: float, internal: float) -> float:
+    return _beside(internal, others_s) * (abs(duty) if mode == MODE_FLOAT else duty * duty)
+
+
+def _lowered(supply_v: float, others_a: float, others_s: float, internal: float) -> float:
+    return supply_v - _beside(internal, others_s) * others_a
+
+
+def _beside(internal: float, others_s: float) -> float:
+    """Where the supply falls, the others draw the less: their windings are beside the internal resistance."""
+    return internal / (1.0 + internal * others_s)
 
 
 BATTERY_SAG = Effect(
     id="battery_sag",
     name="battery sag",
-    equation="U = u·(Ub - Ri·|u|·i): the bridge draws |u|·i; the winding sees Ri·u² in series, floating Ri·|u|",
+    equation="U = u·(Ub - Ri·(|u|·i + io)): the bridge draws |u|·i, the brick's other motors io; "
+    "the winding sees Ri·u² in series, floating Ri·|u|",
     source="a battery as a source with an internal resistance",
     equation_of="electrical",
     shows=("high_current", "after_command"),
     parameters=(Parameter("internal_resistance_ohm", "internal", "Ω", NUMBER, (0.8, 2.5), 0.0, 20.0),),
-    terms={"resistance": _sag},
+    terms={"supply": _lowered, "resistance": _sag},
     confusable_with={
         "load_dependent_friction": "fast battery readings at high current tell: friction leaves the supply alone"
     },

@@ -1,0 +1,39 @@
+"""The whole steps in which a brick's bridge takes its duty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from nxt_twin.errors import RecordingError
+
+if TYPE_CHECKING:
+    # Tells the steps of its own bridge itself.
+    from nxt_twin.recording.recording import FloatArray
+
+PULSE_STEPS: Final = 125
+"""The pulse width counter's top, in the brick's co-processor: what lies between two steps is cut off."""
+PULSES_KEY: Final = "pulse_steps"
+_SLACK = 1e-9  # of a step: 56 % are 70 of them
+
+
+def known_pulse_steps(sidecar: Mapping[str, Any], where: str) -> int:
+    """How many steps a recording's sidecar tells; 0, where it tells none, is a duty as commanded (contract 1).
+
+    Raises:
+        RecordingError: it is no such number.
+    """
+    told = sidecar.get(PULSES_KEY, 0)
+    if isinstance(told, bool) or not isinstance(told, int) or told < 0:
+        mend = f"{PULSE_STEPS} for an NXT, or take it out"
+        raise RecordingError("is no number of steps", where=f"{where}, key {PULSES_KEY}", mend=mend)
+    return told
+
+
+def pulsed(duty: FloatArray, steps: int) -> FloatArray:
+    """The duties (-1…1) that a bridge with so many steps really gives; with 0, any."""
+    if not steps:
+        return duty
+    return np.copysign(np.floor(np.abs(duty) * steps + _SLACK) / steps, duty)
