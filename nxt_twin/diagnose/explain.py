@@ -132,17 +132,18 @@ class _Search:
     ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
         """Add effects to `best` while one earns its place; what came near is noted."""
         been = {best.plant.active: best.fitted_cost}
-        while True:
+        refused: tuple[tuple[Effect, Weight], ...] = ()
+        while len(best.plant.active - self._baseline.plant.active) < MOST_EFFECTS:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
-            full = len(best.plant.active - self._baseline.plant.active) >= MOST_EFFECTS
-            added = None if full or not ranked else self._added(best, ranked)
+            added = self._added(best, ranked) if ranked else None
             if added is None or added.fitted_cost > been.get(added.plant.active, math.inf) - _BETTER_NATS:
                 return best, refused  # the latter where what is added is taken out again: round and round
             been[added.plant.active] = added.fitted_cost
             best = added
+        return best, tuple(one for one in refused if one[0].id not in best.plant.active)
 
     def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
         """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""

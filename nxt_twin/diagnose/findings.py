@@ -89,9 +89,13 @@ def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative,
 
 def nearest(evidence: Evidence, verdict: Verdict) -> Nearest | None:
     """The known effect that comes nearest to what is left unexplained, and why it was not accepted."""
-    if verdict != "unexplained" or not evidence.explanation.refused:
+    refused, found = evidence.explanation.refused, evidence.explanation.found
+    if verdict != "unexplained" or not (refused or found):
         return None
-    effect, weight = max(evidence.explanation.refused, key=lambda pair: pair[1].total)
+    if not refused:
+        why = f"it takes {len(found)} effects together, more than are likely to be missing at once"
+        return Nearest(found[0][0].id, found[0][0].name, why)
+    effect, weight = max(refused, key=lambda pair: pair[1].total)
     return Nearest(effect.id, effect.name, _why_refused(weight))
 
 
