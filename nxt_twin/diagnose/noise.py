@@ -29,7 +29,7 @@ _LONGEST_STEP = 3.0  # in arms of the star
 _WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
 _FLAT_NATS = 1e-3
 _RESTING_NATS = 0.2
-_SAME_DAMPING = 0.1  # in logarithms
+_SAME_DAMPING = 0.1
 _WORSE_NATS = 100.0
 
 
@@ -112,7 +112,7 @@ def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, 
     with gains that count on it a run may run away.
     """
     own = replace(start, damping_per_s=damping_per_s(plant))
-    if abs(math.log(own.damping_per_s / start.damping_per_s)) < _SAME_DAMPING:
+    if abs(own.damping_per_s - start.damping_per_s) <= _SAME_DAMPING * own.damping_per_s:
         return own.damping_per_s
     costs = _costs(simulator, plant, target, [own, start])
     return (own if costs[0] < costs[1] + _WORSE_NATS else start).damping_per_s

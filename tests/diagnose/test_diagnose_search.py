@@ -1,5 +1,6 @@
 """The search's economies: a screen of one run a start, noise by stars, coarse steps, and a bounded amount of work."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +12,13 @@ from nxt_twin.diagnose.drafts import Drafts
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.explain import candidates, explain
 from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
+from nxt_twin.diagnose.problem import problem_of
 from nxt_twin.diagnose.screen import screen
 from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for
 from nxt_twin.diagnose.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
+from nxt_twin.recording.recording import Recording, SignalKinds
 
 
 class Bench:
@@ -101,6 +104,24 @@ def test_no_noise_is_settled_on_under_which_a_run_runs_away():
     assert damping_per_s(plant) > 5.0 * start.damping_per_s
     assert gain >= 0.0
     assert cost_under(likeliest) <= cost_under(start)
+
+
+@pytest.mark.parametrize("damping_per_s", [0.0, 5.0])
+def test_noise_is_searched_for_a_body_that_nothing_damps(damping_per_s):
+    time_s = np.arange(0.0, 6.0, 0.01)
+    torque_nm = 0.1 * np.sign(np.sin(3.0 * time_s))
+    speed_rad_s = np.cumsum(torque_nm) * 0.01 / 0.02
+    angle_rad = np.cumsum(speed_rad_s) * 0.01 + np.random.default_rng(5).normal(0.0, 1e-3, time_s.size)
+    columns = {"time_s": time_s, "input": torque_nm, "output": angle_rad}
+    recording = Recording("made", columns, SignalKinds("torque_nm", "position_rad"))
+    problem = problem_of("case", {"kind": "rigid_body", "inertia": 0.02}, [recording], [], None)
+    with Simulator(problem.plant.layout) as simulator:
+        start = replace(
+            first_guess(problem.plant, problem.signals, problem.scale.torque), damping_per_s=damping_per_s
+        )
+        likeliest, gain = estimate(simulator, problem.plant, problem.target, start)
+    assert gain >= 0.0
+    assert math.isfinite(likeliest.reading_std)
 
 
 def test_effects_are_found_that_free_runs_speak_against_one_by_one():
