@@ -100,7 +100,8 @@ def _show_doubt(diagnosis: Diagnosis) -> None:
         seen = [one for one in diagnosis.detectable if one.size is not None]
         print("  would have been seen:")
         for one in seen:
-            print(f"    {one.id}: {one.parameter} {'≥' if one.seen_above else '≤'} {one.size:.2g} {one.unit}")
+            unit = "" if one.unit == "1" else f" {one.unit}"
+            print(f"    {one.id}: {one.parameter} {'≥' if one.seen_above else '≤'} {one.size:.3g}{unit}")
     if diagnosis.false_alarm_rate:
         alarms = diagnosis.false_alarm_rate
         print(f"  false alarms in clean recordings like these: below {100.0 * alarms.upper_95:.1f} %")
