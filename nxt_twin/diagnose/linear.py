@@ -70,8 +70,13 @@ class Linear:
         slopes, wanted = self.slopes, np.atleast_2d(signatures)
         if kept is not None:
             slopes, wanted = slopes[:, kept], wanted[:, kept]
+        return self.shares_of(slopes @ wanted.T, kept)
+
+    def shares_of(self, common: FloatArray, kept: BoolArray | None = None) -> FloatArray:
+        """The same by the products of slopes and signatures summed over readings, shape (variables, signatures)."""
+        slopes = self.slopes if kept is None else self.slopes[:, kept]
         normal = slopes @ slopes.T + np.diag(self.tightness) + 1e-9 * np.eye(self.tightness.size)
-        return np.asarray(np.linalg.solve(normal, slopes @ wanted.T).T)
+        return np.asarray(np.linalg.solve(normal, common).T)
 
     def left_of(self, signatures: FloatArray, kept: BoolArray | None = None) -> FloatArray:
         """What the re-fit cannot take up of `signatures`, shape (signatures, readings).
@@ -147,7 +152,9 @@ def linearise(
         ),
         checks=np.concatenate([check[mask] for check, mask in zip(problem.check, counted, strict=True)]),
         gain=gain,
-        predicted=tuple(result.predicted[-1] for result in results),
+        predicted=tuple(
+            result.predicted[-1].copy() for result in results
+        ),  # a view would keep every move alive
     )
 
 

@@ -40,7 +40,7 @@ _GRIPS = (2.0, 5.0, 15.0)
 _SLOW_S, _QUICK_S = 2.0, 0.65
 _MOST_PARTS = 48
 _FEWEST_PARTS = 8
-_MOST_CELLS = 8_000_000  # parts times samples, which bounds the memory of an hour's recording
+_MOST_CELLS = 4_000_000  # parts times samples, which bounds the memory of an hour's recording
 
 
 @final

@@ -11,7 +11,7 @@ No effect of the library takes part, so this also speaks where none is known.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -164,51 +164,69 @@ def _shaped(scene: _Scene, linear: Linear) -> list[_Strength]:
     """What each family of shapes gains over the unknown torque and reading noise of `linear` alone, nats."""
     found: list[_Strength] = []
     for shape in SHAPES:
-        rows = [shape.rows(course, scene.unit) for course in scene.courses]
-        found.append((shape.equation, _gain(linear, _answer(scene, linear, rows, shape.entry))))
+        rows = (shape.rows(course, scene.unit) for course in scene.courses)
+        found.append((shape.equation, _gain(linear, _answers(scene, linear, rows, shape.entry))))
     moved = _moved(scene, linear)
     late = np.array([_whitened(linear, parts) for parts in moved])
-    found += [("timing", _gain(linear, late[n : n + 2])) for n in range(len(late) - 1)]
+    found += [("timing", _gain(linear, [late[n : n + 2]])) for n in range(len(late) - 1)]
     found.append(("timing", _gain(linear, _wandering(scene, linear, moved))))
-    found.append(("electrical", _gain(linear, _lagging(late))))
+    found.append(("electrical", _gain(linear, [_lagging(late)])))
     return found
 
 
-def _gain(linear: Linear, rows: FloatArray) -> float:
-    """Marginal likelihood with any sum of `rows` missing over that with none, at the likeliest size, nats.
+def _gain(linear: Linear, parts: Iterable[FloatArray]) -> float:
+    """Marginal likelihood with any sum of some rows missing over that with none, at the likeliest size, nats.
 
-    The parts' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
+    The rows' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
+    They come as `parts` of the readings, one after another and each of shape (rows, its readings), so that an hour
+    of them need not be held at once.
     """
-    shares = linear.absorbed(rows)
-    gram = rows @ rows.T - shares @ (linear.slopes @ rows.T)
+    power, common, likeness = _products(linear, parts)
+    shares = linear.shares_of(common)
+    gram = power - shares @ common
+    along = likeness - shares @ (linear.slopes @ linear.innovations)
     if not np.isfinite(gram).all():  # a run that blew up
         return 0.0
     strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
     told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
     strengths, axes = strengths[told], axes[:, told]
-    along = (axes.T @ (rows @ linear.innovations - shares @ (linear.slopes @ linear.innovations))) ** 2
     variances = _SIZES[:, None] / strengths[-1:]
     risen = variances * strengths
-    nats = 0.5 * np.sum(variances * along / (1.0 + risen) - np.log1p(risen), axis=1)
+    nats = 0.5 * np.sum(variances * (axes.T @ along) ** 2 / (1.0 + risen) - np.log1p(risen), axis=1)
     return max(float(nats.max()), 0.0)
 
 
-def _answer(scene: _Scene, linear: Linear, rows: Sequence[FloatArray], entry: Entry) -> FloatArray:
+def _products(linear: Linear, parts: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of the rows with one another, of the slopes with the rows, and of the rows with the innovations."""
+    power = common = likeness = np.zeros(())
+    low = 0
+    for part in parts:
+        mine = slice(low, low + part.shape[1])
+        power = power + part @ part.T
+        common = common + linear.slopes[:, mine] @ part.T
+        likeness = likeness + part @ linear.innovations[mine]
+        low = mine.stop
+        del part  # the next one is made only now
+    return power, common, likeness
+
+
+def _answers(scene: _Scene, linear: Linear, rows: Iterator[FloatArray], entry: Entry) -> Iterator[FloatArray]:
+    """What `rows`, a part a job, add to the counted innovations, in standard deviations, by job."""
     noise = linear.structure.noise
-    answers = [
-        response(job, course, noise, one, entry)
-        for job, course, one in zip(linear.jobs, scene.courses, rows, strict=True)
-    ]
-    return _whitened(linear, answers)
+    for number, (job, course) in enumerate(zip(linear.jobs, scene.courses, strict=True)):
+        yield _whitened_part(linear, number, response(job, course, noise, next(rows), entry))
 
 
 def _whitened(linear: Linear, parts: Sequence[FloatArray]) -> FloatArray:
-    """Innovations, SI, in standard deviations at the counted readings, shape (..., readings)."""
-    found = []
-    for part, gain, mask in zip(parts, linear.gain, linear.counted, strict=True):
-        counted = np.flatnonzero(mask)
-        found.append(np.take(part, counted, axis=-1) * gain[counted])
-    return np.concatenate(found, axis=-1)
+    """Innovations of all jobs, SI, in standard deviations at the counted readings, shape (..., readings)."""
+    return np.concatenate([_whitened_part(linear, *part) for part in enumerate(parts)], axis=-1)
+
+
+def _whitened_part(linear: Linear, number: int, part: FloatArray) -> FloatArray:
+    counted = np.flatnonzero(linear.counted[number])
+    found = np.take(part, counted, axis=-1)
+    found *= linear.gain[number][counted]
+    return found
 
 
 def _moved(scene: _Scene, linear: Linear) -> list[list[FloatArray]]:
@@ -223,22 +241,21 @@ def _late(job: Job, shift_s: float) -> Job:
     return replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
 
 
-def _wandering(scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> FloatArray:
+def _wandering(scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
     """Shifts that change with time."""
+    some = [moved[_SHIFTS_S.index(shift_s)] for shift_s in _WANDERING_SHIFTS_S]
+    return _answers(scene, linear, _wandering_rows(scene, linear, some), "reading")
+
+
+def _wandering_rows(
+    scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]
+) -> Iterator[FloatArray]:
     noise = linear.structure.noise
-    rows = []
-    for job, course, own, *shifted in zip(
-        linear.jobs,
-        scene.courses,
-        linear.predicted,
-        *(moved[_SHIFTS_S.index(shift_s)] for shift_s in _WANDERING_SHIFTS_S),
-        strict=True,
-    ):
+    for job, course, own, *shifted in zip(linear.jobs, scene.courses, linear.predicted, *moved, strict=True):
         still = deviation(job, own, noise)
-        errors = [np.nan_to_num(still - deviation(job, own + shift, noise)) for shift in shifted]
+        errors = np.array([np.nan_to_num(still - deviation(job, own + shift, noise)) for shift in shifted])
         parts = hats(course.laid_s, scene.unit.quick_s)
-        rows.append(np.concatenate([parts * error for error in errors]))
-    return _answer(scene, linear, rows, "reading")
+        yield (errors[:, None] * parts).reshape(-1, own.size)
 
 
 def _lagging(late: FloatArray) -> FloatArray:

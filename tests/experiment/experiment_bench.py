@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
+from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.outline import axes_of
 from nxt_twin.experiment.plan import _KINDS, Experiment
@@ -47,6 +48,23 @@ SMALL: dict[str, dict[str, Any]] = {
         "rest_s": 0.2,
     },
 }
+
+
+@final
+class Impatient:
+    """A clock at which somebody presses Ctrl-C from `until_s` on."""
+
+    def __init__(self, clock: Clock, until_s: float) -> None:
+        self._clock = clock
+        self._until_s = until_s
+
+    def now_s(self) -> float:
+        return self._clock.now_s()
+
+    def sleep(self, duration_s: float) -> None:
+        self._clock.sleep(duration_s)
+        if self.now_s() > self._until_s:
+            raise KeyboardInterrupt
 
 
 def small(kind: str, **changes: Any) -> Experiment:

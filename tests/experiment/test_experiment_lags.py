@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from experiment_bench import bench_for, new_folder, small, surroundings
+from experiment_bench import Impatient, bench_for, new_folder, small, surroundings
 from typer.testing import CliRunner
 
 from nxt_twin.cli.app import program
@@ -84,20 +84,11 @@ def test_a_run_that_is_done_again_tells_its_lags_when_it_is_done(tmp_path: Path)
     bench = bench_for(experiment)
     around = surroundings(bench, experiment)
 
-    class Impatient:
-        def now_s(self) -> float:
-            return bench.clock.now_s()
-
-        def sleep(self, duration_s: float) -> None:
-            bench.clock.sleep(duration_s)
-            if bench.clock.now_s() > 2.8:
-                raise KeyboardInterrupt
-
     def beside(suffix: str) -> set[str]:
         return {path.stem for path in (folder.path / "recordings").glob(f"*{suffix}")}
 
     with pytest.raises(KeyboardInterrupt):
-        carry_out(experiment, folder, Surroundings(around.brick, Impatient(), {}, around.ask))
+        carry_out(experiment, folder, Surroundings(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
     assert beside(".yaml") == beside(".csv") == {"bare-step100"}
     carry_out(experiment, folder, around)
     assert beside(".yaml") == beside(".csv") == {"bare-step100", "bare-step60", "bare-step-80"}

@@ -1,4 +1,5 @@
 import pytest
+from experiment_bench import Impatient
 
 from nxt_twin.experiment.errors import PositionerError
 from nxt_twin.experiment.positioner.nx100 import Nx100Robot, RobotSetUp
@@ -175,19 +176,7 @@ def test_remote_mode_lost_before_a_move_is_named() -> None:
 
 
 def test_an_interrupt_on_the_way_puts_the_robot_on_hold() -> None:
-    class Impatient:
-        def __init__(self) -> None:
-            self.clock = VirtualClock()
-
-        def now_s(self) -> float:
-            return self.clock.now_s()
-
-        def sleep(self, duration_s: float) -> None:
-            self.clock.sleep(duration_s)
-            if self.clock.now_s() > 1.0:
-                raise KeyboardInterrupt
-
-    state = RobotState(Impatient())
+    state = RobotState(Impatient(VirtualClock(), 1.0))
     with pytest.raises(KeyboardInterrupt):
         robot_on(state).move_to(300.0)
     assert state.held

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from experiment_bench import bench_for, new_folder, rows_of, small, surroundings
+from experiment_bench import Impatient, bench_for, new_folder, rows_of, small, surroundings
 
 from nxt_twin.brick.errors import LinkLostError
 from nxt_twin.experiment.errors import ExperimentError, PositionerError, StoppedError
@@ -241,18 +241,8 @@ def test_a_motor_run_that_is_interrupted_leaves_the_motor_coasting_and_is_done_a
     folder = new_folder(tmp_path, experiment)
     bench = bench_for(experiment)
     around = surroundings(bench, experiment)
-
-    class Impatient:
-        def now_s(self) -> float:
-            return bench.clock.now_s()
-
-        def sleep(self, duration_s: float) -> None:
-            bench.clock.sleep(duration_s)
-            if bench.clock.now_s() > 2.8:
-                raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
-        carry_out(experiment, folder, Surroundings(around.brick, Impatient(), {}, around.ask))
+        carry_out(experiment, folder, Surroundings(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
     assert bench.brick.motors.read(0).value.mode == 0
     assert folder.finished("bare-step100")
     assert (folder.path / "recordings" / "bare-step60.csv.part").exists()
