@@ -10,11 +10,11 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.diagnose.batch import batches
 from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.kalman import clean_innovations
-from nxt_twin.diagnose.linear import Linear, Trial, batches, signatures
-from nxt_twin.physics.simulate import Simulator
+from nxt_twin.diagnose.linear import Linear, Trial, signatures
+from nxt_twin.physics.simulate import BoolArray, Simulator
 from nxt_twin.recording.recording import FloatArray
 
 _REPLICATES = 200
@@ -57,7 +57,9 @@ def clean_cases(linear: Linear, rng: Generator) -> FloatArray:
         linear.jobs, linear.predicted, linear.gain, linear.counted, strict=True
     ):
         innovations = clean_innovations(job, predicted, linear.structure.noise, count, rng)
-        parts.append((innovations * gain * job.observer.innovation_std)[:, mask])
+        part = innovations[:, mask]
+        part *= (gain * job.observer.innovation_std)[mask]
+        parts.append(part)
     return np.concatenate(parts, axis=1)
 
 
@@ -71,7 +73,7 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
     innovations = linear.left_of(clean, fitted)
     alarmed = np.zeros(len(clean), dtype=bool)
     readings = math.log(max(int(fitted.sum()), 2))
-    for part in batches(linear, trials):
+    for part in batches(len(trials), linear.innovations.size):
         found = signatures(simulator, linear, linear.structure.plant, trials[part])
         left = linear.left_of(found, fitted)
         strength = np.maximum(np.sum(found[:, fitted] * left[:, fitted], axis=1), 1e-12)

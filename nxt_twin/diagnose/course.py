@@ -7,9 +7,8 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Job, Simulator
+from nxt_twin.physics.simulate import BoolArray, Job, Simulator
 from nxt_twin.recording.recording import FloatArray
 
 _STANDING_SHARE = 1e-3

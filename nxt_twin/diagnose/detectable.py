@@ -9,8 +9,9 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.diagnose.batch import batches
 from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS, candidates
-from nxt_twin.diagnose.linear import Linear, Trial, batches, signatures
+from nxt_twin.diagnose.linear import Linear, Trial, signatures
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.diagnose.variables import starts_of
 from nxt_twin.physics.effect import Effect
@@ -106,7 +107,7 @@ def _shown(simulator: Simulator, linear: Linear, trials: Sequence[Trial]) -> Flo
     fitted = ~linear.checks
     readings = max(int(fitted.sum()), 2)
     shown = np.zeros(len(trials))
-    for part in batches(linear, trials):
+    for part in batches(len(trials), linear.innovations.size):
         found = signatures(simulator, linear, linear.structure.plant, trials[part])
         left = linear.left_of(found, fitted)
         in_fitted = 0.5 * np.sum(found[:, fitted] * left[:, fitted], axis=1)

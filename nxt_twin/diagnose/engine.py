@@ -13,7 +13,7 @@ from nxt_twin.diagnose import words
 from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
 from nxt_twin.diagnose.estimates import refitted
 from nxt_twin.diagnose.evidence import Evidence, gather, is_patchwork, verdict_of
-from nxt_twin.diagnose.explain import explain
+from nxt_twin.diagnose.explain import Explanation, explain
 from nxt_twin.diagnose.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.judge import noise_floor, overall, stale_readings
 from nxt_twin.diagnose.mismatch import mismatch_of
@@ -54,18 +54,25 @@ def diagnose(case: Case, *, seed: int = 0, progress: Progress = lambda _: None) 
     """
     problem = problem_for(case)
     with Simulator(problem.plant.layout) as simulator:
-        progress("re-fitting the baseline")
-        workshop = Workshop(simulator, problem)
-        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-        baseline = workshop.settle(workshop.fit(problem.plant, noise))
-        explanation = explain(workshop, baseline, progress)
-        progress("fitting on every reading that is not held out")
-        final = workshop.fit_everything(explanation.best.plant, explanation.best.noise)
-        refit = _best_baseline(workshop, baseline, final) if explanation.found else final
+        explanation, refit, final = _explained(simulator, problem, progress)
         progress("judging on what was held out")
         rng = np.random.default_rng(seed)
         evidence = gather(simulator, problem, explanation, refit, final, rng)
         return Answer(_diagnosis(simulator, evidence, seed, rng), final.plant)
+
+
+def _explained(
+    simulator: Simulator, problem: Problem, progress: Progress
+) -> tuple[Explanation, Structure, Structure]:
+    """What was found, and the re-fitted baseline and the best structure, both fitted on all that is not held out."""
+    progress("re-fitting the baseline")
+    workshop = Workshop(simulator, problem)
+    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    baseline = workshop.settle(workshop.fit(problem.plant, noise))
+    explanation = explain(workshop, baseline, progress)
+    progress("fitting on every reading that is not held out")
+    final = workshop.fit_everything(explanation.best.plant, explanation.best.noise)
+    return explanation, _best_baseline(workshop, baseline, final) if explanation.found else final, final
 
 
 def _best_baseline(workshop: Workshop, baseline: Structure, final: Structure) -> Structure:

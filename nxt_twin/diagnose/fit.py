@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.diagnose.batch import batches, one_of, predictions, samples_of
 from nxt_twin.diagnose.likeness import most_likely, told_apart
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Job, Result, Simulator
+from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator
 from nxt_twin.recording.recording import FloatArray
-
-BoolArray = NDArray[np.bool_]
 
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
@@ -88,6 +86,11 @@ class Target:
         """Negative log-likelihood of the counted readings for each parameter set, nats."""
         return self.evidence * cost_of(results, self.counted)
 
+    def costs(self, simulator: Simulator, values: FloatArray, active: BoolArray) -> FloatArray:
+        """The same of runs that are made for nothing else, a few sets at a time."""
+        parts = batches(len(values), samples_of(self.jobs))
+        return np.concatenate([self.cost(simulator.run(values[n], active[n], self.jobs)) for n in parts])
+
 
 def values_of(plant: Plant, variables: Sequence[Variable]) -> FloatArray:
     """The variables' values in `plant`, SI, shape (variables,)."""
@@ -142,7 +145,9 @@ def fit(
             best = int(np.nanargmin(objectives))
             gain = objective - float(objectives[best])
             if gain > 0.0:
-                slopes = search.followed(slopes, trials[best] - x, [_one(result, best) for result in results])
+                slopes = search.followed(
+                    slopes, trials[best] - x, [one_of(result, best) for result in results]
+                )
                 x, objective = trials[best], float(objectives[best])
         if gain < patience_nats and exact:
             break
@@ -221,11 +226,13 @@ class _Search:
         self.readings = int(target.evidence * sum(mask.sum() for mask in self._counted))
 
     def run(self, x: FloatArray) -> list[Result]:
+        return self._simulator.run(*self._sets(x), self._target.jobs)
+
+    def _sets(self, x: FloatArray) -> tuple[FloatArray, BoolArray]:
         values = np.repeat(self._values[None], x.shape[0], axis=0)
         for i, (columns, ratios) in enumerate(zip(self._columns, self._ratios, strict=True)):
             values[:, columns] = x[:, i : i + 1] * ratios
-        active = np.repeat(self._active[None], x.shape[0], axis=0)
-        return self._simulator.run(values, active, self._target.jobs)
+        return values, np.repeat(self._active[None], x.shape[0], axis=0)
 
     def objectives(self, x: FloatArray, results: Sequence[Result]) -> FloatArray:
         prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
@@ -255,11 +262,11 @@ class _Search:
         if central:
             sets[size + np.arange(size), np.arange(size)] = behind
         width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
-        found, results = [], self.run(sets)
-        for result, mask in zip(results, self._counted, strict=True):
-            below = result.predicted[size : 2 * size, mask] if central else result.predicted[-1, mask]
-            found.append(np.nan_to_num((result.predicted[:size, mask] - below) / width[:, None]))
-        last = [_one(result, sets.shape[0] - 1) for result in results]
+        found = []
+        predicted, last = predictions(self._simulator, *self._sets(sets), self._target.jobs, self._counted)
+        for own in predicted:
+            below = own[size : 2 * size] if central else own[-1]
+            found.append(np.nan_to_num((own[:size] - below) / width[:, None]))
         return Slopes(tuple(found), tuple(last), exact=True)
 
     def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
@@ -297,9 +304,3 @@ class _Search:
             hessian += weighted @ weighted.T
             gradient -= weighted @ np.nan_to_num(residual)
         return hessian, gradient
-
-
-def _one(result: Result, row: int) -> Result:
-    """One parameter set's part of a result."""
-    part = slice(row, row + 1)
-    return Result(result.predicted[part], result.weight[part], result.cost[part])

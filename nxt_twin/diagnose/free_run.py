@@ -9,10 +9,9 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Job, Result, Simulator, free_job
+from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator, free_job
 from nxt_twin.physics.start import Start, restarts
 from nxt_twin.recording.recording import FloatArray
 
@@ -36,24 +35,46 @@ class FreeRunCheck:
 
         Readings that a fault explains, as the `corrected` run tells, are left out; how many were not comes with it.
         """
-        windowed: list[FloatArray] = []
-        whole: list[FloatArray] = []
-        for job, seen, check, anew in zip(self._jobs, corrected, self._check, self._anew, strict=True):
-            gains = observer(job.signals, noise)
-            tuned = Job(job.signals, gains, job.start, noise.disturbance_time_s, step_s)
-            trace = simulator.trace(plant, tuned)
-            first = job.start
-            known = Start(
-                anew,
-                np.where(first.at, first.position, trace["angle"]),
-                np.where(first.at, first.speed, trace["speed"]),
+        known = [
+            self._start(simulator, plant, noise, job, anew, step_s)
+            for job, anew in zip(self._jobs, self._anew, strict=True)
+        ]
+        whole = [job.start for job in self._jobs]
+        runs = [
+            replace(free_job(job.signals, start), step_s=step_s)
+            for starts in (known, whole)
+            for job, start in zip(self._jobs, starts, strict=True)
+        ]
+        values, active = plant.vectors()
+        results = simulator.run(values[None], active[None], runs)
+        errors = [
+            _errors(run, result, check & (seen.weight[0] > 0.5))
+            for run, result, check, seen in zip(
+                runs, results, self._check * 2, [*corrected, *corrected], strict=True
             )
-            for start, errors in ((known, windowed), (first, whole)):
-                free = replace(free_job(job.signals, start), step_s=step_s)
-                predicted = simulator.trace(plant, free)["predicted"]
-                judged = check & np.isfinite(job.signals.measured) & ~start.at & (seen.weight[0] > 0.5)
-                errors.append((job.signals.measured - predicted)[judged])
-        return (_rms(np.concatenate(windowed)), _rms(np.concatenate(whole))), sum(e.size for e in whole)
+        ]
+        windowed, unbroken = np.concatenate(errors[: len(known)]), np.concatenate(errors[len(known) :])
+        return (_rms(windowed), _rms(unbroken)), unbroken.size
+
+    def _start(
+        self, simulator: Simulator, plant: Plant, noise: Noise, job: Job, anew: BoolArray, step_s: float
+    ) -> Start:
+        """Where `plant`'s own observer has it at each beginning of a window."""
+        tuned = Job(job.signals, observer(job.signals, noise), job.start, noise.disturbance_time_s, step_s)
+        trace = simulator.trace(plant, tuned)
+        first = job.start
+        return Start(
+            anew,
+            np.where(first.at, first.position, trace["angle"]),
+            np.where(first.at, first.speed, trace["speed"]),
+        )
+
+
+def _errors(run: Job, result: Result, judged: BoolArray) -> FloatArray:
+    """Of the readings that are `judged`, but for those that the run was started from."""
+    measured = run.signals.measured
+    shown = judged & np.isfinite(measured) & ~run.start.at
+    return np.asarray(measured[shown] - result.predicted[0, shown])
 
 
 def _rms(errors: FloatArray) -> float:

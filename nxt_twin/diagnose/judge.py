@@ -8,14 +8,13 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.observed import observed_starts
 from nxt_twin.diagnose.problem import HeldOut, Problem
 from nxt_twin.diagnose.residuals import Residuals
 from nxt_twin.physics.observer import Noise, free_run_std, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Job, Simulator, free_job
+from nxt_twin.physics.simulate import BoolArray, Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start
 from nxt_twin.recording.recording import FloatArray
 
@@ -89,14 +88,16 @@ def leftover_nats_of(residuals: Residuals, innovations: FloatArray) -> FloatArra
     """The same for other `innovations` of the same readings, shape (cases, readings); shape (cases,)."""
     features = _features(residuals)
     block = np.floor(residuals.time_s / _BLOCK_S).astype(int) + 7 * residuals.run
-    folds = block % _FOLDS
-    foretold = np.zeros(innovations.shape)
-    for fold in range(_FOLDS):
-        known, asked = folds != fold, folds == fold
-        normal = features[known].T @ features[known] + _RIDGE * np.eye(features.shape[1])
-        weights = np.linalg.solve(normal, features[known].T @ innovations[:, known].T)
-        foretold[:, asked] = (features[asked] @ weights).T
-    return np.asarray(0.5 * np.sum(innovations**2 - (innovations - foretold) ** 2, axis=1))
+    folds = [np.flatnonzero(block % _FOLDS == fold) for fold in range(_FOLDS)]
+    power = [features[fold].T @ features[fold] for fold in folds]
+    likeness = [features[fold].T @ innovations[:, fold].T for fold in folds]
+    nats = np.zeros(len(innovations))
+    for fold, own_power, own_likeness in zip(folds, power, likeness, strict=True):
+        normal = sum(power) - own_power + _RIDGE * np.eye(features.shape[1])
+        weights = np.linalg.solve(normal, sum(likeness) - own_likeness)
+        asked = innovations[:, fold]
+        nats += 0.5 * np.sum(asked**2 - (asked - (features[fold] @ weights).T) ** 2, axis=1)
+    return nats
 
 
 def _features(residuals: Residuals) -> FloatArray:

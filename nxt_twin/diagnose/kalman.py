@@ -102,22 +102,24 @@ def clean_innovations(
     quantum = 0.0 if signals.is_speed else signals.quantum
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
     found = np.zeros((count, known.size))
-    _clean(
-        signals.time_s,
-        np.nan_to_num(predicted),
-        known,
-        standing,
-        job.observer.gains,
-        job.observer.innovation_std,
-        noise.damping_per_s,
-        1.0 / noise.disturbance_time_s,
-        1 if signals.is_speed else 0,
-        quantum,
-        own_std,
-        noise.disturbance_std,
-        rng.standard_normal((count, known.size, 2)),
-        found,
-    )
+    foretold = np.nan_to_num(predicted)
+    for row in found:  # by itself, since its random numbers take more room than what is made of them
+        _clean(
+            signals.time_s,
+            foretold,
+            known,
+            standing,
+            job.observer.gains,
+            job.observer.innovation_std,
+            noise.damping_per_s,
+            1.0 / noise.disturbance_time_s,
+            1 if signals.is_speed else 0,
+            quantum,
+            own_std,
+            noise.disturbance_std,
+            rng.standard_normal((known.size, 2)),
+            row,
+        )
     return found
 
 
@@ -219,32 +221,31 @@ def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba i
     normals,  # noqa: ANN001
     found,  # noqa: ANN001
 ):
-    """The true state less the plant's, and the observer's correction, step by step for each made-up recording."""
-    for r in range(found.shape[0]):
-        state = np.zeros(3)
-        state[2] = torque_std * normals[r, 0, 0]
-        guess = np.zeros(3)
-        for k in range(1, time_s.shape[0]):
-            dt = time_s[k] - time_s[k - 1]
-            if standing[k]:
-                state[1] = 0.0
-            else:
-                _propagate(state, dt, damping_per_s, leak_per_s)
-            forget = math.exp(-leak_per_s * dt)
-            push = torque_std * math.sqrt(1.0 - forget * forget) * normals[r, k, 0]
-            state[2] += push
-            if not standing[k]:
-                state[1] += 0.5 * dt * push
-            _propagate(guess, dt, damping_per_s, leak_per_s)
-            if standing[k]:
-                guess[1] = 0.0
-            if not known[k]:
-                continue
-            truth = predicted[k] + state[read]
-            seen = truth + own_std * normals[r, k, 1]
-            if quantum > 0.0:
-                seen = quantum * math.floor(seen / quantum + 0.5)
-            innovation = seen - predicted[k] - guess[read]
-            found[r, k] = innovation / std[k]
-            for i in range(3):
-                guess[i] += gains[k, i] * innovation
+    """The true state less the plant's, and the observer's correction, step by step."""
+    state = np.zeros(3)
+    state[2] = torque_std * normals[0, 0]
+    guess = np.zeros(3)
+    for k in range(1, time_s.shape[0]):
+        dt = time_s[k] - time_s[k - 1]
+        if standing[k]:
+            state[1] = 0.0
+        else:
+            _propagate(state, dt, damping_per_s, leak_per_s)
+        forget = math.exp(-leak_per_s * dt)
+        push = torque_std * math.sqrt(1.0 - forget * forget) * normals[k, 0]
+        state[2] += push
+        if not standing[k]:
+            state[1] += 0.5 * dt * push
+        _propagate(guess, dt, damping_per_s, leak_per_s)
+        if standing[k]:
+            guess[1] = 0.0
+        if not known[k]:
+            continue
+        truth = predicted[k] + state[read]
+        seen = truth + own_std * normals[k, 1]
+        if quantum > 0.0:
+            seen = quantum * math.floor(seen / quantum + 0.5)
+        innovation = seen - predicted[k] - guess[read]
+        found[k] = innovation / std[k]
+        for i in range(3):
+            guess[i] += gains[k, i] * innovation

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray, Target, Variable, values_of
+from nxt_twin.diagnose.batch import batches, predictions, samples_of
+from nxt_twin.diagnose.fit import Target, Variable, values_of
 from nxt_twin.diagnose.likeness import told_apart
 from nxt_twin.diagnose.noise import with_noise
 from nxt_twin.diagnose.problem import Problem
@@ -19,14 +20,13 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import IntArray
-from nxt_twin.physics.simulate import Job, Result, Simulator
+from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator
 from nxt_twin.recording.recording import FloatArray
 
 _DIFFERENCE = 2e-3
 _SCREEN_STEP_S = 2e-3
 _LARGEST_LOAD = 0.5
 _LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
-_MOST_READINGS_A_BATCH = 2_000_000
 
 
 @final
@@ -124,18 +124,18 @@ def linearise(
     variables = structure.fitted.variables
     sets, widths = moves(structure.plant, variables)
     _, active = structure.plant.vectors()
-    results = simulator.run(sets, np.repeat(active[None], len(sets), axis=0), jobs)
     counted = counted_of(target)
+    predicted, last = predictions(simulator, sets, np.repeat(active[None], len(sets), axis=0), jobs, counted)
     gain = tuple(
-        np.sqrt(target.evidence * result.weight[-1]) / job.observer.innovation_std
-        for job, result in zip(jobs, results, strict=True)
+        np.sqrt(target.evidence * result.weight[0]) / job.observer.innovation_std
+        for job, result in zip(jobs, last, strict=True)
     )
     slopes, innovations = [], []
     along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)
-    for job, result, mask, own in zip(jobs, results, counted, gain, strict=True):
-        rise = (result.predicted[:-1:2] - result.predicted[1:-1:2]) / widths[:, None]
-        slopes.append(told_apart(np.nan_to_num((rise * own)[:, mask]), along))
-        innovations.append(np.nan_to_num(((job.signals.measured - result.predicted[-1]) * own)[mask]))
+    for job, mask, own, factor in zip(jobs, counted, predicted, gain, strict=True):
+        rise = (own[:-1:2] - own[1:-1:2]) / widths[:, None]
+        slopes.append(told_apart(np.nan_to_num(rise * factor[mask]), along))
+        innovations.append(np.nan_to_num((job.signals.measured[mask] - own[-1]) * factor[mask]))
     return Linear(
         structure=structure,
         jobs=jobs,
@@ -152,9 +152,7 @@ def linearise(
         ),
         checks=np.concatenate([check[mask] for check, mask in zip(problem.check, counted, strict=True)]),
         gain=gain,
-        predicted=tuple(
-            result.predicted[-1].copy() for result in results
-        ),  # a view would keep every move alive
+        predicted=tuple(result.predicted[0] for result in last),
     )
 
 
@@ -198,10 +196,9 @@ def deviations(simulator: Simulator, linear: Linear, plants: Sequence[Plant]) ->
     for step_s in set(steps_s):
         rows = [n for n, own_s in enumerate(steps_s) if own_s == step_s]
         jobs = [replace(job, step_s=step_s) for job in linear.jobs]
-        size = max(1, _MOST_READINGS_A_BATCH // max(sum(job.signals.time_s.size for job in jobs), 1))
         own = 0.0 if step_s == coarse_s else _run(simulator, linear, [linear.structure.plant], jobs)[0]
-        for first in range(0, len(rows), size):
-            some = rows[first : first + size]
+        for part in batches(len(rows), samples_of(jobs)):
+            some = rows[part]
             found[some] = _run(simulator, linear, [plants[n] for n in some], jobs) - own
     return np.clip(found, -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE)
 
@@ -211,13 +208,6 @@ def _run(simulator: Simulator, linear: Linear, plants: Sequence[Plant], jobs: Se
     values = np.array([values for values, _ in vectors])
     active = np.array([active for _, active in vectors])
     return linear.whitened(simulator.run(values, active, jobs))
-
-
-def batches(linear: Linear, trials: Sequence[Trial]) -> Iterator[slice]:
-    """Parts of `trials` whose signatures together stay small in memory."""
-    size = max(1, _MOST_READINGS_A_BATCH // max(linear.innovations.size, 1))
-    for first in range(0, len(trials), size):
-        yield slice(first, first + size)
 
 
 def moves(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, FloatArray]:

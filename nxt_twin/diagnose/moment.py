@@ -10,12 +10,11 @@ from typing import final
 import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Estimate, Onset
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.linear import Linear
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.signals import IntArray
-from nxt_twin.physics.simulate import Simulator
+from nxt_twin.physics.simulate import BoolArray, Simulator
 from nxt_twin.recording.recording import FloatArray
 
 _SYMBOL = "onset"  # of such a parameter, s since the session began

@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray, Target
+from nxt_twin.diagnose.batch import batches, samples_of
+from nxt_twin.diagnose.fit import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Simulator
+from nxt_twin.physics.simulate import BoolArray, Simulator
 from nxt_twin.physics.smooth import smoothed
 from nxt_twin.recording.recording import FloatArray
 
@@ -139,12 +140,15 @@ def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, floa
 
 
 def _costs(simulator: Simulator, plant: Plant, target: Target, noises: Sequence[Noise]) -> FloatArray:
-    """The target's cost under each noise, all run at once."""
+    """The target's cost under each noise, as many as may be run at once."""
     values, active = plant.vectors()
-    tuned = [with_noise(target, noise) for noise in noises]
-    results = simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
     size = len(target.jobs)
-    return np.array([float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)])
+    found: list[float] = []
+    for part in batches(len(noises), samples_of(target.jobs)):
+        tuned = [with_noise(target, noise) for noise in noises[part]]
+        results = simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
+        found += [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
+    return np.array(found)
 
 
 def _fitted(signals: Signals) -> FloatArray:

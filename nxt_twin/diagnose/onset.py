@@ -9,9 +9,9 @@ from typing import final
 import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Onset
-from nxt_twin.diagnose.fit import BoolArray
 from nxt_twin.diagnose.linear import Linear
 from nxt_twin.physics.signals import IntArray
+from nxt_twin.physics.simulate import BoolArray
 from nxt_twin.recording.recording import FloatArray
 
 _LEAST_NATS = 8.0

@@ -8,17 +8,17 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fit import BoolArray, Target, Variable, values_of
+from nxt_twin.diagnose.batch import batches, predictions, samples_of
+from nxt_twin.diagnose.fit import Target, Variable, values_of
 from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, Workshop, step_for
 from nxt_twin.diagnose.variables import starts_of, variables_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Result
+from nxt_twin.physics.simulate import BoolArray
 from nxt_twin.recording.recording import FloatArray
 
-_MOST_READINGS_A_BATCH = 2_000_000  # bounds the memory of a batch: three numbers a reading
 _LARGEST_STRETCH = 4.0
 _LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
 _DIFFERENCE = 2e-3
@@ -82,23 +82,27 @@ class _Nuisance:
             n for n, e in enumerate(plant.layout.effects) if "outlier" in e.terms and e.id in plant.active
         ]
         weighed = self._simulator.run(values[-1:], active[-1:], target.jobs)
-        self._results = self._simulator.run(values, self._believing(active), target.jobs)
-        self._cost = float(target.cost([_last(result) for result in self._results])[0])
-        self._masks: list[BoolArray] = []
+        self._masks = [
+            mask & np.isfinite(job.signals.measured) & ~job.start.at
+            for job, mask in zip(target.jobs, target.counted, strict=True)
+        ]
+        predicted, last = predictions(
+            self._simulator, values, self._believing(active), target.jobs, self._masks
+        )
+        self._cost = float(target.cost(last)[0])
+        self._base = [own[-1].copy() for own in predicted]
         self._inverse: list[FloatArray] = []
         self._residual: list[FloatArray] = []
         self._slopes: list[FloatArray] = []
         hessian = np.diag([(v.scale / v.spread) ** 2 for v in variables])
         gradient = np.zeros(len(variables))
-        for job, mask, result, own in zip(target.jobs, target.counted, self._results, weighed, strict=True):
-            seen = mask & np.isfinite(job.signals.measured) & ~job.start.at
+        for job, seen, moved, own in zip(target.jobs, self._masks, predicted, weighed, strict=True):
             inverse = np.sqrt(target.evidence * own.weight[0, seen]) / job.observer.innovation_std[seen]
             residual = (job.signals.measured[seen] - own.predicted[0, seen]) * inverse
-            slopes = np.nan_to_num((result.predicted[:-1, seen] - result.predicted[-1, seen]) * inverse)
+            slopes = np.nan_to_num((moved[:-1] - moved[-1]) * inverse)
             slopes /= _DIFFERENCE
             hessian += slopes @ slopes.T
             gradient += slopes @ residual
-            self._masks.append(seen)
             self._inverse.append(inverse)
             self._residual.append(residual)
             self._slopes.append(slopes)
@@ -107,12 +111,8 @@ class _Nuisance:
 
     def gains(self, plants: Sequence[Plant]) -> list[tuple[float, float]]:
         """What each of the plants promises, nats, and stretched by how much."""
-        rows = sum(job.signals.time_s.size for job in self._target.jobs)
-        size = max(1, _MOST_READINGS_A_BATCH // rows)
-        found: list[tuple[float, float]] = []
-        for low in range(0, len(plants), size):
-            found += self._gains_of_batch(plants[low : low + size])
-        return found
+        parts = batches(len(plants), samples_of(self._target.jobs))
+        return [gain for part in parts for gain in self._gains_of_batch(plants[part])]
 
     def _believing(self, active: BoolArray) -> BoolArray:
         """`active` without the structure's own model of outliers.
@@ -137,11 +137,11 @@ class _Nuisance:
             np.zeros(len(plants)),
         )  # signature · residual, signature · signature
         parts = zip(
-            results, self._results, self._masks, self._inverse, self._residual, self._slopes, strict=True
+            results, self._base, self._masks, self._inverse, self._residual, self._slopes, strict=True
         )
         for result, base, mask, inverse, residual, slopes in parts:
             signature = np.clip(
-                np.nan_to_num((result.predicted[:, mask] - base.predicted[-1, mask]) * inverse),
+                np.nan_to_num((result.predicted[:, mask] - base) * inverse),
                 -_LARGEST_SIGNATURE,
                 _LARGEST_SIGNATURE,
             )
@@ -169,10 +169,6 @@ def _shifted(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, B
         for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
             sets[row, index[slot]] = (x + _DIFFERENCE * variable.scale) * ratio
     return sets, np.repeat(active[None], len(variables) + 1, axis=0)
-
-
-def _last(result: Result) -> Result:
-    return Result(result.predicted[-1:], result.weight[-1:], result.cost[-1:])
 
 
 def _with_load_split(plant: Plant, effect: Effect) -> Plant:

@@ -172,7 +172,7 @@ class Workshop:
         vectors = [plant.vectors() for plant in plants]
         target = self.tuned(noise, step_for(plants[0], DRAFT_STEP_S))
         values, active = (np.array(part) for part in zip(*vectors, strict=True))
-        return target.cost(self.simulator.run(values, active, target.jobs))
+        return target.costs(self.simulator, values, active)
 
     def tuned(self, noise: Noise, step_s: float) -> Target:
         """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
@@ -248,7 +248,7 @@ class Workshop:
         values, active = (
             np.array(part) for part in zip(*(p.vectors() for p in [*plants, fitted.plant]), strict=True)
         )
-        costs = tuned.cost(self.simulator.run(values, active, tuned.jobs))
+        costs = tuned.costs(self.simulator, values, active)
         best = int(np.argmin(costs[:-1]))
         gain = float(costs[-1] - costs[best])
         return (plants[best], gain) if gain > _POLLED_NATS else (fitted.plant, 0.0)

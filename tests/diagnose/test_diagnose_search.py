@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from diagnose_cases import concealed, diagnosed
 
-from nxt_twin.diagnose import screen as screening
+from nxt_twin.diagnose import batch
 from nxt_twin.diagnose.drafts import Drafts
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.explain import candidates, explain
+from nxt_twin.diagnose.linear import linearise
 from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
 from nxt_twin.diagnose.problem import problem_of
 from nxt_twin.diagnose.screen import screen
@@ -61,10 +62,22 @@ def test_a_screen_costs_about_one_run_a_start(lacking):
 
 def test_small_batches_promise_the_same(lacking, monkeypatch):
     whole = {(p.effect.id, tuple(p.plant.values.values())): p.gain for p in lacking.screened()}
-    monkeypatch.setattr(screening, "_MOST_READINGS_A_BATCH", 20_000)
+    monkeypatch.setattr(batch, "_MOST_READINGS", 20_000)
     for prospect in lacking.screened():
         key = (prospect.effect.id, tuple(prospect.plant.values.values()))
         assert prospect.gain == pytest.approx(whole[key], rel=1e-6, abs=1e-6)
+
+
+def test_an_hour_that_must_be_run_set_by_set_is_fitted_the_same(lacking, monkeypatch):
+    plant, noise = lacking.baseline.plant, lacking.baseline.noise
+    whole = lacking.workshop.settled(plant, noise)
+    slopes = linearise(lacking.simulator, lacking.problem, whole).slopes
+    monkeypatch.setattr(batch, "_MOST_READINGS", 1)
+    alone = lacking.workshop.settled(plant, noise)
+    assert alone.plant == whole.plant
+    assert alone.noise == whole.noise
+    assert alone.free_run_rms == whole.free_run_rms
+    assert np.array_equal(linearise(lacking.simulator, lacking.problem, alone).slopes, slopes)
 
 
 def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
