@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 from scipy.signal import savgol_filter
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.signals import Signals
-from nxt_twin.recording.recording import FloatArray
 
 _MOST_EVALUATIONS = 8
 _EDGE_RAD_S = 0.05  # within which the plain model smooths dry friction, as a user of a solver has to

@@ -17,6 +17,7 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands, true_run
 from nxt_twin.blind.truth.sensing import Sensing, read_battery
@@ -53,9 +54,8 @@ from nxt_twin.experiment.standin.workbench import Workbench, helper, mount, work
 from nxt_twin.experiment.sweep import sweep_of
 from nxt_twin.mock.body.motors import Motors
 from nxt_twin.mock.body.world import World
-from nxt_twin.physics.signals import IntArray
 from nxt_twin.recording.program import commands
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.settings import PACES, Pace
 
 EACH_PING: Final = {"settle_s": 0.05, "every_s": 0.05}

@@ -9,11 +9,11 @@ import numpy as np
 from benchmarks.lsoda import as_a_user, motor_of, reference
 from benchmarks.steps import DURATION_S, motor, steps
 from benchmarks.timing import times_s
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import STEP_S, Simulator, free_job
 from nxt_twin.physics.start import at_rest
-from nxt_twin.recording.recording import FloatArray
 
 _AIM = 100.0
 _LADDER = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.recording.recording import FloatArray
 
 State = FloatArray  # angle (rad), speed (rad/s), winding current (A)
 

@@ -18,6 +18,7 @@ from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from benchmarks.twin_feed import Fed, feed_all, plant_of
+from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.answer import true_parameters
 from nxt_twin.blind.bench import draw_motor
 from nxt_twin.blind.excitation import FAMILIES
@@ -27,7 +28,7 @@ from nxt_twin.blind.truth.run import Commands
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import PORTS, Port
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 
 FIRST_SEED: Final = 50_000

@@ -14,9 +14,9 @@ from nxt_twin.blind.case import ConcealedCase
 from nxt_twin.blind.polling import Link
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 from nxt_twin.physics.plant import Plant, plant_from_config
-from nxt_twin.recording.columns import Port
+from nxt_twin.recording.columns import DRIVE_MODES, Port
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.recording import DRIVE_MODES, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.monitor import MotorMonitor

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import graphlib
 import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+import grimp
 
 ROOT = Path(__file__).parents[1]
 
@@ -22,7 +25,7 @@ _CHECKS = re.compile(r"assert|^check|raises$|fail$")
 
 def main() -> int:
     """Print every finding; 1 if there is one."""
-    found = [*_product(), *_locks(), *_user_paths(), *_tests()]
+    found = [*_product(), *_circles(), *_locks(), *_user_paths(), *_tests()]
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 
@@ -41,6 +44,16 @@ def _product() -> Iterator[str]:
                     yield f"{place}:{node.lineno}: {node.name} has {lines} lines, more than {LONGEST_FUNCTION}"
             if _called(node) == "print" and not place.startswith(_MAY_PRINT):
                 yield f"{place}:{node.lineno}: print outside the command line"  # type: ignore[attr-defined]
+
+
+def _circles() -> Iterator[str]:
+    """One ring of files that import one another, for types only or not."""
+    graph = grimp.build_graph(*_PRODUCT)
+    imports = {file: graph.find_modules_directly_imported_by(file) for file in graph.modules}
+    try:
+        graphlib.TopologicalSorter(imports).prepare()
+    except graphlib.CycleError as error:
+        yield f"a circle of imports: {' <- '.join(error.args[1])}"
 
 
 def _locks() -> Iterator[str]:

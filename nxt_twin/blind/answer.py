@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.conceal import Hidden
 from nxt_twin.blind.record import Taken
@@ -55,7 +55,7 @@ def truth_of_recordings(
     return {"effect_rms_deg": _rms(np.concatenate(shifts_deg)), "recordings": recordings}
 
 
-def _shift_deg(hidden: Hidden, commands: Commands, taken: Taken) -> NDArray[np.float64]:
+def _shift_deg(hidden: Hidden, commands: Commands, taken: Taken) -> FloatArray:
     """Reading with the effects minus reading of the same motor without them, at the stamps."""
     if not hidden.effects:
         return np.zeros(taken.read_deg.size)
@@ -63,5 +63,5 @@ def _shift_deg(hidden: Hidden, commands: Commands, taken: Taken) -> NDArray[np.f
     return taken.read_deg - np.interp(taken.recording.time_s, plain.stamp_s, plain.encoder_deg)
 
 
-def _rms(values: NDArray[np.float64]) -> float:
+def _rms(values: FloatArray) -> float:
     return round(float(np.sqrt(np.mean(values**2))), 4)

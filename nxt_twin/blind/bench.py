@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.excitation import FAMILIES
 from nxt_twin.blind.polling import Link, polls_s
 from nxt_twin.blind.truth.motor import Motor
@@ -87,7 +87,7 @@ def draw_commands(
     )
 
 
-def _wandering(rng: Generator, time_s: NDArray[np.float64], std: float) -> NDArray[np.float64]:
+def _wandering(rng: Generator, time_s: FloatArray, std: float) -> FloatArray:
     """A first-order Markov process of the given standard deviation at irregular times."""
     kept = np.exp(-np.diff(time_s, prepend=time_s[0]) / PUSH_MEMORY_S)
     kicks = std * np.sqrt(1.0 - kept**2) * rng.standard_normal(time_s.size)

@@ -10,6 +10,7 @@ from typing import Any, Final, cast, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.blind.secret import Secret
 from nxt_twin.blind.truth import integrator
 from nxt_twin.blind.truth.motor import Motor, as_record
@@ -17,9 +18,7 @@ from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.mock.body.battery import Battery
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.motors import Motors, Plants
-from nxt_twin.physics.signals import IntArray
 from nxt_twin.recording.columns import PORTS
-from nxt_twin.recording.recording import FloatArray
 
 _ROUNDING_S: Final = 1e-9
 

@@ -8,11 +8,9 @@ from typing import Final, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-from nxt_twin.recording.recording import DRIVE_MODES
-
-FloatArray = NDArray[np.float64]
+from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.recording.columns import DRIVE_MODES
 
 DRIVE, FLOAT, COAST, BRAKE = (DRIVE_MODES.index(mode) for mode in DRIVE_MODES)
 REST_S: Final = 0.3
@@ -24,10 +22,10 @@ class Excitation:
     """Commands for each row: duty in whole per cent and mode (index into `DRIVE_MODES`), shape (rows,)."""
 
     power_pct: FloatArray
-    mode: NDArray[np.int64]
+    mode: IntArray
 
 
-def _holds(rng: Generator, time_s: FloatArray, shortest_s: float, longest_s: float) -> NDArray[np.int64]:
+def _holds(rng: Generator, time_s: FloatArray, shortest_s: float, longest_s: float) -> IntArray:
     """Number, for each row, the hold that it belongs to; holds last a random time."""
     count = int(time_s[-1] / shortest_s) + 2
     ends = np.cumsum(rng.uniform(shortest_s, longest_s, count))

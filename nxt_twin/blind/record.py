@@ -7,14 +7,12 @@ from typing import Final, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands, true_run
 from nxt_twin.blind.truth.sensing import Sensing, hold_stale, read_battery
 from nxt_twin.recording.recording import Recording
-
-FloatArray = NDArray[np.float64]
 
 BATTERY_EVERY_ROWS: Final = 20
 

@@ -9,19 +9,21 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.diagnose.sensor.simulate import expected_readings, is_sensor_model
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.physics.signals import Signals, signals_of
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job, with_supply
 from nxt_twin.physics.start import Start, at_rest, restarts
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, write_recording
 from nxt_twin.recording.mapping import read_mapped, read_mapping
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 
 
 def simulate(

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.physics.simulate import Job, Result, Simulator
 
 _MOST_READINGS = 1_000_000  # in one batch; a run gives three numbers a reading
 

@@ -10,12 +10,12 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.batch import batches
 from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS
 from nxt_twin.diagnose.kalman import clean_innovations
 from nxt_twin.diagnose.linear import Linear, Trial, signatures
-from nxt_twin.physics.simulate import BoolArray, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Simulator
 
 _REPLICATES = 200
 _FEWEST = 20

@@ -8,13 +8,13 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.linear import Linear, deviations, trials_of, with_trial
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import BoolArray, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Simulator
 
 _RIDGE = 1e-6
 

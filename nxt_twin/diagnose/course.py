@@ -7,9 +7,9 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import BoolArray, Job, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Job, Simulator
 
 _STANDING_SHARE = 1e-3
 

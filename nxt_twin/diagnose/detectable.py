@@ -9,6 +9,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.batch import batches
 from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS, candidates
 from nxt_twin.diagnose.linear import Linear, Trial, signatures
@@ -18,7 +19,6 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
-from nxt_twin.recording.recording import FloatArray
 
 _FACTORS = (1.0 / 32.0, 1.0 / 6.0, 1.0, 6.0)
 _NINE_OF_TEN = 1.2816

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, final
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.program import MotorProgram
-from nxt_twin.recording.recording import FloatArray
 
 Verdict = Literal["adequate", "explained", "unexplained"]
 Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose import words
 from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
 from nxt_twin.diagnose.estimates import refitted
@@ -27,7 +28,6 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.recording import FloatArray
 
 Progress = Callable[[str], None]
 

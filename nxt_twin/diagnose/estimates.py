@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Estimate, Moved, Ratio
 from nxt_twin.diagnose.evidence import Evidence
 from nxt_twin.diagnose.intervals import FROZEN_DOUBT
@@ -15,7 +16,6 @@ from nxt_twin.diagnose.structure import Structure
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter
-from nxt_twin.recording.recording import FloatArray
 
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)

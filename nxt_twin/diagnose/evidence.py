@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.detectable import allowed
 from nxt_twin.diagnose.diagnosis import Verdict
@@ -22,7 +23,6 @@ from nxt_twin.diagnose.structure import Structure
 from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.simulate import Simulator
-from nxt_twin.recording.recording import FloatArray
 
 STRUCTURED_NATS = 15.0
 STRUCTURED_TORQUE = 2e-3

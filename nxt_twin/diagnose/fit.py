@@ -8,12 +8,12 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.batch import batches, one_of, predictions, samples_of
 from nxt_twin.diagnose.likeness import most_likely, told_apart
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Job, Result, Simulator
 
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3

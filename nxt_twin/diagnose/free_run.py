@@ -9,11 +9,11 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator, free_job
+from nxt_twin.physics.simulate import Job, Result, Simulator, free_job
 from nxt_twin.physics.start import Start, restarts
-from nxt_twin.recording.recording import FloatArray
 
 
 @final

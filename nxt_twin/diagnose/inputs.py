@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
+from nxt_twin.recording.columns import DriveMode
 from nxt_twin.recording.program import Segment
-from nxt_twin.recording.recording import DriveMode
 
 _CHIRP_STEP_S = 0.05
 

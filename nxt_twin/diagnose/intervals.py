@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.linear import Linear, deviations
 from nxt_twin.physics.simulate import Simulator
-from nxt_twin.recording.recording import FloatArray
 
 _BLOCK_S = 1.0
 _FEWEST_BLOCKS = 12

@@ -8,15 +8,15 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.observed import observed_starts
 from nxt_twin.diagnose.problem import HeldOut, Problem
 from nxt_twin.diagnose.residuals import Residuals
 from nxt_twin.physics.observer import Noise, free_run_std, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import BoolArray, Job, Simulator, free_job
+from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start
-from nxt_twin.recording.recording import FloatArray
 
 _RIDGE = 3.0
 _FOLDS = 6

@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Job
-from nxt_twin.recording.recording import FloatArray
 
 _STANDING_SHARE = 1e-3
 

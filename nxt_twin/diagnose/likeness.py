@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 
 VOLTAGES = ("power_pct", "voltage_v")
 """Inputs under which a motor's motion tells nothing of the size of its torques."""

@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.batch import batches, predictions, samples_of
 from nxt_twin.diagnose.fit import Target, Variable, values_of
 from nxt_twin.diagnose.likeness import told_apart
@@ -19,9 +20,7 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.signals import IntArray
-from nxt_twin.physics.simulate import BoolArray, Job, Result, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Job, Result, Simulator
 
 _DIFFERENCE = 2e-3
 _SCREEN_STEP_S = 2e-3

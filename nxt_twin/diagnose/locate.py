@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.residuals import Residuals
 from nxt_twin.physics.effect import Regime
-from nxt_twin.recording.recording import FloatArray
 
 _WINDOW_S = 0.5
 _SPELL_SIGMAS = 5.0

@@ -9,13 +9,12 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Estimate, Onset
 from nxt_twin.diagnose.linear import Linear
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.signals import IntArray
-from nxt_twin.physics.simulate import BoolArray, Simulator
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.physics.simulate import Simulator
 
 _SYMBOL = "onset"  # of such a parameter, s since the session began
 _WITHIN_NATS = 4.0  # twice what a likelihood without flaw would ask for

@@ -15,6 +15,7 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fit import values_of
 from nxt_twin.diagnose.inputs import Pattern, family
 from nxt_twin.diagnose.likeness import told_apart
@@ -26,8 +27,8 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import at_rest
+from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.program import Run, Segment, commands
-from nxt_twin.recording.recording import DRIVE_MODES, FloatArray
 
 WANTED_NATS = 10.0
 LONGEST_S = 600.0

@@ -8,15 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.batch import batches, samples_of
 from nxt_twin.diagnose.fit import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import BoolArray, Simulator
+from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.smooth import smoothed
-from nxt_twin.recording.recording import FloatArray
 
 DISTURBANCE_TIME_S = 0.15
 _SMALLEST = 1e-4

@@ -8,11 +8,9 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Onset
 from nxt_twin.diagnose.linear import Linear
-from nxt_twin.physics.signals import IntArray
-from nxt_twin.physics.simulate import BoolArray
-from nxt_twin.recording.recording import FloatArray
 
 _LEAST_NATS = 8.0
 _SURE = 0.02

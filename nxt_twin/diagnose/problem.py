@@ -8,14 +8,16 @@ from typing import Any, final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, IntArray
 from nxt_twin.diagnose.fit import Target
 from nxt_twin.diagnose.noise import damping_per_s
 from nxt_twin.diagnose.variables import scale_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant, plant_from_config
-from nxt_twin.physics.signals import IntArray, Signals, in_session, signals_of
-from nxt_twin.physics.simulate import BoolArray, free_job, with_supply
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.physics.signals import Signals, in_session
+from nxt_twin.physics.simulate import free_job, with_supply
 from nxt_twin.physics.start import Start, moving_start, restarts
 from nxt_twin.recording.recording import Recording
 

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.fit import Target
 from nxt_twin.diagnose.noise import with_noise
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Simulator
-from nxt_twin.recording.recording import FloatArray
 
 
 @final
@@ -36,7 +35,7 @@ class Residuals:
         unknown: torque or force that the observer had to add, N·m or N.
     """
 
-    run: NDArray[np.int64]
+    run: IntArray
     time_s: FloatArray
     normalised: FloatArray
     position: FloatArray

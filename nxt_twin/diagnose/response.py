@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 from numba import njit
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.course import Course
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Job
-from nxt_twin.recording.recording import FloatArray
 
 Entry = Literal["torque", "count", "reading"]
 _ENTRIES: dict[Entry, int] = {"torque": 0, "count": 1, "reading": 2}

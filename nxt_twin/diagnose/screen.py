@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.batch import batches, predictions, samples_of
 from nxt_twin.diagnose.fit import Target, Variable, values_of
 from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, Workshop, step_for
@@ -16,8 +17,6 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import BoolArray
-from nxt_twin.recording.recording import FloatArray
 
 _LARGEST_STRETCH = 4.0
 _LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 
 _STEPS_PER_RADIAN = 4.0
 _RUBBING_STEP_S = 2e-3

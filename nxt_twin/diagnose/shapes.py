@@ -13,11 +13,11 @@ from typing import final
 import numpy as np
 from numba import njit
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.course import Course
 from nxt_twin.diagnose.diagnosis import Equation
 from nxt_twin.diagnose.response import Entry
 from nxt_twin.diagnose.second_body import behind_play, by_rubbing, on_a_spring
-from nxt_twin.recording.recording import FloatArray
 
 _SPEEDS = (0.03, 0.1, 0.25, 0.45, 0.7, 1.0, 1.4, 2.0, 3.0)
 _DRIVES = (0.0, 0.03, 0.15, 0.4, 0.8, 1.5, 2.5, 4.0)

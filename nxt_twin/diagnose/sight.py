@@ -11,8 +11,8 @@ from nxt_twin.diagnose.detectable import Detectable, detectable
 from nxt_twin.diagnose.diagnosis import DetectableSize, Excitation
 from nxt_twin.diagnose.linear import Linear
 from nxt_twin.diagnose.problem import Problem
-from nxt_twin.physics.base.dc_motor import MODE_DRIVE
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.modes import MODE_DRIVE
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.smooth import smoothed
 

@@ -19,6 +19,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.course import Course, course_of
 from nxt_twin.diagnose.diagnosis import Equation, Source, SourceFinding
 from nxt_twin.diagnose.kalman import Randomness, cost, deviation, quiet
@@ -31,7 +32,6 @@ from nxt_twin.diagnose.structure import DRAFT_STEP_S, Structure, step_for
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Job, Simulator
-from nxt_twin.recording.recording import FloatArray
 
 SOURCE_OF: dict[Equation, Source] = {
     "torque_balance": "actuator",

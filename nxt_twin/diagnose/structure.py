@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fit import Fitted, Slopes, Target, fit
 from nxt_twin.diagnose.free_run import FreeRunCheck
 from nxt_twin.diagnose.noise import estimate, with_noise
@@ -18,7 +19,6 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
-from nxt_twin.recording.recording import FloatArray
 
 DRAFT_STEP_S = 4e-3
 SETTLED_STEP_S = 2e-3

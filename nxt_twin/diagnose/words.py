@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.confusion import Alike
 from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, HeldOutRun, NextExperiment, Verdict
 from nxt_twin.diagnose.problem import Problem
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.recording import FloatArray
 
 FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 

@@ -10,12 +10,11 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.experiment.identified import Value
 from nxt_twin.experiment.posterior import weighed
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors import ultrasonic
 from nxt_twin.sensors.intervals import logistic
 
@@ -114,7 +113,7 @@ def near_offset(
     return NearOffset(places, np.stack([gained(share) for share in _SHARES]))
 
 
-def _between(places: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+def _between(places: FloatArray) -> tuple[FloatArray, IntArray]:
     """Borders to try between neighbouring places, evenly in each gap, and the number of the gap of each.
 
     Where gaps differ in width, each is tried as often as it is wide.

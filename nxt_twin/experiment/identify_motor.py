@@ -15,6 +15,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judge import noise_floor
 from nxt_twin.diagnose.linear import linearise
@@ -35,7 +36,7 @@ from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.columns import BATTERY, Port
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 
 _DELAY_S: Final = 20e-3
 """Of a command in the fit, which dates commands so much sooner than the sidecars tell: what is left of the link's delay

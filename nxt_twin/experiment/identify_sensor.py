@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment import identify_touch, identify_ultrasonic
 from nxt_twin.experiment.combine import combined
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified, normal_value
 from nxt_twin.experiment.plan import AngleSweep, DistanceSweep, GradientSweep, TouchCycles
 from nxt_twin.experiment.sweep import sweep_of
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.sensors import light
 
 

@@ -13,12 +13,13 @@ from typing import Final
 import numpy as np
 from scipy.special import logsumexp
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.identified import Identified
 from nxt_twin.experiment.plan import TouchCycles
 from nxt_twin.experiment.posterior import weighed
 from nxt_twin.experiment.sweep import sweep_of
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.sensors import touch
 from nxt_twin.sensors.intervals import log_interval_probability
 

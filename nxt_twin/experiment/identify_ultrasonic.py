@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.experiment.borders import blind_border, near_offset
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.identified import Identified, Value, normal_value
 from nxt_twin.experiment.posterior import weighed
 from nxt_twin.experiment.walk import walked
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors import ultrasonic
 from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.fitting import Fitted
@@ -144,7 +143,7 @@ class _Echoes:
     lost: FloatArray
 
     @classmethod
-    def counted(cls, distance_mm: FloatArray, angle_deg: FloatArray, heard: NDArray[np.bool_]) -> _Echoes:
+    def counted(cls, distance_mm: FloatArray, angle_deg: FloatArray, heard: BoolArray) -> _Echoes:
         places, which = np.unique(np.column_stack([distance_mm, angle_deg]), axis=0, return_inverse=True)
         counts = [np.bincount(which, weights=each.astype(np.float64)) for each in (heard, ~heard)]
         echoes, silences = (np.asarray(count, dtype=np.float64) for count in counts)

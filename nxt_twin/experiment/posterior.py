@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from scipy.special import logsumexp
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment.identified import Value
-from nxt_twin.recording.recording import FloatArray
 
 _TAIL: Final = 0.025
 

@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fit import Target
 from nxt_twin.diagnose.linear import Linear, deviations
 from nxt_twin.diagnose.noise import estimate
@@ -24,7 +25,6 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import at_rest
-from nxt_twin.recording.recording import FloatArray
 
 _REPLICATES: Final = 200
 _FEIGNED: Final = 8

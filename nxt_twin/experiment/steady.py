@@ -10,10 +10,11 @@ from typing import Final
 import numpy as np
 from scipy.optimize import least_squares
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment.combine import propagated
 from nxt_twin.experiment.identified import Value, normal_value
-from nxt_twin.recording.columns import BATTERY, Port, mode_column, power_column, tacho_column
-from nxt_twin.recording.recording import DRIVE_MODES, FloatArray, Recording
+from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column, tacho_column
+from nxt_twin.recording.recording import Recording
 
 _SETTLED_S: Final = 0.6
 _LEAST_STEADY_S: Final = 0.4

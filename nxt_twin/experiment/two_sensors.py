@@ -11,13 +11,14 @@ from typing import Final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identified import Identified
 from nxt_twin.experiment.plan import TwoSensors
 from nxt_twin.experiment.posterior import weighed
 from nxt_twin.experiment.sweep import sweep_of
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.sensors.ultrasonic import NO_ECHO
 
 _FINE: Final = 8

@@ -9,9 +9,9 @@ from typing import final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
 from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
-from nxt_twin.recording.recording import FloatArray
 
 SUPPLY_V = 9.0
 """The highest voltage of the speeds behind equation 5 is not printed; six fresh cells give this."""

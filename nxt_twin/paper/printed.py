@@ -7,7 +7,7 @@ from typing import Final, final
 
 import numpy as np
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors import touch_tables
 
 

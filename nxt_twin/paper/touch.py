@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
 from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
 from nxt_twin.paper.printed import TouchTable
-from nxt_twin.recording.recording import FloatArray
 
 TABLES = (printed.FORCE_ON, printed.FORCE_OFF, printed.TRAVEL_ON, printed.TRAVEL_OFF)
 

@@ -13,12 +13,11 @@ from typing import final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s
 from nxt_twin.physics.start import Start
-from nxt_twin.recording.recording import FloatArray
 
 _SLOPE_STD = 2.0  # of a speed read off a few readings, in reading deviations over the smoother's half window
 
@@ -67,7 +66,7 @@ def free(signals: Signals, reading_std: float) -> Observer:
     return Observer(np.zeros((rows, 3)), np.full(rows, reading_std))
 
 
-def _observe(signals: Signals, noise: Noise, known: NDArray[np.bool_], reset: NDArray[np.bool_]) -> Observer:
+def _observe(signals: Signals, noise: Noise, known: BoolArray, reset: BoolArray) -> Observer:
     rows = signals.time_s.size
     gains, std = np.zeros((rows, 3)), np.zeros(rows)
     start_speed_std = _SLOPE_STD * noise.reading_std / half_window_s(signals)

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nxt_twin.physics.base.dc_motor import MODE_DRIVE, MODE_FLOAT
+from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.modes import MODE_DRIVE, MODE_FLOAT
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import smoothed
-from nxt_twin.recording.recording import FloatArray
-
-if TYPE_CHECKING:
-    # Takes the others into a motor's signals itself.
-    from nxt_twin.physics.signals import Signals
 
 _SPEED_RESOLUTION_RAD_S = 0.25  # a change of what is counted below it is not told anew
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, final
+from typing import Literal, final
 
-if TYPE_CHECKING:
-    from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.signals import Signals
 
 Frame = Literal["motor", "rotary", "linear"]
 """What kind of plant carries the parameter: an NXT-like motor, another rotary plant, or a linear one."""

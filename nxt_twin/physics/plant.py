@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, BASES, Layout, Slot, layout
 from nxt_twin.physics.parameter import Frame, Parameter
-from nxt_twin.recording.recording import FloatArray, InputKind
+from nxt_twin.recording.recording import InputKind
 
 _FRAME_OF_INPUT: dict[InputKind, Frame] = {
     "power_pct": "motor",
@@ -46,7 +46,7 @@ class Plant:
         """The effects in the plant, in the order in which they act."""
         return tuple(effect for effect in self.layout.effects if effect.id in self.active)
 
-    def vectors(self) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def vectors(self) -> tuple[FloatArray, BoolArray]:
         """The value vector (inactive parameters at their first start) and the mask of active effects."""
         values = [
             self.values.get(slot, parameter.starts[0] * parameter.si)

@@ -12,6 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.assemble import SETTLING
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import BASE_OWNER, Slot
@@ -19,7 +20,6 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 from nxt_twin.physics.terms import Call, calls
-from nxt_twin.recording.recording import FloatArray
 
 _Scope = dict[str, float]
 

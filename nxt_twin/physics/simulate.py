@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Self, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.assemble import TRACE
 from nxt_twin.physics.kernel import kernel
 from nxt_twin.physics.layout import BASE_OWNER, Layout, Slot
@@ -18,9 +18,6 @@ from nxt_twin.physics.observer import Observer, free
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.start import Start
-from nxt_twin.recording.recording import FloatArray
-
-BoolArray = NDArray[np.bool_]
 
 STEP_S = 1e-3
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numba import njit
 
-from nxt_twin.recording.recording import FloatArray
-
-if TYPE_CHECKING:
-    # Smoothes the speeds of a brick's other motors itself.
-    from nxt_twin.physics.signals import Signals
+from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.signals import Signals
 
 _HALF_WINDOW_S = 0.03
 _HALF_WINDOW_SAMPLES = 4

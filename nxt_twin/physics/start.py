@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nxt_twin.physics.signals import IntArray, Signals
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
-from nxt_twin.recording.recording import FloatArray
 
 
 @final
@@ -18,7 +17,7 @@ from nxt_twin.recording.recording import FloatArray
 class Start:
     """At which samples a run starts anew, always including the first, and from where; shape (samples,)."""
 
-    at: NDArray[np.bool_]
+    at: BoolArray
     position: FloatArray
     speed: FloatArray
 

@@ -8,11 +8,10 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.kernel import kernel
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.signals import IntArray
-from nxt_twin.recording.recording import FloatArray
 
 _ANGLE, _SPEED, _CURRENT = 0, 1, 2
 

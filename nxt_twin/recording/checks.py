@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE, TIME, Column
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.table import Table
 

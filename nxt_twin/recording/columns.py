@@ -11,15 +11,16 @@ from types import MappingProxyType
 from typing import Literal, final
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.recording.source import nearest, quoted
 
 Port = Literal["a", "b", "c"]
 Slot = Literal[1, 2, 3, 4]
 Role = Literal["stamp", "command", "reading", "truth"]
+DriveMode = Literal["drive", "float", "coast", "brake"]
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
 SLOTS: tuple[Slot, ...] = (1, 2, 3, 4)
+DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
 TIME = "time_s"
 BATTERY = "battery_v"
 MAPPED_COLUMNS = ("input", "output", "supply_v")

@@ -14,12 +14,13 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.checks import contract_columns
 from nxt_twin.recording.columns import CATALOGUE, check_names
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import known_pulse_steps
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.lines import TextLayout
 from nxt_twin.recording.tables.parquet import read_parquet

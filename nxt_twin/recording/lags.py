@@ -9,16 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import Any, Final, final
 
 import yaml
 
 from nxt_twin.errors import RecordingError
+from nxt_twin.recording.columns import Port
 from nxt_twin.recording.pulses import PULSE_STEPS, PULSES_KEY
-
-if TYPE_CHECKING:
-    # Needs recordings itself.
-    from nxt_twin.recording.columns import Port
 
 _KEY: Final = "row_lags"
 _READ: Final = "read_before_s"

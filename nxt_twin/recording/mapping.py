@@ -12,9 +12,10 @@ from typing import Literal, Self, final
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import MappingError, RecordingError
 from nxt_twin.recording.checks import check_finite, check_range, check_row_count, check_stamps, hold
-from nxt_twin.recording.recording import FloatArray, InputKind, OutputKind, Recording, SignalKinds
+from nxt_twin.recording.recording import InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
 from nxt_twin.recording.tables.mat import read_mat

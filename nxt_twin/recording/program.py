@@ -11,8 +11,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from nxt_twin.errors import ProgramError
-from nxt_twin.recording.columns import PORTS, Port
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.recording.columns import PORTS, DriveMode, Port
 from nxt_twin.recording.yaml_file import read_model
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

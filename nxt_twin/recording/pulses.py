@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-
-if TYPE_CHECKING:
-    # Tells the steps of its own bridge itself.
-    from nxt_twin.recording.recording import FloatArray
 
 PULSE_STEPS: Final = 125
 """The pulse width counter's top, in the brick's co-processor: what lies between two steps is cut off."""

@@ -14,10 +14,11 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import CaseError, MissingDataError, RecordingError
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.files import write_recording
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
 from nxt_twin.recording.tables.text import read_text

@@ -8,19 +8,14 @@ from types import MappingProxyType
 from typing import Literal, final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.lags import KnownLags
-
-FloatArray = NDArray[np.float64]
 
 InputKind = Literal["power_pct", "voltage_v", "current_a", "torque_nm", "force_n"]
 OutputKind = Literal[
     "position_rad", "position_deg", "position_m", "speed_rad_per_s", "speed_deg_per_s", "speed_m_per_s"
 ]
-DriveMode = Literal["drive", "float", "coast", "brake"]
-
-DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
 
 
 @final
@@ -40,7 +35,7 @@ class Recording:
     Attributes:
         name: the file's name, or what the maker calls it.
         columns: float64 arrays of equal length by column name (contract 1). NaN is a cell that was not
-            sampled in that row. Modes are held as indices into `DRIVE_MODES`.
+            sampled in that row. Modes are held as indices into `columns.DRIVE_MODES`.
         kinds: for a recording that came in through a mapping file, the kinds of its `input` (SI, except
             power_pct) and `output` (SI: rad, m, rad/s, m/s); None for a brick's recording.
         output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.

@@ -18,10 +18,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.ipc
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE, TIME, check_names
 from nxt_twin.recording.files import write_recording
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 
 STREAM_SUFFIX: Final = ".stream"
 BATCH_S: Final = 0.5

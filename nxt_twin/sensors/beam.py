@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 
 
 @final

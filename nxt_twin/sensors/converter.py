@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.intervals import log_interval_probability
 

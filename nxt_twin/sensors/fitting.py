@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar, final
 
 import numpy as np
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.errors import SensorError
 
 ParametersT = TypeVar("ParametersT")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 
 _TINY = 1e-280
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)

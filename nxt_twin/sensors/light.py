@@ -15,7 +15,7 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.random import Generator
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.config import Configured, Layout
 from nxt_twin.sensors.converter import HIGHEST_RAW, converted, log_probability_each
 from nxt_twin.sensors.errors import SensorError

@@ -6,17 +6,16 @@ Pings come at whole multiples of the period on the recording's own clock.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 
 
-def ping_numbers(time_s: FloatArray, period_s: float) -> NDArray[np.int64]:
+def ping_numbers(time_s: FloatArray, period_s: float) -> IntArray:
     """The number of the last ping before each poll, shape (polls,)."""
     return np.floor(time_s / period_s + 1e-9).astype(np.int64)
 
 
-def first_polls(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+def first_polls(numbers: IntArray) -> BoolArray:
     """Which polls are the first to see their ping, shape (polls,)."""
     return np.concatenate(([True], np.diff(numbers) != 0)) if numbers.size else np.zeros(0, dtype=np.bool_)
 

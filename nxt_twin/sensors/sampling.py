@@ -11,7 +11,7 @@ from typing import Final, final
 
 import numpy as np
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.errors import SensorError
 
 _LINE_READINGS: Final = 5

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.random import Generator
 from scipy.special import log_ndtr, ndtr
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.config import Configured, Layout
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected

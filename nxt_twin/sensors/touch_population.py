@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from numpy.random import Generator
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.touch import TouchParameters
 from nxt_twin.sensors.touch_tables import (
     PRESS_FORCE_G,

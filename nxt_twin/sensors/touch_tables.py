@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import FloatArray
 
 
 def _rows(*rows: str) -> FloatArray:

@@ -13,9 +13,8 @@ from typing import final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-from nxt_twin.sensors.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
@@ -211,7 +210,7 @@ def _with_crosstalk(
     p: UltrasonicParameters,
     chance: FloatArray,
     readings: FloatArray,
-    none: NDArray[np.bool_],
+    none: BoolArray,
     standing: FloatArray,
 ) -> FloatArray:
     """The probability where another sensor's ping, at a place that is uniform, may come first.

@@ -8,8 +8,7 @@ from typing import final
 
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.columns import Port
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.recording.columns import DriveMode, Port
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.bridge import COAST, Bridge, Hold, firmware_bridge
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s

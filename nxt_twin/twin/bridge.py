@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from nxt_twin.recording.columns import DRIVE_MODES, DriveMode
 from nxt_twin.recording.pulses import PULSE_STEPS
-from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
 
 _FADE_S = 0.004
 """A motor that is let go is driven by 1 % less each ms (LEGO NXT firmware 1.29, d_output.c); in steps of so much."""

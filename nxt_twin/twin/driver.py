@@ -6,9 +6,8 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from typing import Protocol, final
 
-from nxt_twin.recording.columns import Port
+from nxt_twin.recording.columns import DriveMode, Port
 from nxt_twin.recording.program import Command, MotorProgram, Run, Segment, commands
-from nxt_twin.recording.recording import DriveMode
 
 Told = tuple[int, DriveMode]
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter, IMMEstimator, KalmanFilter
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 
 _LOG_TAU = math.log(2.0 * math.pi)
 _LEAST_LIKELIHOOD = 1e-30

@@ -7,10 +7,10 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.base.dc_motor import drive
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.batch import STEP_S
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import delay_s

@@ -12,6 +12,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import BrickError
 from nxt_twin.recording.columns import (
     BATTERY,
+    DRIVE_MODES,
     TIME,
     Port,
     Slot,
@@ -23,7 +24,6 @@ from nxt_twin.recording.columns import (
     touch_column,
     ultrasonic_column,
 )
-from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.twin.dating import Dating
 from nxt_twin.twin.driver import Driver, Told
 from nxt_twin.twin.history import Recorder

@@ -8,8 +8,7 @@ from types import MappingProxyType
 from typing import NamedTuple, final
 
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.columns import PORTS, Port, tacho_column
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.recording.columns import PORTS, DriveMode, Port, tacho_column
 from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates

@@ -12,8 +12,7 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.commands.motors import MotorState as BrickMotor
 from nxt_twin.brick.errors import CommandRefusedError
 from nxt_twin.brick.stamped import Stamped
-from nxt_twin.recording.columns import Port, Slot
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.recording.columns import DriveMode, Port, Slot
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.

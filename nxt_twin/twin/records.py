@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal, Protocol, final
 
-from nxt_twin.recording.columns import Port
-from nxt_twin.recording.recording import DriveMode
+from nxt_twin.recording.columns import DriveMode, Port
 
 EventKind = Literal[
     "started",

@@ -10,9 +10,17 @@ from typing import final
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
-from nxt_twin.recording.columns import BATTERY, TIME, Port, mode_column, power_column, tacho_column
+from nxt_twin.recording.columns import (
+    BATTERY,
+    DRIVE_MODES,
+    TIME,
+    DriveMode,
+    Port,
+    mode_column,
+    power_column,
+    tacho_column,
+)
 from nxt_twin.recording.lags import KnownLags, RowLags
-from nxt_twin.recording.recording import DRIVE_MODES, DriveMode
 from nxt_twin.twin.adopt import Adopter, battery_is_another, told
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver

@@ -7,10 +7,10 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.stages import STAGES
 from nxt_twin.physics.terms import calls
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.batch import CURRENT, Batch
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Compared, Estimator

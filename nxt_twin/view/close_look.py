@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import envelope
 from nxt_twin.view.traces import RunPicture, Trace, draw_measured, ordinate_bounds, trusted

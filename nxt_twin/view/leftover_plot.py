@@ -12,10 +12,10 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Leftover
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
-from nxt_twin.view.thinning import IntArray, finite, scattered, trend
+from nxt_twin.view.thinning import finite, scattered, trend
 
 _WIDTH_IN = 10.4
 _MOST_DOTS = 1500

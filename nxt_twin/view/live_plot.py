@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.columns import Port, tacho_column
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.records import Event, Innovation, Tick
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import envelope, some, trend

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.view.numbers import power_of_ten
 
 MEASURED = "#a3adb8"

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
 from nxt_twin.paper.motor import SUPPLY_V, MotorNumbers, line_speed, model_speed, voltages_v
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
 from nxt_twin.view.paper_axes import draw, legend, pair
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
 from nxt_twin.view.close_look import draw_close_look, mark_part, telling_part
 from nxt_twin.view.numbers import plain

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
-from nxt_twin.view.thinning import IntArray, some
+from nxt_twin.view.thinning import some
 from nxt_twin.view.traces import RunPicture, Trace, traces_of, trusted
 from nxt_twin.view.wording import spelled_out
 

@@ -7,11 +7,8 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nxt_twin.recording.recording import FloatArray
-
-IntArray = NDArray[np.intp]
+from nxt_twin.arrays import FloatArray, IntArray
 
 _LEAST_IN_BIN = 12
 

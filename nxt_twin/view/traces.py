@@ -7,15 +7,12 @@ from typing import final
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun, Spell
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import envelope, finite, some
 from nxt_twin.view.wording import improves, quantity
-
-BoolArray = NDArray[np.bool_]
 
 _MOST_MARKS = 120
 

@@ -14,7 +14,7 @@ from nxt_twin.physics.kernel import CACHE_VARIABLE
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.physics.signals import signals_of
+from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import at_rest
 from nxt_twin.physics.stepper import Stepper

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from physics_samples import commanded, motion, nxt
 
+from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.reference import predict
-from nxt_twin.physics.signals import signals_of
 from nxt_twin.physics.simulate import free_job
 from nxt_twin.physics.start import at_rest
+from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.lags import KnownLags
-from nxt_twin.recording.recording import DRIVE_MODES, Recording
+from nxt_twin.recording.recording import Recording
 
 ROWS = 300
 TIME_S = np.arange(ROWS) * 0.01

@@ -5,11 +5,12 @@ import pytest
 from physics_samples import NXT
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.base.dc_motor import MODE_BRAKE, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.physics.signals import signals_of
+from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.simulate import with_supply
-from nxt_twin.recording.recording import DRIVE_MODES, Recording, SignalKinds
+from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.recording import Recording, SignalKinds
 
 ROWS = 200
 TIME_S = np.arange(ROWS) * 0.01

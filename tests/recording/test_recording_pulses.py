@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.signals import signals_of
+from nxt_twin.physics.recorded import signals_of
 from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.lags import RowLags
 from nxt_twin.recording.pulses import PULSE_STEPS, pulsed

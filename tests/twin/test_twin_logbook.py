@@ -12,8 +12,8 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.errors import LinkLostError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.start import open_mock_link
+from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.program import MotorProgram, Run, Segment
-from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import Logbook, columns_of
 from nxt_twin.twin.polling import Plan

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.recording import DRIVE_MODES
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.monitor import MotorMonitor

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from view_ticks import ONSET_S, PORTS, some_ticks
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.twin.records import Innovation, MotorState, Tick
 from nxt_twin.view.dashboard.cloud import HEIGHT, WIDTH, Cloud
 from nxt_twin.view.dashboard.columns import NIS_BOUND, Tabulator, turn_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from view_ticks import CHANNELS, PORTS, in_order, some_events, some_ticks
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view.dashboard import open_dashboard

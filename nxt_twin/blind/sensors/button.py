@@ -7,9 +7,8 @@ from typing import final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from nxt_twin.arrays import FloatArray
 
 
 @final

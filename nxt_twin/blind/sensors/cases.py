@@ -9,8 +9,8 @@ from typing import Any, Final, Literal, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.sensors import button as buttons
 from nxt_twin.blind.sensors import echo as echoes
 from nxt_twin.blind.sensors import photodiode as photodiodes
@@ -19,7 +19,6 @@ from nxt_twin.blind.sensors.echo import Echo
 from nxt_twin.blind.sensors.photodiode import Photodiode
 from nxt_twin.recording.recording import Recording
 
-FloatArray = NDArray[np.float64]
 SensorKind = Literal["ultrasonic_sensor", "light_sensor", "touch_sensor"]
 SensorSize = Literal["small", "medium", "large"]
 

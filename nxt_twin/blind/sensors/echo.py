@@ -11,9 +11,8 @@ from typing import Final, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from nxt_twin.arrays import BoolArray, FloatArray
 
 NO_ECHO_CM: Final = 255.0
 _ADIABATIC, _GAS_J_PER_MOL_K, _AIR_KG_PER_MOL = 1.4, 8.314462, 0.0289652
@@ -89,7 +88,7 @@ def readings_cm(
     return np.where(lost, NO_ECHO_CM, np.clip(whole, 0.0, NO_ECHO_CM))
 
 
-def _heard(echo: Echo, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator) -> NDArray[np.bool_]:
+def _heard(echo: Echo, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator) -> BoolArray:
     """Whether the echo is above the threshold, in decibels, with one decibel of fading."""
     if echo.margin_db is None:
         return np.ones(distance_mm.size, dtype=np.bool_)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.blind.truth import friction, load, surprises, winding
 from nxt_twin.blind.truth.compiled import compiled
 from nxt_twin.blind.truth.motor import Motor
-
-FloatArray = NDArray[np.float64]
 
 LONGEST_STEP_S = 25e-6
 THETA, OMEGA, CURRENT, BEND, THETA_LOAD, OMEGA_LOAD, HEAT, MISCOUNT, MEMORY = range(9)
@@ -68,7 +66,7 @@ def integrate(
     start: FloatArray,
     time_s: FloatArray,
     duty: FloatArray,
-    mode: NDArray[np.int64],
+    mode: IntArray,
     push_nm: FloatArray,
     states: FloatArray,
     terminal_v: FloatArray,

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.blind.truth import integrator, surprises
 from nxt_twin.blind.truth.motor import Motor, as_record
 from nxt_twin.blind.truth.sensing import Sensing
-
-FloatArray = NDArray[np.float64]
 
 BATTERY_REFRESH_S = 0.167
 SPIN_UP_S = 0.5
@@ -34,7 +32,7 @@ class Commands:
 
     read_s: FloatArray
     power_pct: FloatArray
-    mode: NDArray[np.int64]
+    mode: IntArray
     start_deg: float
     before_pct: float
     push_nm: FloatArray

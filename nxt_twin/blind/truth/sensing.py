@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from nxt_twin.arrays import BoolArray, FloatArray
 
 BATTERY_STEP_V = 0.013848
 BATTERY_NOISE_V = 0.004
@@ -48,7 +47,7 @@ class Sensing:
         return np.asarray(hub_deg + miscount_deg + self.eccentricity_deg * np.sin(turn_rad))
 
 
-def hold_stale(counts: FloatArray, stale: NDArray[np.bool_]) -> FloatArray:
+def hold_stale(counts: FloatArray, stale: BoolArray) -> FloatArray:
     """Repeat the reading before in every row marked as stale."""
     rows = np.arange(counts.size)
     return counts[np.maximum.accumulate(np.where(stale, 0, rows))]

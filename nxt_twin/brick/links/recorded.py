@@ -28,7 +28,9 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError
 from nxt_twin.recording.columns import (
     BATTERY,
+    DRIVE_MODES,
     PORTS,
+    DriveMode,
     Port,
     Slot,
     light_column,
@@ -39,7 +41,7 @@ from nxt_twin.recording.columns import (
     touch_column,
     ultrasonic_column,
 )
-from nxt_twin.recording.recording import DRIVE_MODES, DriveMode, Recording
+from nxt_twin.recording.recording import Recording
 
 _ASSUMED_V: Final = 8.0
 _IDLE_S: Final = 0.01

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.diagnose.sensor.problem import Mask, Values
 from nxt_twin.diagnose.sensor.structure import Structure, Workshop
-from nxt_twin.recording.recording import FloatArray
 
 _LEARNT_SHARE: Final = 0.2
 _DRAWS: Final = 8

@@ -12,9 +12,9 @@ from typing import final
 import numpy as np
 from scipy.special import chdtrc
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.sensor.problem import Problem
-from nxt_twin.recording.recording import FloatArray
 
 _BINS = 12
 _LEAST_IN_BIN = 5

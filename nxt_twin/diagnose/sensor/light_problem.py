@@ -11,13 +11,13 @@ import numpy as np
 from numpy.random import Generator
 from scipy.special import ndtri
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.light_effects import AMBIENT_OFFSET, EFFECTS, FLICKER, SATURATION
 from nxt_twin.diagnose.sensor.periods import MAINS_HZ, likeliest_frequencies
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates, standard_errors
 from nxt_twin.diagnose.sensor.runs import Run
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.converter import HIGHEST_RAW, interval_of
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.intervals import interval_probability

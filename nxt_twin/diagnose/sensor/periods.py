@@ -8,7 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 
 MAINS_HZ: Final = (100.0, 120.0, 50.0, 60.0)
 

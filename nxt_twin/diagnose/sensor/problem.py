@@ -13,16 +13,15 @@ from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.runs import Run
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.fitting import Free
 
 Values = Mapping[str, float]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 _BLOCKS = 40
 _LONGEST_BLOCK = 2
@@ -55,7 +54,7 @@ class Problem(Protocol):
         """The effects that these recordings could show."""
 
     @property
-    def item_run(self) -> NDArray[np.int64]:
+    def item_run(self) -> IntArray:
         """The run of each item, shape (items,)."""
 
     @property

@@ -9,9 +9,10 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.recording.case import Case
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 
 COLUMNS: Final[Mapping[str, str]] = {
     "ultrasonic_sensor": r"s[1-4]_ultrasonic_cm",

@@ -9,10 +9,11 @@ from typing import Any, Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.sensor.runs import COLUMNS, KINDS, TRUTHS, filled
 from nxt_twin.diagnose.sensor.ultrasonic_problem import predicted_cm
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.recording import FloatArray, Recording
+from nxt_twin.recording.recording import Recording
 from nxt_twin.sensors.converter import HIGHEST_RAW
 from nxt_twin.sensors.light import LightParameters, LightTruth, mean_raw
 from nxt_twin.sensors.touch import TouchParameters, TouchTruth, predict

@@ -9,10 +9,10 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Problem, Split, Values, split_of
 from nxt_twin.diagnose.sensor.wander import wander
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
 
 _STARTS_FOLLOWED = 3

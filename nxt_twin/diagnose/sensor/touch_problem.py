@@ -9,14 +9,13 @@ from typing import Any, final
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates
 from nxt_twin.diagnose.sensor.runs import Run
 from nxt_twin.diagnose.sensor.touch_effects import hysteresis
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.touch import Stroke as StrokeKind
 from nxt_twin.sensors.touch import (
@@ -51,7 +50,7 @@ class TouchProblem:
         self.runs, self.channel, self.truth, self._given = runs, channel, truth, given
         self._stroke: StrokeKind = "force_g" if truth == "rig_force_g" else "travel_mm"
         self._strokes_of_runs = [strokes_of(run.readings, run.truth[truth]) for run in runs]
-        self.item_run: NDArray[np.int64] = np.repeat(
+        self.item_run: IntArray = np.repeat(
             np.arange(len(runs)), [strokes.at.size for strokes in self._strokes_of_runs]
         )
         self._strokes = Strokes(

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.random import Generator
 from scipy.special import ndtri
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates
 from nxt_twin.diagnose.sensor.runs import Run
 from nxt_twin.diagnose.sensor.ultrasonic_effects import DROPOUT, EFFECTS
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.ultrasonic import (
     LAYOUT,

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.sensors.fitting import Free
 
 _STEPS: Final = 5000

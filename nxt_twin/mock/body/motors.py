@@ -7,9 +7,8 @@ from typing import Final, Protocol, final
 
 import numpy as np
 
-from nxt_twin.physics.base.dc_motor import MODE_BRAKE, MODE_COAST, MODE_DRIVE, MODE_FLOAT
-from nxt_twin.physics.signals import IntArray
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_DRIVE, MODE_FLOAT
 
 _PULSE_STEPS: Final = 125
 """The pulse width counter's top: a speed of 100 is on all the time, and more than that no more."""

@@ -8,14 +8,8 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.base.base import Base
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_FLOAT, MODE_VOLTAGE
 from nxt_twin.physics.parameter import INERTIA, NUMBER, Parameter
-
-MODE_DRIVE = 0
-MODE_FLOAT = 1
-MODE_COAST = 2
-MODE_BRAKE = 3
-MODE_VOLTAGE = 4
-MODE_CURRENT = 5
 
 
 def drive(

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from nxt_twin.physics.base.dc_motor import MODE_FLOAT
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import power
+from nxt_twin.physics.modes import MODE_FLOAT
 from nxt_twin.physics.parameter import NUMBER, Parameter
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from typing import Literal, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.table import Choose, Table
 

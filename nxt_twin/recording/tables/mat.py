@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import NxtTwinError, RecordingError
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.table import LARGEST_CELLS, Choose, Table
 

@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.table import LARGEST_CELLS, Choose, Table
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, final
 
-from nxt_twin.recording.recording import FloatArray
+from nxt_twin.arrays import FloatArray
 
 CellKind = Literal["number", "word"]
 Choose = Callable[[Sequence[str]], Mapping[str, CellKind]]

@@ -8,8 +8,8 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.columns import Port
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.records import Tick
 from nxt_twin.view.numbers import plain
 

@@ -9,8 +9,8 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.columns import Port, tacho_column
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.records import Innovation, Tick
 
 BAND: Final = 2.0

@@ -8,8 +8,8 @@ from typing import Any, Final, final
 
 import rerun as rr
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.columns import Port
-from nxt_twin.recording.recording import FloatArray
 from nxt_twin.twin.records import Event, EventKind, Tick
 from nxt_twin.view.dashboard.cloud import Cloud, CloudPicture
 from nxt_twin.view.dashboard.columns import INNOVATION, NIS, READING, TORQUE, Table, Tabulator, turn_of

@@ -1,0 +1,173 @@
+"""The signals of a recording: one axis of a bench, or one motor of a brick beside the others on its battery."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.errors import RecordingError
+from nxt_twin.physics.modes import MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.others import with_others
+from nxt_twin.physics.signals import Signals
+from nxt_twin.recording.columns import PORTS, power_column, tacho_column
+from nxt_twin.recording.lags import KnownLags
+from nxt_twin.recording.pulses import pulsed
+from nxt_twin.recording.recording import Recording
+
+_FEWEST_READINGS = 10
+_QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
+_SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
+_TACHO_QUANTUM_RAD = math.radians(1.0)
+
+
+def signals_of(recording: Recording, port: str | None) -> Signals:
+    """The signals of one axis of a recording.
+
+    Args:
+        recording: a brick's recording or a mapped one.
+        port: `a`, `b` or `c` for a brick's; ignored for a mapped one.
+
+    Raises:
+        RecordingError: the port was not driven or not read, or nothing was read at all.
+    """
+    found = _mapped(recording) if recording.kinds else _beside_others(recording, port or "a")
+    if np.isfinite(found.measured).sum() < _FEWEST_READINGS:
+        raise RecordingError(
+            f"fewer than {_FEWEST_READINGS} readings",
+            where=f"{recording.name}, column {found.channel}",
+            mend="record for longer",
+        )
+    return found
+
+
+def _beside_others(recording: Recording, port: str) -> Signals:
+    """One motor's signals beside all others of which both commands and counts are known."""
+    columns, nothing = recording.columns, np.zeros(0)
+    others = [
+        _on_its_port(recording, other)
+        for other in PORTS
+        if other != port
+        and power_column(other) in columns
+        and np.isfinite(columns.get(tacho_column(other), nothing)).sum() >= _FEWEST_READINGS
+    ]
+    return with_others(_on_its_port(recording, port), others)
+
+
+def _on_its_port(recording: Recording, port: str) -> Signals:
+    return _dated(_brick(recording, port), recording.lags, port)
+
+
+def _brick(recording: Recording, port: str) -> Signals:
+    power, tacho = f"{port}_power_pct", f"{port}_tacho_deg"
+    for column in (power, tacho):
+        if column not in recording.columns:
+            raise RecordingError(
+                "no such column", where=f"{recording.name}, column {column}", mend="name another port"
+            )
+    rows = recording.rows
+    duty = pulsed(_held(recording.columns[power], start=0.0) / 100.0, recording.pulse_steps)
+    mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"), _effort(recording))
+    keep = _changes(duty, mode, supply)
+    return Signals(
+        name=recording.name,
+        channel=tacho,
+        input_kind="power_pct",
+        command_time_s=recording.time_s[keep],
+        command=duty[keep],
+        command_mode=mode[keep].astype(np.int64),
+        command_supply_v=supply[keep],
+        time_s=np.array(recording.time_s),
+        measured=np.radians(recording.columns[tacho]),
+        is_speed=False,
+        quantum=_TACHO_QUANTUM_RAD,
+    )
+
+
+def _dated(signals: Signals, lags: KnownLags, port: str) -> Signals:
+    """A brick's signals with what is in a row at its own moment, where a sidecar tells by how much that is off."""
+    read_before_s, _ = lags.read_before_s(port)
+    acted_after_s, _ = lags.acted_after_s(port)
+    taken_s, acted_s = signals.time_s - read_before_s, signals.command_time_s + acted_after_s
+    if acted_after_s <= 0.0:
+        return replace(signals, time_s=taken_s, command_time_s=acted_s)
+    # Nothing drives what is read in the first row: its command acts later.
+    return replace(
+        signals,
+        time_s=taken_s,
+        command_time_s=np.insert(acted_s, 0, taken_s[0]),
+        command=np.insert(signals.command, 0, 0.0),
+        command_mode=np.insert(signals.command_mode, 0, MODE_COAST),
+        command_supply_v=np.insert(signals.command_supply_v, 0, signals.command_supply_v[0]),
+    )
+
+
+def _mapped(recording: Recording) -> Signals:
+    kinds = recording.kinds
+    if kinds is None:
+        raise RecordingError("is not a mapped recording", where=recording.name)
+    modes = {"voltage_v": MODE_VOLTAGE, "current_a": MODE_CURRENT}
+    command = _held(recording.columns["input"], start=0.0)
+    if kinds.input == "power_pct":
+        command = command / 100.0
+    mode = np.full(recording.rows, float(modes.get(kinds.input, MODE_DRIVE)))
+    supply = _supply(recording.time_s, recording.columns.get("supply_v"), command)
+    keep = _changes(command, mode, supply)
+    return Signals(
+        name=recording.name,
+        channel="output",
+        input_kind=kinds.input,
+        command_time_s=recording.time_s[keep],
+        command=command[keep],
+        command_mode=mode[keep].astype(np.int64),
+        command_supply_v=supply[keep],
+        time_s=np.array(recording.time_s),
+        measured=np.array(recording.columns["output"]),
+        is_speed=kinds.output.startswith("speed"),
+        quantum=recording.output_quantum,
+    )
+
+
+def _held(values: FloatArray, *, start: float) -> FloatArray:
+    """Fill cells that were not sampled with the value in force, `start` before the first."""
+    known = np.isfinite(values)
+    last = np.maximum.accumulate(np.where(known, np.arange(values.size), -1))
+    filled: FloatArray = np.where(last >= 0, values[np.maximum(last, 0)], start)
+    return filled
+
+
+def _effort(recording: Recording) -> FloatArray:
+    """The sum of the duties of all motors, which are on one battery, from each row on."""
+    powers = [recording.columns[name] for name in map(power_column, PORTS) if name in recording.columns]
+    effort: FloatArray = np.sum([np.abs(_held(power, start=0.0)) / 100.0 for power in powers], axis=0)
+    return effort
+
+
+def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray) -> FloatArray:
+    """The open-circuit supply: a robust straight line through the slow, noisy readings taken at the least command.
+
+    A reading shows whatever the motors drew at that moment; taken one by one, or all alike, readings would smuggle a
+    part of the sag into the model. Theil-Sen: the median of the slopes between the halves.
+    """
+    if readings is None or not np.isfinite(readings).any():
+        return np.full(time_s.size, np.nan)
+    known = np.isfinite(readings)
+    effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
+    known &= effort <= max(np.quantile(effort[known], _QUIET_SHARE), 0.05 * float(effort.max()))
+    t, v = time_s[known], readings[known]
+    half = t.size // 2
+    slope = 0.0
+    if half >= 3 and t[-half:].min() > t[:half].max():
+        slope = float(np.median((v[-half:] - v[:half]) / (t[-half:] - t[:half])))
+    return np.asarray(np.median(v - slope * t) + slope * time_s)
+
+
+def _changes(command: FloatArray, mode: FloatArray, supply: FloatArray) -> BoolArray:
+    keep = np.ones(command.size, dtype=bool)
+    keep[1:] = (np.diff(command) != 0.0) | (np.diff(mode) != 0.0)
+    drift = np.nan_to_num(supply / supply[0] - 1.0) / _SUPPLY_RESOLUTION
+    keep[1:] |= np.diff(np.round(drift)) != 0.0
+    return keep
