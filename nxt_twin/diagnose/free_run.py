@@ -61,13 +61,7 @@ class FreeRunCheck:
     ) -> Start:
         """Where `plant`'s own observer has it at each beginning of a window."""
         tuned = Job(job.signals, observer(job.signals, noise), job.start, noise.disturbance_time_s, step_s)
-        trace = simulator.trace(plant, tuned)
-        first = job.start
-        return Start(
-            anew,
-            np.where(first.at, first.position, trace["angle"]),
-            np.where(first.at, first.speed, trace["speed"]),
-        )
+        return simulator.reached(plant, tuned, anew)
 
 
 def _errors(run: Job, result: Result, judged: BoolArray) -> FloatArray:

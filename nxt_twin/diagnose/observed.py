@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
@@ -21,10 +19,4 @@ def observed_starts(
     At 30 polls a second a smoother that does not know the commands is off by degrees within a time constant.
     """
     corrected = Job(signals, observer(signals, noise), first, noise.disturbance_time_s)
-    trace = simulator.trace(plant, corrected)
-    at = restarts(signals, every_s).at
-    return Start(
-        at,
-        np.where(first.at, first.position, trace["angle"]),
-        np.where(first.at, first.speed, trace["speed"]),
-    )
+    return simulator.reached(plant, corrected, restarts(signals, every_s).at)

@@ -48,6 +48,7 @@ def source(plan: Layout) -> str:
     """The kernel's source text for `plan`."""
     step = _step(plan)
     states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
+    carried = ["current", *states]
     running = FRAME.format(
         kind=plan.base.kind,
         frame=plan.frame,
@@ -58,6 +59,8 @@ def source(plan: Layout) -> str:
         lag=_indent(_stage(plan, "lag"), 8),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
         states_restart=_indent(_restart(plan), 12),
+        states_known=_indent((f"{s} = restart_states[begun, {n}]" for n, s in enumerate(carried)), 16),
+        states_traced=_indent((f"trace[k, {len(TRACE) + n}] = {s}" for n, s in enumerate(carried)), 16),
         others=_others(plan),
         step=_indent(iter(step), 16),
         settling=SETTLING,

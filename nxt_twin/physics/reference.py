@@ -37,6 +37,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     rows = signals.time_s.size
     found = {name: np.zeros(rows) for name in ("predicted", "weight", "cost")}
     last_reading = 0.0
+    begun = 0
     for k in range(rows):
         edges = np.concatenate([commands, loads])
         edges = edges[(edges > time_s) & (edges < taken_s[k])]
@@ -56,7 +57,9 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
                 )
             time_s = max(time_s, stop)
         if job.start.at[k]:
-            axis.restart(float(job.start.position[k]), float(job.start.speed[k]))
+            known = job.start.states[begun] if job.start.states.size else np.zeros(0)
+            axis.restart(float(job.start.position[k]), float(job.start.speed[k]), known)
+            begun += 1
             last_reading = float((job.start.speed if signals.is_speed else job.start.position)[k])
         predicted = found["predicted"][k] = axis.reading(is_speed=signals.is_speed)
         reading = float(signals.measured[k])
@@ -81,13 +84,19 @@ class _Axis:
         self._states: dict[str, _Scope] = {e.id: dict.fromkeys(e.states, 0.0) for e in plant.effects}
         self._angle = self._speed = self._current = self._disturbance = 0.0
 
-    def restart(self, angle: float, speed: float) -> None:
-        """Start anew where the encoder shows this angle and speed."""
+    def restart(self, angle: float, speed: float, known: FloatArray) -> None:
+        """Start anew where the encoder shows this angle and speed, with the current and the states that are known."""
         self._current = self._disturbance = 0.0
         for effect in self._plant.effects:
             for state in effect.states:
                 if state not in effect.lasting:
                     self._states[effect.id][state] = speed if state in effect.moving else 0.0
+        if known.size:
+            self._current = float(known[0])
+            named = ((e.id, state) for e in self._plant.layout.effects for state in e.states)
+            for (owner, state), value in zip(named, known[1:].tolist(), strict=True):
+                if owner in self._states:
+                    self._states[owner][state] = value
         self._angle, self._speed = angle, speed
         for _ in range(SETTLING):
             shift, speed_shift = self._shifts()

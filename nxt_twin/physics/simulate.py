@@ -101,6 +101,21 @@ class Simulator:
             "cost": result.cost[0],
         }
 
+    def reached(self, plant: Plant, job: Job, at: BoolArray) -> Start:
+        """Where one run of one plant has it at the samples `at`, the first included, all its states among it."""
+        values, active = plant.vectors()
+        states = 1 + sum(len(effect.states) for effect in plant.layout.effects)
+        trace = np.empty((job.signals.time_s.size, len(TRACE) + states))
+        self._call(values[None], active[None], job, _empty_result(1, job), trace)
+        angle, speed = trace[:, TRACE.index("angle")], trace[:, TRACE.index("speed")]
+        given = job.start.at
+        return Start(
+            at,
+            np.where(given, job.start.position, angle),
+            np.where(given, job.start.speed, speed),
+            trace[at, len(TRACE) :],
+        )
+
     def _run_chunk(
         self, values: FloatArray, active: BoolArray, job: Job, result: Result, low: int, high: int
     ) -> None:
@@ -128,6 +143,7 @@ class Simulator:
             start.at,
             start.position,
             start.speed,
+            start.states,
             1.0 / job.disturbance_time_s,
             signals.is_speed,
             signals.session_s,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -15,15 +15,25 @@ from nxt_twin.physics.smooth import half_window_s, smoothed
 @final
 @dataclass(frozen=True)
 class Start:
-    """At which samples a run starts anew, always including the first, and from where; shape (samples,)."""
+    """At which samples a run starts anew, always including the first, and from where.
+
+    Attributes:
+        at: whether it does, shape (samples,).
+        position, speed: as the encoder would show them, shape (samples,).
+        states: current and extra states of the effects at each start, in the kernel's order, shape (starts, states);
+            empty where nobody knows them, and all is at rest but the motor.
+    """
 
     at: BoolArray
     position: FloatArray
     speed: FloatArray
+    states: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def part(self, rows: IntArray) -> Start:
         """The same for some of the samples."""
-        return Start(self.at[rows], self.position[rows], self.speed[rows])
+        begun = np.cumsum(self.at)[rows][self.at[rows]] - 1
+        states = self.states[begun] if self.states.size else self.states
+        return Start(self.at[rows], self.position[rows], self.speed[rows], states)
 
 
 def at_rest(signals: Signals) -> Start:

@@ -74,7 +74,7 @@ def _schedule(
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run(
     values, active, span, steps, first,
-    measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed,
+    measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
     observe_speed, session_s, predicted, weight, cost, trace,
 ):
 {unpack}
@@ -87,6 +87,7 @@ def run(
     duty = 0.0
     drive_torque = 0.0
     last_reading = 0.0
+    begun = 0
     inertia = base__inertia
 {states_zero_outer}
     for k in range(rows):
@@ -112,6 +113,9 @@ def run(
             disturbance = 0.0
             last_reading = speed if observe_speed else angle
 {states_restart}
+            if restart_states.shape[0] > 0:
+{states_known}
+            begun += 1
             if any_reading:
                 for _ in range({settling}):
                     shift = 0.0
@@ -159,12 +163,14 @@ def run(
             trace[k, 3] = duty
             trace[k, 4] = disturbance
             trace[k, 5] = drive_torque
+            if trace.shape[1] > 6:
+{states_traced}
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def run_many(
     values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s, others_load,
-    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed,
+    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
 ):
     rows = out_time_s.shape[0]
@@ -188,7 +194,7 @@ def run_many(
             )
         run(
             values[i], active[i], span, steps, first,
-            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed,
+            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
             observe_speed, session_s, predicted[i], weight[i], cost[i], trace,
         )
 '''

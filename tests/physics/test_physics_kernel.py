@@ -40,6 +40,27 @@ def test_compiled_kernel_agrees_with_plain_python_when_corrected(motor_simulator
         np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-8, atol=1e-8)
 
 
+@pytest.mark.parametrize("effect_id", ["none", *EFFECT_IDS])
+def test_a_run_started_anew_from_all_that_it_had_reached_is_the_same_run(motor_simulator, effect_id):
+    plant = plant_from_config(NXT, "power_pct") if effect_id == "none" else with_effect(effect_id)
+    run = signals(seconds=1.5)
+    whole = free_job(run, at_rest(run))
+    anew = np.arange(run.time_s.size) % 25 == 0
+    again = free_job(run, motor_simulator.reached(plant, whole, anew))
+    assert again.start.states.shape[0] == anew.sum() > 5
+    before, after = (motor_simulator.trace(plant, job)["predicted"] for job in (whole, again))
+    np.testing.assert_allclose(after, before, atol=1e-6)
+    np.testing.assert_allclose(after, predict(plant, again)["predicted"], rtol=1e-9, atol=1e-9)
+
+
+def test_part_of_a_start_keeps_its_states(motor_simulator):
+    run = signals(seconds=1.0)
+    anew = np.arange(run.time_s.size) % 10 == 0
+    start = motor_simulator.reached(with_effect("shaft_compliance"), free_job(run, at_rest(run)), anew)
+    rows = np.flatnonzero(np.arange(run.time_s.size) % 20 < 3)
+    np.testing.assert_array_equal(start.part(rows).states, start.states[::2])
+
+
 def body(kind, effect_id):
     """A body with friction on a known torque or force, with one effect at NXT scale."""
     config = {"kind": "rigid_body", "inertia": 2e-3, "viscous_friction": 5e-3, "coulomb_friction": 0.02}
