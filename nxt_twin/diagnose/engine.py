@@ -20,6 +20,7 @@ from nxt_twin.diagnose.judge import noise_floor, overall, stale_readings
 from nxt_twin.diagnose.mismatch import mismatch_of
 from nxt_twin.diagnose.next_step import next_experiment
 from nxt_twin.diagnose.noise import first_guess
+from nxt_twin.diagnose.notes import notes
 from nxt_twin.diagnose.problem import Problem, problem_of
 from nxt_twin.diagnose.sight import in_sight
 from nxt_twin.diagnose.structure import Structure, Workshop
@@ -132,7 +133,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         alternatives=alternatives(simulator, evidence),
         fit=fit,
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, rng),
-        notes=words.notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence)),
+        notes=notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
         held_out=held_out,
         leftover=_leftover(evidence),
         detectable=sizes,

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.confusion import Alike
-from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, HeldOutRun, NextExperiment, Verdict
-from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
-from nxt_twin.physics.plant import Plant
 
 FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 
-_BAD_RUN_RATIO = 2.5
 _MOST_NAMED = 4
 _HELPS = 0.95
 _ALIKE = 0.6
@@ -37,7 +31,7 @@ def sentence(
     `patchwork` says that it took more effects to come near than are likely to be missing at once.
     """
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
-    named = _listed([effect.name for effect in effects])
+    named = listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
     those = "these" if len(effects) > 1 else "it"
     if verdict == "adequate" and excitation is not None and not excitation.enough:
@@ -52,6 +46,11 @@ def sentence(
         )
     if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
         return f"No physics is missing: the recording itself is at fault, by {named}."
+    if verdict == "explained" and not fit.improved < fit.baseline:
+        return (
+            f"The model leaves out {named}; with {those} in, single readings are foretold better, but free runs "
+            f"over data that was not fitted come no nearer ({fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g})."
+        )
     if verdict == "explained":
         return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
     if effects and not fit.improved < _HELPS * fit.baseline:
@@ -76,11 +75,11 @@ def sentence(
 
 
 def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
-    listed = [names.get(effect_id, effect_id) for effect_id in excitation.unseen]
-    if len(listed) > _MOST_NAMED:
-        listed = [*listed[:_MOST_NAMED], f"{len(listed) - _MOST_NAMED} other effects"]
-    why = f": {_listed(excitation.lacks)}" if excitation.lacks else ""
-    return f"{_listed(listed, 'or')}{why}"
+    named = [names.get(effect_id, effect_id) for effect_id in excitation.unseen]
+    if len(named) > _MOST_NAMED:
+        named = [*named[:_MOST_NAMED], f"{len(named) - _MOST_NAMED} other effects"]
+    why = f": {listed(excitation.lacks)}" if excitation.lacks else ""
+    return f"{listed(named, 'or')}{why}"
 
 
 def why_confusable(effect: Effect, other: Effect, behind: float, trace: Alike | None = None) -> str:
@@ -116,7 +115,7 @@ def experiment_for_unknown() -> NextExperiment:
 
 def experiment_for_unseen(excitation: Excitation) -> NextExperiment:
     """What to record when too little happened to tell anything."""
-    why = _listed(excitation.lacks) or "the effects would be small beside the noise"
+    why = listed(excitation.lacks) or "the effects would be small beside the noise"
     return NextExperiment(
         why=f"these recordings could not have shown all that may be missing: {why}",
         input="steps of several sizes both ways with rests between, slow ramps through zero, "
@@ -131,79 +130,8 @@ def proposed(pattern: str, seconds: float, nats: float) -> str:
     return f"{pattern}; {length} of it should give {nats:.0f} nats of evidence between the two{weak}"
 
 
-def notes(
-    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], stale: Mapping[str, FloatArray]
-) -> tuple[str, ...]:
-    """Plain remarks: how the error is counted, anchors, faults of the recording, runs that stay bad.
-
-    `stale` holds the times (s) of late-stamped readings by recording.
-    """
-    said = [f"Each free run starts from the measured state and lasts {problem.window_s:.3g} s."]
-    if plant.layout.frame == "motor":
-        said.append(
-            "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "
-            "and torque constant as their anchor, and are off by as much as these are."
-        )
-    for name, times_s in stale.items():
-        at = ", ".join(f"{t:.3f}" for t in times_s[:12])
-        more = ", …" if times_s.size > 12 else ""
-        said.append(
-            f"{name}: {times_s.size} readings were taken before they were stamped (at {at}{more} s), "
-            "a fault of the transport and not of the motor; they are left out of the errors."
-        )
-    said.extend(_bad_runs(problem, runs))
-    said.extend(_at_bounds(problem, plant))
-    return tuple(said)
-
-
-def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
-    """Which held-out runs stay bad beside the others, and what about them was never fitted."""
-    errors = np.array([run.improved_rmse for run in runs])
-    if errors.size < 3:
-        return []
-    usual = float(np.nanmedian(errors))
-    largest = max(float(np.abs(s.command).max()) for s in problem.signals)
-    fastest = max(_fastest(s.time_s, s.measured) for s in problem.signals)
-    said = []
-    for part, run in zip(problem.held_out, runs, strict=True):
-        if not run.improved_rmse > _BAD_RUN_RATIO * usual:
-            continue
-        signals = part.signals
-        reasons = []
-        command = float(np.abs(signals.command).max())
-        if command > 1.02 * largest:
-            reasons.append(f"its commands reach {command / largest:.2f} times the largest that was fitted")
-        if _fastest(signals.time_s, signals.measured) > 1.05 * fastest:
-            reasons.append("it runs faster than anything that was fitted")
-        if signals.command.size > 5 * max(s.command.size for s in problem.signals):
-            reasons.append("its input varies all the time, the fitted ones hardly")
-        why = _listed(reasons) if reasons else "nothing in its inputs says why"
-        said.append(f"{run.recording} stays bad ({run.improved_rmse:.3g} beside a usual {usual:.3g}): {why}.")
-    return said
-
-
-def _fastest(time_s: FloatArray, measured: FloatArray) -> float:
-    known = np.isfinite(measured)
-    t, y = time_s[known], measured[known]
-    far = max(1, int(np.searchsorted(t, t[0] + 0.2)))
-    return float(np.max(np.abs(y[far:] - y[:-far]) / np.maximum(t[far:] - t[:-far], 1e-6)))
-
-
-def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
-    said = []
-    for slot, parameter in plant.layout.parameters.items():
-        if slot not in plant.values or parameter.frozen or parameter.tied_to:
-            continue
-        scaled = parameter.scaled(problem.scale)
-        value = plant.values[slot] / parameter.si
-        if value <= scaled.lower and scaled.lower == 0.0:
-            said.append(f"{parameter.name} went to 0: these recordings show nothing of it.")
-        elif value >= scaled.upper:
-            said.append(f"{parameter.name} went to its upper bound {scaled.upper:.3g} {parameter.unit}.")
-    return said
-
-
-def _listed(items: Sequence[str], last: str = "and") -> str:
+def listed(items: Sequence[str], last: str = "and") -> str:
+    """`items` in one phrase, `last` before the last."""
     if len(items) < 2:
         return "".join(items)
     return f"{', '.join(items[:-1])} {last} {items[-1]}"

@@ -1,0 +1,43 @@
+"""What a diagnosis says beside its figures, where they would mislead."""
+
+from dataclasses import replace
+
+import pytest
+from diagnose_cases import concealed, diagnosed
+
+from nxt_twin.diagnose.diagnosis import Fit
+from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.diagnose.words import sentence
+
+LETS_GO = 152  # of its three recordings only the one held out lets the motor run without current
+
+
+def remarks_on_letting_go(notes):
+    return [note for note in notes if "without current" in note]
+
+
+def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_judged_on_what_was_not_fitted():
+    found = diagnosed((), seed=LETS_GO).diagnosis
+    assert found.verdict == "adequate"
+    assert found.fit.improved > 10.0 * found.fit.floor
+    (remark,) = remarks_on_letting_go(found.notes)
+    assert remark.startswith("r3.csv lets the motor run")
+    assert "record such run-outs" in remark
+
+
+def test_nothing_of_it_where_such_a_recording_was_fitted():
+    case = concealed((), seed=LETS_GO)
+    mixed = replace(case, recordings=(*case.recordings[1:], *case.holdout), holdout=case.recordings[:1])
+    found = diagnose(mixed).diagnosis
+    assert found.verdict == "adequate"
+    assert not remarks_on_letting_go(found.notes)
+
+
+@pytest.mark.parametrize(("improved", "falls"), [(3.0, True), (15.0, False)])
+def test_an_error_is_said_to_fall_only_where_it_does(improved, falls):
+    effect = diagnosed(("gravity_load",), seed=141).diagnosis.effects[0]
+    fit = Fit(metric="free-run RMSE", unit="deg", baseline=10.0, improved=improved, floor=1.0)
+    said = sentence("explained", [effect], fit)
+    assert said.startswith(f"The model leaves out {effect.name}")
+    assert ("falls from 10 to 3 deg" in said) == falls
+    assert ("come no nearer (10 deg off, now 15)" in said) != falls
