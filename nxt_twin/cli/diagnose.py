@@ -72,14 +72,14 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
     for effect in diagnosis.effects:
         print(f"  {effect.id}, probability {effect.probability:.2f}")
         for name, estimate in effect.params.items():
-            print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g} {estimate.unit}")
+            print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g}{_after(estimate.unit)}")
         for other in effect.confusable_with:
             print(f"    could be {other.id}: {other.why}")
     _show_doubt(diagnosis)
     if diagnosis.refit:
         print("  re-fitted")
     for name, moved in diagnosis.refit.items():
-        print(f"    {name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g} {moved.unit}")
+        print(f"    {name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g}{_after(moved.unit)}")
     for note in diagnosis.notes:
         print(f"  · {note}")
     if diagnosis.next_experiment:
@@ -100,11 +100,16 @@ def _show_doubt(diagnosis: Diagnosis) -> None:
         seen = [one for one in diagnosis.detectable if one.size is not None]
         print("  would have been seen:")
         for one in seen:
-            unit = "" if one.unit == "1" else f" {one.unit}"
-            print(f"    {one.id}: {one.parameter} {'≥' if one.seen_above else '≤'} {one.size:.3g}{unit}")
+            bound = "≥" if one.seen_above else "≤"
+            print(f"    {one.id}: {one.parameter} {bound} {one.size:.3g}{_after(one.unit)}")
     if diagnosis.false_alarm_rate:
         alarms = diagnosis.false_alarm_rate
         print(f"  false alarms in clean recordings like these: below {100.0 * alarms.upper_95:.1f} %")
+
+
+def _after(unit: str) -> str:
+    """The unit after a number; a ratio has none."""
+    return "" if unit == "1" else f" {unit}"
 
 
 def _write_report(diagnosis: Diagnosis, folder: Path) -> Path:

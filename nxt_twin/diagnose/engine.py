@@ -132,7 +132,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         effects=effects,
         alternatives=alternatives(simulator, evidence),
         fit=fit,
-        next_experiment=next_experiment(simulator, evidence, verdict, excitation, rng),
+        next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
         held_out=held_out,
         leftover=_leftover(evidence),

@@ -7,12 +7,13 @@ import math
 from numpy.random import Generator
 
 from nxt_twin.diagnose import words
-from nxt_twin.diagnose.diagnosis import Excitation, NextExperiment, Verdict
+from nxt_twin.diagnose.diagnosis import Excitation, Fit, NextExperiment, Verdict
 from nxt_twin.diagnose.evidence import Evidence
 from nxt_twin.diagnose.findings import near_rivals
 from nxt_twin.diagnose.inputs import Pattern, family
 from nxt_twin.diagnose.next_experiment import LONGEST_S, Proposal, bounded_reach, most_pct, propose
 from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.run_outs import unfitted_run_outs
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.recording.program import MotorProgram, Run, Segment
@@ -22,7 +23,12 @@ _RUN_OUT_S = 1.0
 
 
 def next_experiment(
-    simulator: Simulator, evidence: Evidence, verdict: Verdict, excitation: Excitation, rng: Generator
+    simulator: Simulator,
+    evidence: Evidence,
+    verdict: Verdict,
+    excitation: Excitation,
+    fit: Fit,
+    rng: Generator,
 ) -> NextExperiment | None:
     """What to record next, None where nothing is open."""
     problem = evidence.problem
@@ -39,6 +45,9 @@ def next_experiment(
     if verdict == "adequate" and not excitation.enough:
         hint = words.experiment_for_unseen(excitation)
         return _with_program(problem, hint, "livelier", _lively(problem))
+    if run_outs := unfitted_run_outs(problem, fit):
+        hint = words.experiment_for_run_outs([run_out.recording for run_out in run_outs])
+        return _with_program(problem, hint, "run-outs", _run_outs(problem))
     return None
 
 
@@ -81,6 +90,12 @@ def _lively(problem: Problem) -> dict[str, tuple[Segment, ...]]:
             if pattern.words.startswith(start):
                 chosen.setdefault(start.replace(" ", "-"), pattern)
     return {name: pattern.lasting(12.0) for name, pattern in chosen.items()}
+
+
+def _run_outs(problem: Problem) -> dict[str, tuple[Segment, ...]]:
+    """The patterns that let the motor run out without current."""
+    patterns = [p for p in family(most_pct(problem)) if any(s.mode == "coast" for s in p.segments)]
+    return {f"run-out-{n}": pattern.lasting(8.0) for n, pattern in enumerate(patterns, 1)}
 
 
 def _program(

@@ -9,15 +9,13 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun
 from nxt_twin.diagnose.problem import Problem
+from nxt_twin.diagnose.run_outs import RunOut, unfitted_run_outs
 from nxt_twin.diagnose.words import listed
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.signals import Signals
 
 _BAD_RUN_RATIO = 2.5
-_WELL_ABOVE_FLOOR = 2.0
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
-_BRIEF_S = 0.5
 
 
 def notes(
@@ -41,8 +39,7 @@ def notes(
             "a fault of the transport and not of the motor; they are left out of the errors."
         )
     said.extend(_bad_runs(problem, runs))
-    if fit.improved > _WELL_ABOVE_FLOOR * fit.floor:
-        said.extend(_unfitted_modes(problem))
+    said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
     return tuple(said)
 
@@ -73,34 +70,14 @@ def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
     return said
 
 
-def _unfitted_modes(problem: Problem) -> list[str]:
-    """Which held-out recordings let the motor run without current, where no fitted one does."""
-    fitted = {mode for signals in problem.signals for mode in _modes_s(signals)}
-    said = []
-    for part in problem.held_out:
-        seconds = {
-            mode: s for mode, s in _modes_s(part.signals).items() if mode in _LOOSE and mode not in fitted
-        }
-        if sum(seconds.values()) < _BRIEF_S:
-            continue
-        how = listed([f"{_LOOSE[mode]} for {s:.1f} s" for mode, s in seconds.items()])
-        said.append(
-            f"{part.signals.name} lets the motor run {how}, as no fitted recording does. Driven runs hardly tell its "
-            "friction from the braking of its own voltage, so this error says little about what was found: "
-            "record such run-outs and let them be fitted too."
-        )
-    return said
-
-
-def _modes_s(signals: Signals) -> dict[int, float]:
-    """For how long each drive mode is in force while readings are taken, s."""
-    ends_s = np.append(signals.command_time_s[1:], np.inf)
-    first_s, last_s = signals.time_s[0], signals.time_s[-1]
-    lasts_s = np.clip(ends_s, first_s, last_s) - np.clip(signals.command_time_s, first_s, last_s)
-    return {
-        mode: float(lasts_s[signals.command_mode == mode].sum())
-        for mode in np.unique(signals.command_mode).tolist()
-    }
+def _run_out(run_out: RunOut) -> str:
+    """Why the error of a recording that is held out says little."""
+    how = listed([f"{_LOOSE[mode]} for {seconds:.1f} s" for mode, seconds in run_out.seconds.items()])
+    return (
+        f"{run_out.recording} lets the motor run {how}, as no fitted recording does. Driven runs hardly tell its "
+        "friction from the braking of its own voltage, so this error says little about what was found: "
+        "record such run-outs and let them be fitted too."
+    )
 
 
 def _fastest(time_s: FloatArray, measured: FloatArray) -> float:

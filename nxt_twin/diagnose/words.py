@@ -113,6 +113,15 @@ def experiment_for_unknown() -> NextExperiment:
     )
 
 
+def experiment_for_run_outs(recordings: Sequence[str]) -> NextExperiment:
+    """What to record where only held-out recordings show the motor without current."""
+    runs = "runs" if len(recordings) == 1 else "run"
+    return NextExperiment(
+        why=f"only {listed(recordings)} {runs} without current: driven ones hardly tell friction from self-braking",
+        input="spin up both ways at two powers, and let it run out without current each time",
+    )
+
+
 def experiment_for_unseen(excitation: Excitation) -> NextExperiment:
     """What to record when too little happened to tell anything."""
     why = listed(excitation.lacks) or "the effects would be small beside the noise"

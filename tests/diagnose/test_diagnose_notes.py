@@ -25,6 +25,15 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
     assert "record such run-outs" in remark
 
 
+def test_what_to_record_next_is_then_a_program_that_lets_it_go():
+    found = diagnosed(("shaft_compliance",), seed=151).diagnosis
+    assert found.verdict == "explained"
+    proposed = found.next_experiment
+    assert "run out without current" in proposed.input
+    segments = [segment for run in proposed.program.runs for segment in run.segments]
+    assert sum(segment.duration_s for segment in segments if segment.mode == "coast") > 5.0
+
+
 def test_nothing_of_it_where_such_a_recording_was_fitted():
     case = concealed((), seed=LETS_GO)
     mixed = replace(case, recordings=(*case.recordings[1:], *case.holdout), holdout=case.recordings[:1])
