@@ -82,6 +82,13 @@ class Target:
     counted: tuple[BoolArray, ...]
     evidence: float = 1.0
 
+    def seen(self) -> tuple[BoolArray, ...]:
+        """Those of the counted samples that carry a reading which no start was taken from."""
+        return tuple(
+            mask & np.isfinite(job.signals.measured) & ~job.start.at
+            for job, mask in zip(self.jobs, self.counted, strict=True)
+        )
+
     def cost(self, results: Sequence[Result]) -> FloatArray:
         """Negative log-likelihood of the counted readings for each parameter set, nats."""
         return self.evidence * cost_of(results, self.counted)
@@ -219,10 +226,7 @@ class _Search:
         self._likeness = np.array([v.likeness for v in variables])
         self._centre = np.array([v.centre for v in variables])
         self._spread = np.array([v.spread for v in variables])
-        self._counted = tuple(
-            mask & np.isfinite(job.signals.measured) & ~job.start.at
-            for job, mask in zip(target.jobs, target.counted, strict=True)
-        )
+        self._counted = target.seen()
         self.readings = int(target.evidence * sum(mask.sum() for mask in self._counted))
 
     def run(self, x: FloatArray) -> list[Result]:

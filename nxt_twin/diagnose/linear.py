@@ -10,7 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.batch import batches, predictions, samples_of
-from nxt_twin.diagnose.fit import Target, Variable, values_of
+from nxt_twin.diagnose.fit import Variable, values_of
 from nxt_twin.diagnose.likeness import told_apart
 from nxt_twin.diagnose.noise import with_noise
 from nxt_twin.diagnose.problem import Problem
@@ -123,7 +123,7 @@ def linearise(
     variables = structure.fitted.variables
     sets, widths = moves(structure.plant, variables)
     _, active = structure.plant.vectors()
-    counted = counted_of(target)
+    counted = target.seen()
     predicted, last = predictions(simulator, sets, np.repeat(active[None], len(sets), axis=0), jobs, counted)
     gain = tuple(
         np.sqrt(target.evidence * result.weight[0]) / job.observer.innovation_std
@@ -152,14 +152,6 @@ def linearise(
         checks=np.concatenate([check[mask] for check, mask in zip(problem.check, counted, strict=True)]),
         gain=gain,
         predicted=tuple(result.predicted[0] for result in last),
-    )
-
-
-def counted_of(target: Target) -> tuple[BoolArray, ...]:
-    """The samples of each job that carry a reading which counts."""
-    return tuple(
-        mask & np.isfinite(job.signals.measured) & ~job.start.at
-        for job, mask in zip(target.jobs, target.counted, strict=True)
     )
 
 

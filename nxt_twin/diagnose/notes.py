@@ -25,7 +25,10 @@ def notes(
 
     `stale` holds the times (s) of late-stamped readings by recording.
     """
-    said = [f"Each free run starts from the measured state and lasts {problem.window_s:.3g} s."]
+    said = [
+        f"Each free run lasts {problem.window_s:.3g} s and starts from the state that the model, corrected at each "
+        "reading until then, has reached."
+    ]
     if plant.layout.frame == "motor":
         said.append(
             "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "

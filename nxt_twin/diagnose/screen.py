@@ -81,10 +81,7 @@ class _Nuisance:
             n for n, e in enumerate(plant.layout.effects) if "outlier" in e.terms and e.id in plant.active
         ]
         weighed = self._simulator.run(values[-1:], active[-1:], target.jobs)
-        self._masks = [
-            mask & np.isfinite(job.signals.measured) & ~job.start.at
-            for job, mask in zip(target.jobs, target.counted, strict=True)
-        ]
+        self._masks = target.seen()
         predicted, last = predictions(
             self._simulator, values, self._believing(active), target.jobs, self._masks
         )

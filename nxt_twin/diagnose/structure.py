@@ -284,10 +284,7 @@ class Workshop:
         values, active = plant.vectors()
         results = self.simulator.run(values[None], active[None], target.jobs)
         doubts = np.concatenate(
-            [
-                1.0 - result.weight[0, mask & np.isfinite(job.signals.measured) & ~job.start.at]
-                for result, job, mask in zip(results, target.jobs, target.counted, strict=True)
-            ]
+            [1.0 - result.weight[0, mask] for result, mask in zip(results, target.seen(), strict=True)]
         )
         new = {}
         for effect in plant.effects:

@@ -65,9 +65,9 @@ class Effect:
             it; the library gives it to both.
         parameters: what is fitted. The first is the main one.
         terms: the law as functions, by stage.
-        states: names of the extra states, zero at a restart.
+        states: names of the extra states, zero where a run starts anew and nobody knows them.
         moving: those of them that are speeds and start with the plant's own.
-        lasting: those of them that a restart leaves as they are.
+        lasting: those of them that such a start leaves as they are.
         frames: kinds of plant that can have it.
         supersedes: ids of effects whose parameters this one replaces while it is in the plant.
         inputs: kinds of input with which it makes sense; empty is all.
