@@ -14,6 +14,7 @@ from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.engine import diagnose as run_diagnosis
 from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
 from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.units import after_number
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_as_case
 from nxt_twin.recording.program import write_program
@@ -72,14 +73,16 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
     for effect in diagnosis.effects:
         print(f"  {effect.id}, probability {effect.probability:.2f}")
         for name, estimate in effect.params.items():
-            print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g}{_after(estimate.unit)}")
+            print(f"    {name} = {estimate.value:.4g} ± {estimate.std:.2g}{after_number(estimate.unit)}")
         for other in effect.confusable_with:
             print(f"    could be {other.id}: {other.why}")
     _show_doubt(diagnosis)
     if diagnosis.refit:
         print("  re-fitted")
     for name, moved in diagnosis.refit.items():
-        print(f"    {name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g}{_after(moved.unit)}")
+        print(
+            f"    {name} {moved.before:.4g} → {moved.after:.4g} ± {moved.std:.2g}{after_number(moved.unit)}"
+        )
     for note in diagnosis.notes:
         print(f"  · {note}")
     if diagnosis.next_experiment:
@@ -101,15 +104,10 @@ def _show_doubt(diagnosis: Diagnosis) -> None:
         print("  would have been seen:")
         for one in seen:
             bound = "≥" if one.seen_above else "≤"
-            print(f"    {one.id}: {one.parameter} {bound} {one.size:.3g}{_after(one.unit)}")
+            print(f"    {one.id}: {one.parameter} {bound} {one.size:.3g}{after_number(one.unit)}")
     if diagnosis.false_alarm_rate:
         alarms = diagnosis.false_alarm_rate
         print(f"  false alarms in clean recordings like these: below {100.0 * alarms.upper_95:.1f} %")
-
-
-def _after(unit: str) -> str:
-    """The unit after a number; a ratio has none."""
-    return "" if unit == "1" else f" {unit}"
 
 
 def _write_report(diagnosis: Diagnosis, folder: Path) -> Path:

@@ -47,3 +47,8 @@ def units_of(frame: Frame, signals: Signals) -> Units:
         command=command,
         command_factor=command_factor,
     )
+
+
+def after_number(unit: str) -> str:
+    """The unit as it stands after a number, with a space; a ratio has none."""
+    return "" if unit == "1" else f" {unit}"

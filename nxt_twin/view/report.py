@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 import nxt_twin
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
+from nxt_twin.diagnose.units import after_number
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.leftover_plot import leftover_figure
 from nxt_twin.view.run_plot import run_figure
@@ -91,6 +92,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {
+        "after_number": after_number,
         "capitalise": wording.capitalise,
         "chance": numbers.chance,
         "p_value": numbers.p_value,
