@@ -80,6 +80,7 @@ def host_and_port(address: str) -> tuple[str, int]:
     """
     host, colon, port = address.rpartition(":")
     host = host.removeprefix("[").removesuffix("]")
-    if not (colon and host and port.isascii() and port.isdigit() and 0 < int(port) <= _PORT_MAX):
+    is_port = port.isascii() and port.isdigit() and 0 < int(port) <= _PORT_MAX
+    if not (colon and host and is_port) or "/" in host:  # a web address is none
         raise LinkUrlError("is not HOST:PORT", where=f"tcp:{address}", mend="such as tcp:localhost:7000")
     return host, int(port)

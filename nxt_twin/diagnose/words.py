@@ -46,10 +46,11 @@ def sentence(
         )
     if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
         return f"No physics is missing: the recording itself is at fault, by {named}."
-    if verdict == "explained" and not fit.improved < fit.baseline:
+    if verdict == "explained" and not fit.improved < _HELPS * fit.baseline:
         return (
             f"The model leaves out {named}; with {those} in, single readings are foretold better, but free runs "
-            f"over data that was not fitted come no nearer ({fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g})."
+            f"over data that was not fitted come hardly nearer, if at all ({fit.baseline:.3g} {fit.unit} off, "
+            f"now {fit.improved:.3g})."
         )
     if verdict == "explained":
         return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."

@@ -35,7 +35,7 @@ def test_a_url_without_a_known_scheme_lists_the_schemes(url: str):
 
 @pytest.mark.parametrize(
     "url", ["bt:", "bt:00:16:53", "bt:zz:16:53:01:02:03", "usb:12", "tcp:", "tcp:host", "tcp:host:0",
-            "tcp::80", "tcp:host:99999", "serial:"],
+            "tcp::80", "tcp:host:99999", "tcp://host:80", "serial:"],
 )  # fmt: skip
 def test_an_address_that_is_none_is_wrong_use(url: str):
     with pytest.raises(LinkUrlError):

@@ -49,4 +49,4 @@ def test_an_error_is_said_to_fall_only_where_it_does(improved, falls):
     said = sentence("explained", [effect], fit)
     assert said.startswith(f"The model leaves out {effect.name}")
     assert ("falls from 10 to 3 deg" in said) == falls
-    assert ("come no nearer (10 deg off, now 15)" in said) != falls
+    assert ("hardly nearer, if at all (10 deg off, now 15)" in said) != falls
