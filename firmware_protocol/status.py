@@ -76,6 +76,11 @@ class Status(IntEnum):
         unknown._value_ = value
         return unknown
 
+    def __reduce_ex__(self, protocol: object) -> tuple[type[Status], tuple[int]]:
+        """By value: early releases of Python 3.11 look members up by name, which an unknown one has no entry for."""
+        del protocol
+        return Status, (self.value,)
+
     @property
     def text(self) -> str:
         """What the status means, in a few words without a full stop."""
