@@ -52,7 +52,7 @@ lock:
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
 		--extra view pyproject.toml requirements/build.in --output-file requirements/run.lock
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-		--extra view --group dev --constraint requirements/run.lock pyproject.toml requirements/build.in --output-file requirements/dev.lock
+		--all-extras --group dev --constraint requirements/run.lock pyproject.toml requirements/build.in --output-file requirements/dev.lock
 
 clean:
 	rm -rf $(VENV) build dist
