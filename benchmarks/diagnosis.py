@@ -14,7 +14,7 @@ from benchmarks.diagnosis_peers import Peer, one_by_one, sparse_regression
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.blind.make import make_case, write_case
 from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.problem import problem_of
+from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.physics.simulate import Job, Result, Simulator
 from nxt_twin.recording.case import Case, read_case
 

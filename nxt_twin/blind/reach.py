@@ -9,13 +9,13 @@ import numpy as np
 
 from nxt_twin.blind.reached import Reach
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.judge import free_runs, overall
-from nxt_twin.diagnose.noise import first_guess, with_noise
-from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.noise import first_guess, with_noise
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.judging.judge import free_runs, overall
+from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.diagnose.units import units_of
-from nxt_twin.diagnose.variables import starts_of
-from nxt_twin.diagnose.weight import weigh
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant

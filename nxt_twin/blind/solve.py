@@ -12,7 +12,7 @@ from pathlib import Path
 from nxt_twin.blind.reach import reach
 from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_case
 

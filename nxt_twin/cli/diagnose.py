@@ -13,7 +13,7 @@ from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.engine import diagnose as run_diagnosis
 from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.diagnose.units import after_number
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.case import read_as_case

@@ -16,7 +16,7 @@ import yaml
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.cli.output import emit_json, fail, progress
 from nxt_twin.cli.wanted import tidy_end
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions

@@ -10,20 +10,20 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose import words
 from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
-from nxt_twin.diagnose.estimates import refitted
-from nxt_twin.diagnose.evidence import Evidence, gather, is_patchwork, verdict_of
-from nxt_twin.diagnose.explain import Explanation, explain
-from nxt_twin.diagnose.findings import alternatives, found_effects, nearest
-from nxt_twin.diagnose.judge import noise_floor, overall, stale_readings
-from nxt_twin.diagnose.mismatch import mismatch_of
-from nxt_twin.diagnose.next_step import next_experiment
-from nxt_twin.diagnose.noise import first_guess
-from nxt_twin.diagnose.notes import notes
-from nxt_twin.diagnose.problem import Problem, problem_of
-from nxt_twin.diagnose.sight import in_sight
-from nxt_twin.diagnose.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.problem import Problem, problem_of
+from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.judging.evidence import Evidence, gather, is_patchwork, verdict_of
+from nxt_twin.diagnose.judging.judge import noise_floor, overall, stale_readings
+from nxt_twin.diagnose.judging.sight import in_sight
+from nxt_twin.diagnose.next.next_step import next_experiment
+from nxt_twin.diagnose.search.explain import Explanation, explain
+from nxt_twin.diagnose.telling import words
+from nxt_twin.diagnose.telling.estimates import refitted
+from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
+from nxt_twin.diagnose.telling.notes import notes
+from nxt_twin.diagnose.where.mismatch import mismatch_of
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator

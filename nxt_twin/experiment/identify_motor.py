@@ -17,11 +17,11 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.judge import noise_floor
-from nxt_twin.diagnose.linear import linearise
-from nxt_twin.diagnose.noise import first_guess
-from nxt_twin.diagnose.problem import Problem
-from nxt_twin.diagnose.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.judging.judge import noise_floor
 from nxt_twin.errors import PlantError
 from nxt_twin.experiment.combine import combined, propagated
 from nxt_twin.experiment.errors import ExperimentError

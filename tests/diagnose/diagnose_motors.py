@@ -11,8 +11,8 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.noise import first_guess
-from nxt_twin.diagnose.structure import Workshop
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.structure import Workshop
 from nxt_twin.recording.case import Case
 
 FAMILIES = ("steps", "ramps", "reversals")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from diagnose_cases import concealed, diagnosed
 
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.plant import plant_from_config
 
 

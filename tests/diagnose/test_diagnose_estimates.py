@@ -8,9 +8,9 @@ import pytest
 from diagnose_motors import recorded, settled
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.estimates import ANCHORS, estimates, refitted
-from nxt_twin.diagnose.intervals import robust_covariance
-from nxt_twin.diagnose.linear import linearise
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.judging.intervals import robust_covariance
+from nxt_twin.diagnose.telling.estimates import ANCHORS, estimates, refitted
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 

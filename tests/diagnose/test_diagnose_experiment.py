@@ -11,13 +11,13 @@ from typer.testing import CliRunner
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.cli.app import program
-from nxt_twin.diagnose.confusion import alike, without
 from nxt_twin.diagnose.diagnosis import Mismatch
 from nxt_twin.diagnose.engine import diagnose, problem_for
-from nxt_twin.diagnose.inputs import family
-from nxt_twin.diagnose.linear import linearise
-from nxt_twin.diagnose.next_experiment import propose
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.judging.confusion import alike, without
+from nxt_twin.diagnose.next.inputs import family
+from nxt_twin.diagnose.next.next_experiment import propose
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.files import write_recording
 from nxt_twin.recording.program import MotorProgram, commands, read_program

@@ -3,8 +3,8 @@ import pytest
 from diagnose_cases import concealed
 
 from nxt_twin.diagnose.engine import fit_as_it_stands, problem_for
-from nxt_twin.diagnose.noise import damping_per_s
-from nxt_twin.diagnose.variables import starts_of, variables_of
+from nxt_twin.diagnose.fitting.noise import damping_per_s
+from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import NXT_SCALE
 from nxt_twin.recording.case import Case

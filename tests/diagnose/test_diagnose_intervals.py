@@ -7,8 +7,8 @@ import pytest
 from diagnose_motors import clean_case, recorded, settled
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.intervals import robust_covariance
-from nxt_twin.diagnose.linear import linearise
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.judging.intervals import robust_covariance
 from nxt_twin.physics.simulate import Simulator
 
 

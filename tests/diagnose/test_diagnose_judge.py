@@ -1,8 +1,8 @@
 import numpy as np
 
-from nxt_twin.diagnose.judge import leftover_nats
-from nxt_twin.diagnose.locate import regimes, spells
-from nxt_twin.diagnose.residuals import Residuals
+from nxt_twin.diagnose.fitting.residuals import Residuals
+from nxt_twin.diagnose.judging.judge import leftover_nats
+from nxt_twin.diagnose.where.locate import regimes, spells
 
 SIZE = 3000
 

@@ -7,10 +7,10 @@ import pytest
 from diagnose_motors import clean_case
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.fit import fit
-from nxt_twin.diagnose.likeness import most_likely, told_apart
-from nxt_twin.diagnose.noise import first_guess, with_noise
-from nxt_twin.diagnose.variables import starts_of, variables_of
+from nxt_twin.diagnose.fitting.fit import fit
+from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
+from nxt_twin.diagnose.fitting.noise import first_guess, with_noise
+from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.library import library
 from nxt_twin.physics.simulate import Simulator

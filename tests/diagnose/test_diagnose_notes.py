@@ -7,7 +7,7 @@ from diagnose_cases import concealed, diagnosed
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.words import sentence
+from nxt_twin.diagnose.telling.words import sentence
 
 LETS_GO = 152  # of its three recordings only the one held out lets the motor run without current
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from diagnose_motors import recorded, settled
 
-from nxt_twin.diagnose.calibrate import clean_cases
-from nxt_twin.diagnose.confusion import trace_of, without
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.linear import linearise, signatures, trials_of
-from nxt_twin.diagnose.moment import moments as named_moments
-from nxt_twin.diagnose.moment import with_bounds
-from nxt_twin.diagnose.onset import Direction, onsets
+from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
+from nxt_twin.diagnose.judging.calibrate import clean_cases
+from nxt_twin.diagnose.judging.confusion import trace_of, without
+from nxt_twin.diagnose.where.moment import moments as named_moments
+from nxt_twin.diagnose.where.moment import with_bounds
+from nxt_twin.diagnose.where.onset import Direction, onsets
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 

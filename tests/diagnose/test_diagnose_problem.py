@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from nxt_twin.diagnose.problem import problem_of
+from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.recording.recording import Recording, SignalKinds
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
-from nxt_twin.diagnose.problem import problem_of
+from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.errors import MissingDataError
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator, free_job

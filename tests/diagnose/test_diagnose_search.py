@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from diagnose_cases import concealed, diagnosed
 
-from nxt_twin.diagnose import batch
-from nxt_twin.diagnose.drafts import Drafts
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.explain import candidates, explain
-from nxt_twin.diagnose.linear import linearise
-from nxt_twin.diagnose.noise import damping_per_s, estimate, first_guess, with_noise
-from nxt_twin.diagnose.problem import problem_of
-from nxt_twin.diagnose.screen import screen
-from nxt_twin.diagnose.structure import DRAFT_STEP_S, Workshop, step_for
-from nxt_twin.diagnose.weight import weigh
+from nxt_twin.diagnose.fitting import batch
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_guess, with_noise
+from nxt_twin.diagnose.fitting.problem import problem_of
+from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Workshop, step_for
+from nxt_twin.diagnose.search.drafts import Drafts
+from nxt_twin.diagnose.search.explain import candidates, explain
+from nxt_twin.diagnose.search.screen import screen
+from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.recording import Recording, SignalKinds

@@ -11,7 +11,7 @@ from diagnose_sensor_cases import own_case, sensor_case, sensor_diagnosis
 from nxt_twin.cli.app import program
 from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
 from nxt_twin.diagnose.sensor.simulate import expected_readings
-from nxt_twin.diagnose.to_json import to_json
+from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.recording.case import Case, read_case
 from nxt_twin.recording.files import read_recording, write_recording

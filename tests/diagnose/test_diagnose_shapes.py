@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from diagnose_motors import clean_case, settled
 
-from nxt_twin.diagnose.course import course_of
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.linear import linearise
-from nxt_twin.diagnose.response import response
-from nxt_twin.diagnose.second_body import behind_play, by_rubbing, on_a_spring
-from nxt_twin.diagnose.shapes import SHAPES, hats, yardstick
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.where.course import course_of
+from nxt_twin.diagnose.where.response import response
+from nxt_twin.diagnose.where.second_body import behind_play, by_rubbing, on_a_spring
+from nxt_twin.diagnose.where.shapes import SHAPES, hats, yardstick
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.simulate import Simulator
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from diagnose_motors import recorded, settled
 
-from nxt_twin.diagnose.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
-from nxt_twin.diagnose.detectable import detectable
 from nxt_twin.diagnose.engine import diagnose, problem_for
-from nxt_twin.diagnose.explain import CHECK_NATS, GAIN_NATS
-from nxt_twin.diagnose.linear import linearise, signatures, trials_of
-from nxt_twin.diagnose.sight import lacks
-from nxt_twin.diagnose.weight import weigh
+from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
+from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
+from nxt_twin.diagnose.judging.detectable import detectable
+from nxt_twin.diagnose.judging.sight import lacks
+from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS
+from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 

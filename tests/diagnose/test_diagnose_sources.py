@@ -5,7 +5,7 @@ from diagnose_cases import concealed
 from diagnose_motors import clean_case, settled
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.sources import sources
+from nxt_twin.diagnose.where.sources import sources
 from nxt_twin.physics.simulate import Simulator
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.fit import Target
-from nxt_twin.diagnose.linear import Linear, linearise
-from nxt_twin.diagnose.noise import first_guess
-from nxt_twin.diagnose.structure import Workshop
+from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.diagnose.fitting.linear import Linear, linearise
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.structure import Workshop
 from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case

@@ -1,0 +1,310 @@
+"""Fit a plant's parameters to recordings: Levenberg-Marquardt on innovations, every simulation in a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.batch import batches, one_of, predictions, samples_of
+from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Job, Result, Simulator
+
+_DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
+_DIFFERENCE = 2e-3
+_PATIENCE_NATS = 0.05
+_TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
+
+
+@final
+@dataclass(frozen=True)
+class Variable:
+    """One direction in which a fit may move: the parameters that move together, in fixed proportion.
+
+    Attributes:
+        slots: the parameters, the first of which gives the variable's value (SI).
+        ratios: value of each over that of the first.
+        scale: an ordinary size of the value, SI.
+        lower, upper: bounds, SI.
+        centre, spread: mean and standard deviation of the weak prior, SI; spread inf is no prior.
+        likeness: the power with which the value grows along the motors that these readings cannot tell apart.
+    """
+
+    slots: tuple[Slot, ...]
+    ratios: tuple[float, ...]
+    scale: float
+    lower: float
+    upper: float
+    centre: float
+    spread: float
+    likeness: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class Fitted:
+    """A plant at its best parameters.
+
+    Attributes:
+        plant: with the fitted values.
+        variables: what was moved.
+        covariance: of the variables, SI, shape (variables, variables).
+        cost: negative log-likelihood of the readings that were fitted, nats.
+        prior_cost: what the weak priors add.
+        readings: how many were fitted.
+    """
+
+    plant: Plant
+    variables: tuple[Variable, ...]
+    covariance: FloatArray
+    cost: float
+    prior_cost: float
+    readings: int
+
+
+@final
+@dataclass(frozen=True)
+class Target:
+    """The readings to fit.
+
+    Attributes:
+        jobs: the recordings; one recording may come several times, thinned in different ways.
+        counted: which samples of each count, shape (samples,).
+        evidence: what one reading is worth, less than 1 where a recording comes several times.
+    """
+
+    jobs: tuple[Job, ...]
+    counted: tuple[BoolArray, ...]
+    evidence: float = 1.0
+
+    def seen(self) -> tuple[BoolArray, ...]:
+        """Those of the counted samples that carry a reading which no start was taken from."""
+        return tuple(
+            mask & np.isfinite(job.signals.measured) & ~job.start.at
+            for job, mask in zip(self.jobs, self.counted, strict=True)
+        )
+
+    def cost(self, results: Sequence[Result]) -> FloatArray:
+        """Negative log-likelihood of the counted readings for each parameter set, nats."""
+        return self.evidence * cost_of(results, self.counted)
+
+    def costs(self, simulator: Simulator, values: FloatArray, active: BoolArray) -> FloatArray:
+        """The same of runs that are made for nothing else, a few sets at a time."""
+        parts = batches(len(values), samples_of(self.jobs))
+        return np.concatenate([self.cost(simulator.run(values[n], active[n], self.jobs)) for n in parts])
+
+
+def values_of(plant: Plant, variables: Sequence[Variable]) -> FloatArray:
+    """The variables' values in `plant`, SI, shape (variables,)."""
+    return np.array([plant.values[v.slots[0]] for v in variables])
+
+
+def moved(plant: Plant, variables: Sequence[Variable], x: FloatArray) -> Plant:
+    """`plant` with its variables set to `x`."""
+    new = {
+        slot: float(value) * ratio
+        for variable, value in zip(variables, x, strict=True)
+        for slot, ratio in zip(variable.slots, variable.ratios, strict=True)
+    }
+    return plant.with_values(new)
+
+
+def fit(
+    simulator: Simulator,
+    plant: Plant,
+    variables: Sequence[Variable],
+    target: Target,
+    slopes: Slopes | None = None,
+    *,
+    iterations: int,
+    patience_nats: float = _PATIENCE_NATS,
+    covariance: bool,
+) -> tuple[Fitted, Slopes]:
+    """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
+
+    Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
+    Those at which another fit of the same variables on the same readings came to rest may be brought: they hold where
+    the noise has changed since by a little, and are measured anew before the fit rests where they are not exact.
+    Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
+    that of the last step stands in for the one at the end, which takes twice as many runs.
+    """
+    search = _Search(simulator, plant, tuple(variables), target)
+    x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
+    slopes = search.slopes(x) if slopes is None else search.brought(slopes, x)
+    objective = search.objective_of(x, slopes)
+    left = iterations if variables else 0
+    while left > 0:
+        hessian, gradient = search.normal_equations(x, slopes)
+        free = search.free(x, gradient)
+        steps = np.array([_step(hessian, gradient, free, damping) for damping in _DAMPINGS])
+        promised = -0.5 * float(gradient @ steps[0])
+        gain, exact = 0.0, slopes.exact
+        if promised >= patience_nats:
+            left -= 1
+            trials: FloatArray = np.clip(x + steps * search.scale, search.lower, search.upper)
+            results = search.run(trials)
+            objectives = search.objectives(trials, results)
+            best = int(np.nanargmin(objectives))
+            gain = objective - float(objectives[best])
+            if gain > 0.0:
+                slopes = search.followed(
+                    slopes, trials[best] - x, [one_of(result, best) for result in results]
+                )
+                x, objective = trials[best], float(objectives[best])
+        if gain < patience_nats and exact:
+            break
+        if gain < max(patience_nats, _TRUSTED * promised) and left > 0:
+            slopes = search.slopes(x)
+    cost = objective - search.prior_cost(x)
+    x = search.centred(x)
+    hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
+    spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
+    fitted = Fitted(
+        moved(plant, variables, x),
+        tuple(variables),
+        spread * np.outer(search.scale, search.scale),
+        cost,
+        search.prior_cost(x),
+        search.readings,
+    )
+    return fitted, slopes
+
+
+def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArray:
+    """Negative log-likelihood of the counted readings for each parameter set, nats; inf where a run blew up."""
+    total = sum(result.cost[:, mask].sum(axis=1) for result, mask in zip(results, counted, strict=True))
+    return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
+
+
+def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
+    """The step of the `free` variables; the others stay where they are."""
+    step = np.zeros(gradient.size)
+    inside = hessian[np.ix_(free, free)]
+    damped = inside + damping * np.diag(np.maximum(np.diag(inside), 1e-12))
+    step[free] = np.linalg.lstsq(damped, -gradient[free], rcond=1e-12)[0]
+    return step
+
+
+@final
+@dataclass(frozen=True)
+class Slopes:
+    """How predictions move with the variables, around one point.
+
+    Attributes:
+        predicted: change of the counted readings' predictions for each variable, divided by its scale, by job, shape
+            (variables, readings).
+        results: the runs at the point itself.
+        exact: whether the slopes are differences at this point rather than older ones that followed the steps.
+    """
+
+    predicted: tuple[FloatArray, ...]
+    results: tuple[Result, ...]
+    exact: bool
+
+
+@final
+class _Search:
+    """The fixed surroundings of one fit; variables are divided by their scale inside."""
+
+    def __init__(
+        self, simulator: Simulator, plant: Plant, variables: tuple[Variable, ...], target: Target
+    ) -> None:
+        self._simulator = simulator
+        self._target = target
+        self._values, self._active = plant.vectors()
+        index = plant.layout.index
+        self._columns = [[index[slot] for slot in v.slots] for v in variables]
+        self._ratios = [np.array(v.ratios) for v in variables]
+        self.scale = np.array([v.scale for v in variables])
+        self.lower = np.array([v.lower for v in variables])
+        self.upper = np.array([v.upper for v in variables])
+        self._likeness = np.array([v.likeness for v in variables])
+        self._centre = np.array([v.centre for v in variables])
+        self._spread = np.array([v.spread for v in variables])
+        self._counted = target.seen()
+        self.readings = int(target.evidence * sum(mask.sum() for mask in self._counted))
+
+    def run(self, x: FloatArray) -> list[Result]:
+        return self._simulator.run(*self._sets(x), self._target.jobs)
+
+    def _sets(self, x: FloatArray) -> tuple[FloatArray, BoolArray]:
+        values = np.repeat(self._values[None], x.shape[0], axis=0)
+        for i, (columns, ratios) in enumerate(zip(self._columns, self._ratios, strict=True)):
+            values[:, columns] = x[:, i : i + 1] * ratios
+        return values, np.repeat(self._active[None], x.shape[0], axis=0)
+
+    def objectives(self, x: FloatArray, results: Sequence[Result]) -> FloatArray:
+        prior = 0.5 * (((x - self._centre) / self._spread) ** 2).sum(axis=1)
+        return np.asarray(self._target.cost(results) + prior)
+
+    def prior_cost(self, x: FloatArray) -> float:
+        return float(0.5 * (((x - self._centre) / self._spread) ** 2).sum())
+
+    def centred(self, x: FloatArray) -> FloatArray:
+        """The likeliest of the motors that these readings cannot tell from `x`."""
+        found = most_likely(x, self._likeness, self._centre, self._spread)
+        return np.asarray(np.clip(found, self.lower, self.upper))
+
+    def free(self, x: FloatArray, gradient: FloatArray) -> BoolArray:
+        """Which variables a step may move: not those at a bound beyond which they are drawn."""
+        held = ((x <= self.lower) & (gradient > 0.0)) | ((x >= self.upper) & (gradient < 0.0))
+        return np.asarray(~held)
+
+    def slopes(self, x: FloatArray, *, central: bool = False) -> Slopes:
+        """By one-sided differences, which do for a step, or by central ones, which a covariance needs."""
+        size = x.size
+        step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
+        ahead = np.where(x + step <= self.upper, x + step, np.maximum(x - step, self.lower))
+        behind = np.maximum(x - step, self.lower) if central else x
+        sets = np.repeat(x[None], 2 * size + 1 if central else size + 1, axis=0)
+        sets[np.arange(size), np.arange(size)] = ahead
+        if central:
+            sets[size + np.arange(size), np.arange(size)] = behind
+        width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
+        found = []
+        predicted, last = predictions(self._simulator, *self._sets(sets), self._target.jobs, self._counted)
+        for own in predicted:
+            below = own[size : 2 * size] if central else own[-1]
+            found.append(np.nan_to_num((own[:size] - below) / width[:, None]))
+        return Slopes(tuple(found), tuple(last), exact=True)
+
+    def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
+        """Slopes from under other noise or other shares of faults, with the run of these."""
+        return replace(slopes, results=tuple(self.run(x[None])))
+
+    def followed(self, slopes: Slopes, move: FloatArray, results: Sequence[Result]) -> Slopes:
+        """The slopes after a `move` of the variables, made to agree with what it did (Broyden's update)."""
+        scaled = move / self.scale
+        along = scaled / max(float(scaled @ scaled), 1e-300)
+        found = []
+        for slope, before, after, mask in zip(
+            slopes.predicted, slopes.results, results, self._counted, strict=True
+        ):
+            missed = after.predicted[0, mask] - before.predicted[0, mask] - scaled @ slope
+            found.append(slope + along[:, None] * np.nan_to_num(missed))
+        return Slopes(tuple(found), tuple(results), exact=False)
+
+    def objective_of(self, x: FloatArray, slopes: Slopes) -> float:
+        return float(self.objectives(x[None], slopes.results)[0])
+
+    def normal_equations(self, x: FloatArray, slopes: Slopes) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Newton Hessian and gradient of the objective in scaled variables."""
+        tightness = (self.scale / self._spread) ** 2
+        hessian = np.diag(tightness)
+        gradient = tightness * (x - self._centre) / self.scale
+        for job, slope, result, mask in zip(
+            self._target.jobs, slopes.predicted, slopes.results, self._counted, strict=True
+        ):
+            inverse = (
+                np.sqrt(self._target.evidence * result.weight[0, mask]) / job.observer.innovation_std[mask]
+            )
+            weighted = told_apart(slope, self._likeness * x / self.scale) * inverse
+            residual = (job.signals.measured[mask] - result.predicted[0, mask]) * inverse
+            hessian += weighted @ weighted.T
+            gradient -= weighted @ np.nan_to_num(residual)
+        return hessian, gradient

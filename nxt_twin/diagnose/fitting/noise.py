@@ -1,0 +1,156 @@
+"""How noisy recordings are under a plant: the readings, and an unknown torque that no model will explain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.batch import batches, samples_of
+from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.observer import Noise, observer
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.physics.smooth import smoothed
+
+DISTURBANCE_TIME_S = 0.15
+_SMALLEST = 1e-4
+_STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
+_WIDEST_STAR = 0.7  # in logarithms
+_NARROWER_STAR = 0.25
+_MOST_STARS = 8
+_SHRINKING = 0.5
+_FINEST_STAR = 0.1
+_LONGEST_STEP = 3.0  # in arms of the star
+_WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
+_FLAT_NATS = 1e-3
+_RESTING_NATS = 0.2
+_SAME_DAMPING = 0.1
+_WORSE_NATS = 100.0
+
+
+def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
+    """Noise to start a search from; `torque` is one that is ordinary for the plant."""
+    inertia = plant.values[Slot(BASE_OWNER, "inertia")]
+    rough = np.sqrt(np.mean([np.nanmean((s.measured - _fitted(s)) ** 2) for s in signals]))
+    floor = reading_floor(signals)
+    return Noise(max(floor, float(rough)), 0.1 * torque / inertia, DISTURBANCE_TIME_S, damping_per_s(plant))
+
+
+def reading_floor(signals: Sequence[Signals]) -> float:
+    """The least standard deviation that the readings' quantum allows."""
+    quantum = max(s.quantum for s in signals)
+    return float(quantum / np.sqrt(12.0))
+
+
+def damping_per_s(plant: Plant) -> float:
+    """How fast the plant forgets its speed: (Kt·Ke/R + B)/J."""
+    values = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == BASE_OWNER}
+    damping = plant.values.get(Slot("viscous_friction", "viscous"), 0.0)
+    if "torque_constant" in values:
+        damping += values["torque_constant"] * values["back_emf"] / values["resistance"]
+    return damping / values["inertia"]
+
+
+def with_noise(target: Target, noise: Noise) -> Target:
+    """The same readings, corrected by the gains that suit `noise`."""
+    jobs = tuple(
+        replace(job, observer=observer(job.signals, noise), disturbance_time_s=noise.disturbance_time_s)
+        for job in target.jobs
+    )
+    return replace(target, jobs=jobs)
+
+
+def estimate(
+    simulator: Simulator, plant: Plant, target: Target, start: Noise, *, near: bool = False
+) -> tuple[Noise, float]:
+    """The likeliest noise under `plant`, searched from `start`, and how much likelier than that it is, nats.
+
+    In the logarithms of both deviations the likelihood is nearly a paraboloid: a star of points is weighed at once,
+    the paraboloid through them gives the next centre, and the star shrinks as it comes to rest. A start that is `near`
+    already gets a narrower star.
+    """
+    floor = reading_floor([job.signals for job in target.jobs])
+    lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
+    damping = _likelier_damping_per_s(simulator, plant, target, start)
+
+    def noise_at(logs: FloatArray) -> Noise:
+        reading, disturbance = np.exp(np.maximum(logs, lowest))
+        return Noise(float(reading), float(disturbance), start.disturbance_time_s, damping)
+
+    centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
+    cost = math.inf
+    start_cost = math.inf
+    reach = _NARROWER_STAR if near else _WIDEST_STAR
+    for number in range(_MOST_STARS):
+        points = np.maximum(centre + reach * _STAR, lowest)
+        costs = _costs(simulator, plant, target, [noise_at(point) for point in points])
+        nearest = int(np.argmin(costs))
+        if number == 0:
+            start_cost = float(costs[0])
+        if costs[nearest] < cost:
+            best, cost = points[nearest], float(costs[nearest])
+        step, promised = _to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
+        if promised < _RESTING_NATS and (reach < _FINEST_STAR or step.any()):
+            break
+        centre = np.maximum(centre + reach * step if costs[0] <= cost + promised else best, lowest)
+        if (
+            np.abs(step).max() < 1.0
+        ):  # also where the centre is lowest and the star was too wide to be a paraboloid
+            reach *= _SHRINKING
+    return noise_at(best), start_cost - cost
+
+
+def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> float:
+    """How fast the plant forgets its speed, or what `start` says of it where that is out of the question.
+
+    A plant whose current is held, or has yet to follow, forgets nothing like as fast as its equation at rest tells, and
+    with gains that count on it a run may run away.
+    """
+    own = replace(start, damping_per_s=damping_per_s(plant))
+    if abs(own.damping_per_s - start.damping_per_s) <= _SAME_DAMPING * own.damping_per_s:
+        return own.damping_per_s
+    costs = _costs(simulator, plant, target, [own, start])
+    return (own if costs[0] < costs[1] + _WORSE_NATS else start).damping_per_s
+
+
+def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:
+    """The step, in arms of the star, to the lowest point of the paraboloid through it, and the fall to there.
+
+    What is `held` stays: it lies at its least value and would go further down.
+    """
+    middle, right, left, up, down, corner = costs
+    slope = np.where(held, 0.0, 0.5 * np.array([right - left, up - down]))
+    twist = 0.0 if held.any() else corner - right - up + middle
+    bends = np.where(held, 1.0, [right + left - 2.0 * middle, up + down - 2.0 * middle])
+    curve = np.array([[bends[0], twist], [twist, bends[1]]])
+    if not (np.abs(costs) < _WILD_NATS).all():  # nor where one is no number
+        nearest = int(np.nanargmin(costs))
+        return _LONGEST_STEP * _STAR[nearest], float(middle - costs[nearest])
+    # Where the surface bends down or hardly at all, the slope still says which way, and the clipping how far.
+    bend, axes = np.linalg.eigh(curve)
+    stiffness = np.maximum(np.abs(bend), _FLAT_NATS)
+    step = np.clip(-axes @ ((axes.T @ slope) / stiffness), -_LONGEST_STEP, _LONGEST_STEP)
+    return step, float(-slope @ step - 0.5 * step @ (axes * stiffness) @ axes.T @ step)
+
+
+def _costs(simulator: Simulator, plant: Plant, target: Target, noises: Sequence[Noise]) -> FloatArray:
+    """The target's cost under each noise, as many as may be run at once."""
+    values, active = plant.vectors()
+    size = len(target.jobs)
+    found: list[float] = []
+    for part in batches(len(noises), samples_of(target.jobs)):
+        tuned = [with_noise(target, noise) for noise in noises[part]]
+        results = simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
+        found += [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
+    return np.array(found)
+
+
+def _fitted(signals: Signals) -> FloatArray:
+    position, speed = smoothed(signals)
+    return np.asarray(speed if signals.is_speed else position)

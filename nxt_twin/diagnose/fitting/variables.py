@@ -1,0 +1,105 @@
+"""Which parameters a fit may move, and how far."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from nxt_twin.diagnose.fitting.fit import Variable
+from nxt_twin.diagnose.fitting.likeness import VOLTAGES
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.parameter import Parameter, Scale
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.smooth import smoothed
+
+_RESISTANCE = Slot(BASE_OWNER, "resistance")
+
+
+def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
+    """The torque and speed that are ordinary for this plant in these recordings."""
+    moving = np.concatenate([smoothed(s)[1] for s in signals])
+    speed = max(float(np.sqrt(np.mean(moving**2))), 1e-6)
+    command = np.concatenate([s.command_at_samples() for s in signals])
+    push = max(float(np.sqrt(np.mean(command**2))), 1e-6)
+    if plant.layout.frame != "motor":
+        return Scale(torque=push, speed=speed, recordings=tuple(signals))
+    constant = _base(plant, "torque_constant")
+    volts = _base(plant, "supply_v")
+    match signals[0].input_kind:
+        case "current_a":
+            return Scale(torque=constant * push, speed=speed, recordings=tuple(signals))
+        case "voltage_v":
+            volts = push
+    return Scale(
+        torque=0.5 * constant * volts / _base(plant, "resistance"),
+        speed=0.6 * volts / _base(plant, "back_emf"),
+        recordings=tuple(signals),
+    )
+
+
+def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable, ...]:
+    """What a fit of `plant` moves.
+
+    Of the baseline everything but its anchors, softly held near the value it came with; of the effects added to
+    it everything but the share of a fault, which follows from the readings' weights and not from a slope.
+    """
+    shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
+    driven = scale.recordings[0].input_kind if scale.recordings else None
+    alike = plant.layout.frame == "motor" and driven in VOLTAGES
+    found = []
+    for slot, parameter in plant.layout.parameters.items():
+        if slot not in plant.values or slot.owner in shares or parameter.tied_to:
+            continue
+        if slot not in baseline.values or not parameter.frozen:
+            found.append(_variable(slot, parameter.scaled(scale), baseline, alike=alike))
+    return tuple(found)
+
+
+def starts_of(effect: Effect, scale: Scale) -> list[dict[str, float]]:
+    """Every combination of starting values of `effect`, SI by symbol; the typical one first."""
+    scaled = [parameter.scaled(scale) for parameter in effect.parameters]
+    return [
+        {p.symbol: value * p.si for p, value in zip(scaled, values, strict=True)}
+        for values in itertools.product(*(p.starts for p in scaled))
+    ]
+
+
+def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool) -> Variable:
+    typical = parameter.starts[0] * parameter.si
+    given = baseline.values.get(slot)
+    centre = typical if given is None else given
+    scale = abs(centre) if slot.owner == BASE_OWNER else max(abs(centre), abs(typical)) or 1.0
+    tied = [
+        Slot(slot.owner, symbol)
+        for (owner, symbol), other in baseline.layout.parameters.items()
+        if owner == slot.owner and other.tied_to == slot.symbol
+    ]
+    if alike and slot == _RESISTANCE:
+        tied += _given_with_it(baseline, parameter.likeness)
+    return Variable(
+        slots=(slot, *tied),
+        ratios=(1.0, *(baseline.values[other] / centre for other in tied)),
+        scale=scale,
+        lower=min(parameter.lower * parameter.si, centre),
+        upper=max(parameter.upper * parameter.si, centre),
+        centre=centre,
+        spread=scale * (parameter.spread if given is None else parameter.doubt),
+        likeness=parameter.likeness if alike else 0.0,
+    )
+
+
+def _given_with_it(baseline: Plant, likeness: float) -> list[Slot]:
+    """What no fit moves by itself and is known, if at all, as a ratio to the resistance: a winding's inductance."""
+    return [
+        slot
+        for slot, parameter in baseline.layout.parameters.items()
+        if slot in baseline.values and parameter.frozen and parameter.likeness == likeness
+    ]
+
+
+def _base(plant: Plant, symbol: str) -> float:
+    return plant.values[Slot(BASE_OWNER, symbol)]

@@ -1,0 +1,1 @@
+"""How sure the answer is: held-out free runs, calibration, intervals, look-alikes, detectable sizes."""

@@ -1,0 +1,93 @@
+"""How often noise alone would be taken for missing physics in just these recordings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.batch import batches
+from nxt_twin.diagnose.fitting.kalman import clean_innovations
+from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
+from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS
+from nxt_twin.physics.simulate import Simulator
+
+_REPLICATES = 200
+_FEWEST = 20
+_MOST_CELLS = 4_000_000
+_SIGMAS = 3.0
+
+
+@final
+@dataclass(frozen=True)
+class FalseAlarms:
+    """What a search would have done with clean recordings of the same inputs, stamps, quantum and noise.
+
+    Attributes:
+        alarms: of the made-up cases, how many would have had an effect named in them.
+        of: how many were made up.
+    """
+
+    alarms: int
+    of: int
+
+    @property
+    def rate(self) -> float:
+        """The share of alarms."""
+        return self.alarms / max(self.of, 1)
+
+    @property
+    def upper_95(self) -> float:
+        """The rate that is not exceeded with 95 % confidence (Wilson's score bound)."""
+        z2, share = 1.645**2, self.rate
+        spread = math.sqrt(1.645**2 * (share * (1.0 - share) / self.of + z2 / (4.0 * self.of**2)))
+        return (share + z2 / (2.0 * self.of) + spread) / (1.0 + z2 / self.of)
+
+
+def clean_cases(linear: Linear, rng: Generator) -> FloatArray:
+    """Innovations of made-up clean cases, as those of `linear`, shape (cases, readings)."""
+    count = int(np.clip(_MOST_CELLS // max(linear.innovations.size, 1), _FEWEST, _REPLICATES))
+    parts = []
+    for job, predicted, gain, mask in zip(
+        linear.jobs, linear.predicted, linear.gain, linear.counted, strict=True
+    ):
+        innovations = clean_innovations(job, predicted, linear.structure.noise, count, rng)
+        part = innovations[:, mask]
+        part *= (gain * job.observer.innovation_std)[mask]
+        parts.append(part)
+    return np.concatenate(parts, axis=1)
+
+
+def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray) -> BoolArray:
+    """In which of the clean cases an effect would be named, shape (cases,).
+
+    Each trial's signature is scaled to fit the fitted readings of a clean case best (a score test with the re-fit
+    projected out); both these and the checking readings have to accept it, as in the search.
+    """
+    fitted = ~linear.checks
+    innovations = linear.left_of(clean, fitted)
+    alarmed = np.zeros(len(clean), dtype=bool)
+    readings = math.log(max(int(fitted.sum()), 2))
+    for part in batches(len(trials), linear.innovations.size):
+        found = signatures(simulator, linear, linear.structure.plant, trials[part])
+        left = linear.left_of(found, fitted)
+        strength = np.maximum(np.sum(found[:, fitted] * left[:, fitted], axis=1), 1e-12)
+        share = innovations[:, fitted] @ found[:, fitted].T / strength
+        gain = 0.5 * share**2 * strength
+        check = share * (innovations[:, ~fitted] @ left[:, ~fitted].T)
+        check -= 0.5 * share**2 * np.sum(left[:, ~fitted] ** 2, axis=1)
+        further = [max(len(t.effect.parameters) - len(t.effect.supersedes), 1) for t in trials[part]]
+        penalty = 0.5 * readings * np.array(further)
+        alarmed |= ((gain - penalty > GAIN_NATS) & (check > CHECK_NATS)).any(axis=1)
+    return alarmed
+
+
+def leftover_threshold(clean_nats: FloatArray, least: float) -> float:
+    """What a clean case's leftover exceeds less than once in so many made-up cases; never below `least`."""
+    spread = float(np.mean(clean_nats) + _SIGMAS * np.std(clean_nats))
+    return max(least, float(np.max(clean_nats)), spread)

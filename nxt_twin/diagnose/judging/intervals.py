@@ -1,0 +1,129 @@
+"""How sure the parameters are: covariance under innovations that are neither white nor of one size."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.linear import Linear, deviations
+from nxt_twin.physics.simulate import Simulator
+
+_BLOCK_S = 1.0
+_FEWEST_BLOCKS = 12
+_SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
+_SUPPLY_MOVE = 1e-3
+FROZEN_DOUBT = 0.15  # of a given inductance
+_FROZEN_MOVE = 0.05
+_MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
+_ZERO_DOUBT = 1.0 / math.sqrt(
+    3.0
+)  # quanta: a count stands for some angle within a step of it, to either side
+
+
+def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
+    """Covariance of the structure's variables, SI, shape (variables, variables).
+
+    The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
+    of the scores over blocks of time (Newey and West's idea, with blocks): where innovations hang together or gather
+    in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own. On top
+    come what nobody told: the supply between the battery's readings, parameters that no fit moves, where within a
+    step the encoder's zero lies, and which of the laws of one name the plant follows (`Parameter.law`).
+    """
+    variables = linear.variables
+    scale = np.array([v.scale for v in variables])
+    bread = linear.slopes @ linear.slopes.T / _MODEL_DOUBT**2 + np.diag(linear.tightness)
+    inverse: FloatArray = np.asarray(
+        np.linalg.pinv(bread + 1e-12 * np.eye(scale.size), hermitian=True), dtype=np.float64
+    )
+    filling = _block_scatter(linear) / _MODEL_DOUBT**2 + np.diag(linear.tightness)
+    sandwich: FloatArray = inverse @ filling @ inverse
+    spread = _larger(inverse, sandwich)
+    untold = [
+        (_SUPPLY_DOUBT / _SUPPLY_MOVE, _supply_signature(simulator, linear)),
+        (FROZEN_DOUBT / _FROZEN_MOVE, _frozen(simulator, linear)),
+        (_ZERO_DOUBT, _zero_signature(simulator, linear)),
+    ]
+    shifts = np.concatenate([size * linear.absorbed(signature) for size, signature in untold])
+    spread = spread + shifts.T @ shifts + np.diag(_law_doubts(linear) ** 2)
+    return np.asarray(spread * np.outer(scale, scale))
+
+
+def _law_doubts(linear: Linear) -> FloatArray:
+    """What laws of the same name leave open of each variable, in its scale, shape (variables,)."""
+    plant = linear.structure.plant
+    slots = [variable.slots[0] for variable in linear.variables]
+    laws = np.array([plant.layout.parameters[slot].law * plant.values[slot] for slot in slots])
+    return np.asarray(laws / np.array([variable.scale for variable in linear.variables]))
+
+
+def _zero_signature(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What it would do to the predictions if every reading were a quantum higher, the quantum itself taken off."""
+    jobs = []
+    for job in linear.jobs:
+        signals, start = job.signals, job.start
+        higher = replace(signals, measured=signals.measured + signals.quantum)
+        jobs.append(
+            replace(job, signals=higher, start=replace(start, position=start.position + signals.quantum))
+        )
+    if any(job.signals.is_speed for job in jobs):
+        return np.zeros((1, linear.innovations.size))
+    values, active = linear.structure.plant.vectors()
+    moved = [
+        replace(result, predicted=result.predicted - job.signals.quantum)
+        for result, job in zip(simulator.run(values[None], active[None], jobs), jobs, strict=True)
+    ]
+    return linear.whitened(moved)
+
+
+def _frozen(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What each parameter that the fit leaves alone would do to the readings if it were a little larger."""
+    plant = linear.structure.plant
+    shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
+    moved = [
+        plant.with_values({slot: (1.0 + _FROZEN_MOVE) * plant.values[slot]})
+        for slot, parameter in plant.layout.parameters.items()
+        if parameter.frozen and slot in plant.values and slot.owner not in shares
+    ]
+    return deviations(simulator, linear, moved)
+
+
+def _supply_signature(simulator: Simulator, linear: Linear) -> FloatArray:
+    """What a slightly higher supply does to the readings; nothing where the command is no duty."""
+    if any(job.signals.input_kind != "power_pct" for job in linear.jobs):
+        return np.zeros((1, linear.innovations.size))
+    more = 1.0 + _SUPPLY_MOVE
+    jobs = [
+        replace(job, signals=replace(job.signals, command_supply_v=more * job.signals.command_supply_v))
+        for job in linear.jobs
+    ]
+    values, active = linear.structure.plant.vectors()
+    return linear.whitened(simulator.run(values[None], active[None], jobs))
+
+
+def _block_scatter(linear: Linear) -> FloatArray:
+    """Sum over blocks of time of the outer products of their scores, with the small-sample factor."""
+    length_s = max(float(linear.time_s.max()), 1e-9)
+    block_s = min(_BLOCK_S, length_s * len(linear.jobs) / _FEWEST_BLOCKS)
+    block = linear.run * (math.ceil(length_s / block_s) + 1) + np.floor(linear.time_s / block_s).astype(int)
+    _, number = np.unique(block, return_inverse=True)
+    count = int(number.max()) + 1
+    scores = np.zeros((count, linear.slopes.shape[0]))
+    np.add.at(scores, number, (linear.slopes * linear.innovations).T)
+    factor = count / max(count - linear.slopes.shape[0], 1)
+    return np.asarray(factor * (scores.T @ scores), dtype=np.float64)
+
+
+def _larger(plain: FloatArray, robust: FloatArray) -> FloatArray:
+    """`robust`, raised where it is below `plain`: directions in which blocks happen to scatter little."""
+    spread = np.sqrt(np.maximum(np.diag(plain), 1e-300))
+    scaled = robust / np.outer(spread, spread)
+    correlation = plain / np.outer(spread, spread)
+    values, vectors = np.linalg.eigh(correlation)
+    root = vectors @ np.diag(np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    back = vectors @ np.diag(1.0 / np.sqrt(np.maximum(values, 1e-12))) @ vectors.T
+    shares, axes = np.linalg.eigh(back @ scaled @ back)
+    raised = root @ axes @ np.diag(np.maximum(shares, 1.0)) @ axes.T @ root
+    return np.asarray(raised * np.outer(spread, spread))

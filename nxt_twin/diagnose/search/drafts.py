@@ -1,0 +1,98 @@
+"""Candidate effects added to a structure and fitted roughly: enough to rank them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Draft, Structure, Workshop, step_for
+from nxt_twin.diagnose.search.screen import Prospect, screen
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+
+STARTS_FOLLOWED = 3
+SLOW_ITERATIONS = 10
+
+_LEAST_PROMISE_NATS = 2.0
+_STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
+_START_ITERATIONS = 2
+_QUICK_ITERATIONS = 4
+
+
+@final
+@dataclass(frozen=True)
+class _Known:
+    """What was tried with one structure: the starts of each effect, likeliest first, and its draft, by its id."""
+
+    structure: Structure
+    prospects: dict[str, list[Prospect]] = field(default_factory=dict)
+    drafts: dict[str, Draft] = field(default_factory=dict)
+
+
+@final
+class Drafts:
+    """Drafts of one workshop; what was made for a structure once is not made again."""
+
+    def __init__(self, workshop: Workshop) -> None:
+        self._workshop = workshop
+        self._known: list[_Known] = []
+
+    def of(
+        self, structure: Structure, effects: list[Effect], most: int, least_nats: float = 0.0
+    ) -> list[tuple[Effect, Draft]]:
+        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first.
+
+        Those that promise less than `least_nats` are left out.
+        """
+        least = max(least_nats, _LEAST_PROMISE_NATS)
+        prospects = self.prospects(structure, effects)
+        likely = [e for e in effects if e.id in prospects and prospects[e.id][0].gain > least]
+        likely.sort(key=lambda e: -prospects[e.id][0].gain)
+        drafts = self._of(structure).drafts
+        for effect in likely[:most]:
+            if effect.id not in drafts:
+                followed = [p for p in prospects[effect.id] if p.gain > _LEAST_PROMISE_NATS]
+                drafts[effect.id] = self._draft(followed, structure.noise)
+        made = [(effect, drafts[effect.id]) for effect in likely[:most]]
+        return sorted(made, key=lambda item: item[1].cost)
+
+    def prospects(self, structure: Structure, effects: list[Effect]) -> dict[str, list[Prospect]]:
+        """The starts of each of `effects` beside `structure`, by the effect's id, likeliest first."""
+        known = self._of(structure).prospects
+        for prospect in screen(self._workshop, structure, [e for e in effects if e.id not in known]):
+            known.setdefault(prospect.effect.id, []).append(prospect)
+        return known
+
+    def _of(self, structure: Structure) -> _Known:
+        for known in self._known:
+            if known.structure is structure:
+                return known
+        self._known.append(_Known(structure))
+        return self._known[-1]
+
+    def cost(self, structure: Structure, noise: Noise) -> float:
+        """As `Draft.cost`, of a structure as it stands, under other noise."""
+        step_s = step_for(structure.plant, DRAFT_STEP_S)
+        fitted, check = self._workshop.draft_cost(structure.plant, noise, step_s)
+        return fitted + structure.fitted.prior_cost + check
+
+    def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
+        """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
+        further = SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
+        enough = _STARTS_SHARE * prospects[0].gain
+        plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
+        if len(plants) > 1:
+            trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
+            plants = [best.fitted.plant]
+        return self._workshop.draft(plants[0], noise, iterations=further)
+
+    def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
+        """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
+        scale = self._workshop.problem.scale
+        pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
+        costs = self._workshop.draft_costs([plant for pair in pairs for plant in pair], noise)
+        return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]

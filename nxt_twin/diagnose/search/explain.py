@@ -1,0 +1,377 @@
+"""Find the effects that the data call for: forward one at a time, then backward, then what could stand in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import final
+
+from nxt_twin.diagnose.fitting.structure import (
+    Draft,
+    Structure,
+    Workshop,
+    is_mechanical,
+)
+from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
+from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
+from nxt_twin.diagnose.search.weight import FREE_RUN_RATIO, Weight, free_run_ratio, weigh
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import Scale
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+
+Progress = Callable[[str], None]
+
+MOST_EFFECTS = 4
+GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose from
+CHECK_NATS = 2.0
+KEEP_NATS = 3.0
+RIVAL_NATS = 6.0
+SWAP_NATS = 1.0
+
+_DRAFTED = 10
+_PROMISED = 0.1  # of the gain that is needed: with less of it no linear look at an effect has been that wrong
+_RIVALS_DRAFTED = 4
+_SHORT_LIST = 5
+_LEADING = 2
+_SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
+_LIFTED = 2.5  # so many times a draft's gain other noise makes of it, or what it made of the leading one's
+_MANY_NATS = 100.0
+_FEW_MOMENTS = (
+    3.5  # from which alone less than that may come by chance: a few turns a little off, and a period found
+)
+_COMB = 5  # so many starts are separate peaks
+_BETTER_NATS = 1.0
+_SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
+_IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
+_RIVAL_REACH_NATS = 40.0
+_FAR_REACH_NATS = 400.0  # for the only rival to show how far behind it is
+_EXCHANGES = 4
+_SOBER = 0.3
+_LEFT_OUT_NATS = 3.0
+_FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
+_CLEAR = 1.3
+_ABOVE = 1.1
+
+
+@final
+@dataclass(frozen=True)
+class Rival:
+    """An effect that does nearly as well in the place of a found one; `behind` in nats, negative if better."""
+
+    effect: Effect
+    behind: float
+    structure: Structure
+
+
+@final
+@dataclass(frozen=True)
+class Explanation:
+    """What the search found.
+
+    Attributes:
+        baseline: the re-fitted baseline.
+        best: the structure with every effect that earned its place.
+        found: those effects, the weightiest first, each with what speaks for keeping it.
+        rivals: for each found effect, others tried in its place, best first.
+        refused: effects that came nearest to being added at the end, best first, with their weight.
+    """
+
+    baseline: Structure
+    best: Structure
+    found: tuple[tuple[Effect, Weight], ...]
+    rivals: dict[str, tuple[Rival, ...]]
+    refused: tuple[tuple[Effect, Weight], ...]
+
+
+def explain(workshop: Workshop, baseline: Structure, progress: Progress) -> Explanation:
+    """Search the library for what the re-fitted `baseline` lacks."""
+    search = _Search(workshop, baseline)
+    best = baseline
+    for exchange in range(_EXCHANGES + 1):
+        best, refused = search.grown(best, progress)
+        progress("checking each effect's place")
+        found = search.found(best)
+        rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
+        better = _better(best, rivals)
+        if better is None or exchange == _EXCHANGES:
+            break
+        best = search.pruned(better)
+    return Explanation(baseline, best, found, rivals, refused)
+
+
+def candidates(plant: Plant, signals: Signals) -> list[Effect]:
+    """The effects that `plant` lacks and could have, driven as it is."""
+    superseded = {gone for effect in plant.effects for gone in effect.supersedes}
+    return [
+        effect
+        for effect in plant.layout.effects
+        if effect.id not in plant.active
+        and effect.id not in superseded
+        and (not effect.inputs or signals.input_kind in effect.inputs)
+        and (not effect.counted or signals.quantum > 0.0)
+    ]
+
+
+@final
+class _Search:
+    """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
+
+    def __init__(self, workshop: Workshop, baseline: Structure) -> None:
+        self._workshop = workshop
+        self._baseline = baseline
+        self._settled = Settled(workshop, baseline)
+        self._drafts = Drafts(workshop)
+        self._tried: list[Effect] = []
+
+    def grown(
+        self, best: Structure, progress: Progress
+    ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
+        """Add effects to `best` while one earns its place; what came near is noted."""
+        been = {best.plant.active: best.fitted_cost}
+        refused: tuple[tuple[Effect, Weight], ...] = ()
+        while len(best.plant.active - self._baseline.plant.active) < MOST_EFFECTS:
+            progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
+            ranked = self._forward(best)
+            self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
+            refused = tuple((effect, weight) for effect, weight, _ in ranked)
+            added = self._added(best, ranked) if ranked else None
+            if added is None or added.fitted_cost > been.get(added.plant.active, math.inf) - _BETTER_NATS:
+                return best, refused  # the latter where what is added is taken out again: round and round
+            been[added.plant.active] = added.fitted_cost
+            best = added
+        return best, tuple(one for one in refused if one[0].id not in best.plant.active)
+
+    def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
+        """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""
+        effect, weight, trial = ranked[0]
+        if self._worth_it(effect, weight, best):
+            return self._still_worth_it(self.pruned(trial), effect)
+        return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+
+    def _with_another(self, best: Structure, tried: tuple[Effect, Weight, Structure]) -> Structure | None:
+        """`best` with an effect that nothing but free runs speaks against, and another beside which these do not.
+
+        Where more than one thing is missing, the one that is right may well run further off by itself.
+        """
+        effect, weight, trial = tried
+        if not (self._likelier(effect, weight, best) and self._lasts(weight, best, trial)):
+            return None
+        ranked = self._forward(trial)
+        if not ranked or not self._worth_it(ranked[0][0], ranked[0][1], trial):
+            return None
+        both = self.pruned(ranked[0][2])
+        kept = {effect.id, ranked[0][0].id} <= both.plant.active
+        kept = kept and all(self._still_worth_it(both, one) is both for one in (effect, ranked[0][0]))
+        return both if kept and not weigh(best, both).runs_worse else None
+
+    def _still_worth_it(self, added: Structure, effect: Effect) -> Structure:
+        """`added`, or less `effect` where that, settled anew from there, comes too near to add it."""
+        if effect.id not in added.plant.active:
+            return added
+        simpler = self._settled.without(added, effect.id)
+        weight = weigh(simpler, added)
+        kept = self._worth_it(effect, weight, simpler) and self._lasts(weight, simpler, added)
+        return added if kept else simpler
+
+    def pruned(self, best: Structure) -> Structure:
+        """Take out, one at a time, effects that no longer earn their place."""
+        while True:
+            weakest: tuple[float, Structure] | None = None
+            for effect_id in sorted(best.plant.active - self._baseline.plant.active):
+                simpler = self._settled.without(best, effect_id)
+                weight = weigh(simpler, best)
+                kept = _keeps_its_place(weight, KEEP_NATS + self._belief_in_what_returns(simpler, best))
+                if not kept and (weakest is None or weight.total < weakest[0]):
+                    weakest = (weight.total, simpler)
+            if weakest is None:
+                return best
+            best = weakest[1]
+
+    def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
+        """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
+        back = simpler.plant.active - best.plant.active - self._baseline.plant.active
+        return sum(_belief(best.plant.layout.effect(effect_id)) for effect_id in back)
+
+    def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
+        """The effects in `best`, the weightiest first."""
+        weighed = [
+            (best.plant.layout.effect(effect_id), weigh(self._settled.without(best, effect_id), best))
+            for effect_id in sorted(best.plant.active - self._baseline.plant.active)
+        ]
+        return tuple(sorted(weighed, key=lambda item: -item[1].total))
+
+    def rivals(self, best: Structure, effect: Effect) -> tuple[Rival, ...]:
+        """Effects that were near at some time, are declared confusable or promise much, put in `effect`'s place."""
+        bare = self._settled.without(best, effect.id)
+        near = {*effect.confusable_with, *(other.id for other in self._tried)}
+        allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
+        known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
+        rivals = [
+            Rival(e, weigh(known[e.id], best).total + _belief(effect) - _belief(e), known[e.id])
+            for e in allowed
+            if e.id in known
+        ]
+        fresh = [e for e in allowed if e.id not in known]
+        equal = self._drafts.cost(best, bare.noise)
+        for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, _RIVALS_DRAFTED)):
+            reach = _RIVAL_REACH_NATS if rank or known else _FAR_REACH_NATS
+            if draft.cost - equal < reach:
+                trial = self._settled.settle(draft.fitted.plant, bare.noise)
+                beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
+                rivals.append(Rival(other, beaten_by, trial))
+        return tuple(sorted(rivals, key=lambda rival: rival.behind)[:_SHORT_LIST])
+
+    def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
+        """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
+        needed = self._needed(best)
+        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED, _PROMISED * needed)
+        if not drafts:
+            return []
+        cost = self._drafts.cost(best, best.noise)
+        leading = max(cost - drafts[0][1].cost, 0.0)
+        within = [
+            (effect, draft)
+            for rank, (effect, draft) in enumerate(drafts)
+            if rank == 0
+            or (rank < _LEADING and draft.cost - cost < _SLACK_NATS)
+            or (rank < _SHORT_LIST and cost - draft.cost > _SETTLED_SHARE * leading)
+            or (effect.states and cost - draft.cost > _IN_REACH * leading)
+        ]
+        settled = self._leaders(best, cost, within)
+        lowest = min(trial.fitted_cost for _, trial in settled)
+        in_reach = _IN_REACH * max(best.fitted_cost - lowest, needed)
+        ranked = []
+        for effect, trial in settled:
+            if best.fitted_cost - trial.fitted_cost > in_reach:
+                trial = self._settled_anew(best, effect, trial)
+            if _shows(trial.plant, effect, self._workshop.problem.scale):
+                ranked.append((effect, weigh(best, trial), trial))
+        ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
+        return ranked
+
+    def _rank(
+        self, effect: Effect, weight: Weight, trial: Structure, best: Structure
+    ) -> tuple[bool, bool, float]:
+        worth_it = self._worth_it(effect, weight, best)
+        return worth_it, worth_it and self._lasts(weight, best, trial), weight.total + _belief(effect)
+
+    def _leaders(
+        self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
+    ) -> list[tuple[Effect, Structure]]:
+        """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
+        needed, lifted = self._needed(best), _LIFTED
+        settled: list[tuple[Effect, Structure]] = []
+        for effect, draft in drafts:
+            promise = cost - draft.cost
+            if settled and lifted * promise + _SLACK_NATS < needed:
+                continue
+            trial = self._settled.settle(draft.fitted.plant, best.noise)
+            if not settled and promise > 0.0:
+                gain = best.fitted_cost + best.check_cost - trial.fitted_cost - trial.check_cost
+                lifted = max(lifted, gain / promise)
+            settled.append((effect, trial))
+        return settled
+
+    def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
+        """The best of `trial` and of what other starts lead to, for effects with mechanical states of their own.
+
+        Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
+        so they are led from each start through a smaller unknown torque.
+        """
+        if not is_mechanical(effect):
+            return trial
+        sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
+        prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
+        drafts = [self._workshop.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
+        leading = min(drafts, key=lambda draft: draft.cost)
+        elsewhere = leading.fitted.plant
+        costs = self._workshop.draft_costs([elsewhere, trial.plant], trial.noise)
+        return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
+
+    def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
+
+        What readings that count for little explain does not count: there is no form in them that could be wrong.
+        """
+        return self._likelier(effect, weight, best) and not weight.runs_worse
+
+    def _likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """The same, were there no free runs."""
+        return weight.gain > self._needed(best) + _choice_nats(effect) and weight.borne_out(CHECK_NATS)
+
+    def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
+        """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
+
+        Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
+        """
+        first = simpler.plant.active == self._baseline.plant.active
+        return first or weight.gain > _MANY_NATS or self._workshop.moments(simpler, richer) > _FEW_MOMENTS
+
+    def _needed(self, best: Structure) -> float:
+        explained = self._doubting(best).fitted_cost - best.fitted_cost
+        return max(GAIN_NATS, _FORM_SHARE * explained)
+
+    def _doubting(self, best: Structure) -> Structure:
+        """The baseline with just those of `best`'s effects that doubt readings."""
+        plant = self._baseline.plant
+        for effect in best.plant.effects:
+            if "outlier" in effect.terms and effect.id not in plant.active:
+                shares = {p.symbol: best.plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters}
+                plant = plant.with_effect(effect.id, shares)
+        if plant.active == self._baseline.plant.active:
+            return self._baseline
+        return self._settled.like(plant) or self._settled.settle(plant, best.noise)
+
+    def _candidates(self, plant: Plant) -> list[Effect]:
+        return candidates(plant, self._workshop.problem.signals[0])
+
+
+def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
+    """The structure with one effect exchanged that clearly beats `best`, in free run as well."""
+    beating = [
+        rival
+        for near in rivals.values()
+        for rival in near
+        if rival.behind < -SWAP_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
+    ]
+    return min(beating, key=lambda rival: rival.behind).structure if beating else None
+
+
+def _choice_nats(effect: Effect) -> float:
+    """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
+    return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= _COMB)
+
+
+def _belief(effect: Effect) -> float:
+    """What speaks for an effect beforehand, nats: what plant files mostly state is likely missing where left out."""
+    first = effect.parameters[0]
+    return _LEFT_OUT_NATS if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
+
+
+def _keeps_its_place(weight: Weight, needed: float) -> bool:
+    return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse
+
+
+def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether the effect's main parameter is clear of the least value with which it makes a difference."""
+    main = effect.parameters[0]
+    value = plant.values[Slot(effect.id, main.symbol)]
+    bounds = main.in_frame(plant.layout.frame).scaled(scale)
+    nothing = plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
+    nothing = max(nothing, main.least(scale.recordings) if main.least else 0.0)
+    return value > _CLEAR * bounds.lower * bounds.si and (nothing <= 0.0 or value > _ABOVE * nothing)
+
+
+def probability(behind: float, others: list[float]) -> float:
+    """The share of belief for a structure `behind` the best by so many nats, among `others` so far behind."""
+    nearest = min(behind, *others, behind)
+    return math.exp(nearest - behind) / sum(math.exp(nearest - other) for other in [behind, *others])
+
+
+def _names(plant: Plant, baseline: Plant) -> str:
+    added = sorted(plant.active - baseline.active)
+    return ", ".join(added) if added else "the re-fitted baseline"

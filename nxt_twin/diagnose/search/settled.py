@@ -1,0 +1,63 @@
+"""The structures that were settled on the way: the best of each set of effects, so that none is fitted twice."""
+
+from __future__ import annotations
+
+from typing import final
+
+from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S, Structure, Workshop, step_for
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+
+UNFITTED_NATS = 60.0
+"""What a fit may still gain where an effect was taken out, or another start was taken."""
+
+
+@final
+class Settled:
+    """What one search has settled, beginning with the re-fitted `baseline`."""
+
+    def __init__(self, workshop: Workshop, baseline: Structure) -> None:
+        self._workshop = workshop
+        self._best = {baseline.plant.active: baseline}
+
+    def settle(self, plant: Plant, noise: Noise) -> Structure:
+        """Settle, unless that set of effects came out better before."""
+        structure = self._workshop.settled(plant, noise)
+        before = self._best.get(plant.active)
+        if before is None or structure.fitted_cost < before.fitted_cost:
+            self._best[plant.active] = structure
+        return self._best[plant.active]
+
+    def like(self, plant: Plant) -> Structure | None:
+        """What was settled before with the effects of `plant`, if anything was."""
+        return self._best.get(plant.active)
+
+    def with_effect(self, bare: Plant, effect: Effect) -> Structure | None:
+        """What was settled before with just `effect` added to `bare`, if anything was."""
+        return self._best.get((bare.active - set(effect.supersedes)) | {effect.id})
+
+    def without(self, best: Structure, effect_id: str) -> Structure:
+        """`best` less one effect, settled from where `best` lies if that is better than where it was settled before.
+
+        An effect that merely led out of a dead end would else be named for it.
+        """
+        plant = _simpler(best.plant, effect_id, self._workshop.problem.plant)
+        before = self.like(plant)
+        if before is not None:
+            cost, _ = self._workshop.draft_cost(plant, best.noise, step_for(plant, SETTLED_STEP_S))
+            if cost > before.fitted.cost + UNFITTED_NATS:
+                return before
+        return self.settle(plant, best.noise)
+
+
+def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
+    """`plant` without the effect; the plain terms that it had replaced come back."""
+    effect = plant.layout.effect(effect_id)
+    bare = plant.without([effect_id])
+    mean = sum(plant.values[Slot(effect_id, p.symbol)] for p in effect.parameters) / len(effect.parameters)
+    for plain in effect.supersedes:
+        symbol = plant.layout.effect(plain).parameters[0].symbol
+        bare = bare.with_effect(plain, {symbol: baseline.values.get(Slot(plain, symbol), mean)})
+    return bare

@@ -1,0 +1,96 @@
+"""What speaks for one structure over a simpler one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.diagnose.fitting.structure import Structure, shares
+
+FREE_RUN_RATIO = 1.01
+_DOUBTING_RATIO = 1.1  # doubt in readings moves what is fitted by little, while other physics may still lack
+_SURE_RATIO = 1.05
+_SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
+_UNKIND_RATIO = 2.5
+_MUCH_NEARER = 0.5
+_DENIED_NATS = 3.0
+_AS_MANY = 0.97
+
+
+@final
+@dataclass(frozen=True)
+class Weight:
+    """What speaks for a structure over a simpler one, nats.
+
+    Attributes:
+        gain: in likelihood of the readings that were fitted, less the information criterion's penalty.
+        check_gain: in likelihood of readings that were not.
+        free_run_ratio: its error in free runs over that of the simpler one, in the kinder of two ways to run.
+        runs_worse: whether free runs speak against the richer one: it predicts one step better and has learnt noise.
+    """
+
+    gain: float
+    check_gain: float
+    free_run_ratio: float
+    runs_worse: bool
+
+    @property
+    def total(self) -> float:
+        """The sum of both, by which candidates are ranked."""
+        return self.gain + self.check_gain
+
+    def borne_out(self, least_nats: float) -> bool:
+        """Whether readings that were not fitted speak for the richer one: by likelihood, or by free runs over them.
+
+        A few of them say little one by one, and free runs much nearer say more.
+        """
+        nearer = self.free_run_ratio < _MUCH_NEARER and self.check_gain > -_DENIED_NATS
+        return self.check_gain > least_nats or nearer
+
+
+def weigh(simpler: Structure, richer: Structure) -> Weight:
+    """What speaks for `richer` over `simpler`. Half a logarithm of the readings for each further parameter (BIC)."""
+    further = len(richer.fitted.variables) - len(simpler.fitted.variables)
+    further += shares(richer.plant) - shares(simpler.plant)
+    penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
+    gain = simpler.fitted_cost - richer.fitted_cost
+    check_gain = simpler.check_cost - richer.check_cost
+    kind, unkind = _free_run_ratios(simpler, richer)
+    sure = check_gain > _SURE_NATS
+    unkind_only = sure and kind < _MUCH_NEARER  # a start anew in the middle may lie on the edge of sticking
+    return Weight(
+        gain - penalty,
+        check_gain,
+        kind,
+        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if sure else 0.0)
+        or (unkind >= _UNKIND_RATIO and not unkind_only and not _dodges(simpler, richer)),
+    )
+
+
+def _most_ratio(simpler: Structure, richer: Structure) -> float:
+    """The ratio of errors in free runs from which they speak against the richer one."""
+    if _dodges(simpler, richer):
+        return math.inf
+    added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
+    doubting = bool(added) and all("outlier" in effect.terms for effect in added)
+    return _DOUBTING_RATIO if doubting else FREE_RUN_RATIO
+
+
+def _dodges(simpler: Structure, richer: Structure) -> bool:
+    """Whether the simpler one takes for faults what it cannot explain, so that its free runs tell nothing."""
+    return simpler.believed < _AS_MANY * richer.believed
+
+
+def free_run_ratio(simpler: Structure, richer: Structure) -> float:
+    """The error of `richer` in free runs over that of `simpler`, in the kinder of the two ways to run.
+
+    A start anew cannot know the state of a load behind play or a shaft; a whole run of an integrator drifts.
+    """
+    return _free_run_ratios(simpler, richer)[0]
+
+
+def _free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
+    pairs = zip(simpler.free_run_rms, richer.free_run_rms, strict=True)
+    kind, unkind = sorted(after / max(before, 1e-15) for before, after in pairs)
+    return kind, unkind

@@ -1,0 +1,1 @@
+"""Estimates, findings, notes and sentences: the answer in words and in JSON."""

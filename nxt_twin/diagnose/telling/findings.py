@@ -1,0 +1,110 @@
+"""What was found, with its doubt: effects, what they could be confused with, and what came second."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nearest, Verdict
+from nxt_twin.diagnose.judging.confusion import alike, without
+from nxt_twin.diagnose.judging.evidence import Evidence
+from nxt_twin.diagnose.judging.judge import free_runs, overall
+from nxt_twin.diagnose.search.explain import (
+    CHECK_NATS,
+    GAIN_NATS,
+    RIVAL_NATS,
+    Rival,
+    probability,
+)
+from nxt_twin.diagnose.search.weight import Weight
+from nxt_twin.diagnose.telling import words
+from nxt_twin.diagnose.telling.estimates import estimates
+from nxt_twin.diagnose.where.moment import with_bounds
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.simulate import Simulator
+
+_SHOWN_ALTERNATIVES = 3
+
+
+def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect, ...]:
+    """The effects that the data call for, the weightiest first."""
+    listed = []
+    for effect, _ in evidence.explanation.found:
+        rivals = evidence.explanation.rivals.get(effect.id, ())
+        listed.append(
+            FoundEffect(
+                id=effect.id,
+                name=effect.name,
+                equation=effect.equation,
+                params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
+                probability=probability(0.0, [rival.behind for rival in rivals]),
+                confusable_with=_confusions(simulator, evidence, effect, rivals),
+            )
+        )
+    return tuple(listed)
+
+
+def near_rivals(evidence: Evidence) -> list[tuple[Effect, Rival]]:
+    """Found effects with the rivals that these recordings cannot tell from them, the nearest first."""
+    pairs = [
+        (effect, rival)
+        for effect, _ in evidence.explanation.found
+        for rival in evidence.explanation.rivals.get(effect.id, ())
+        if rival.behind < RIVAL_NATS
+    ]
+    return sorted(pairs, key=lambda pair: pair[1].behind)
+
+
+def _confusions(
+    simulator: Simulator, evidence: Evidence, effect: Effect, rivals: Sequence[Rival]
+) -> tuple[Confusion, ...]:
+    """The rivals that do nearly as well when fitted in the effect's place, with how alike their traces are here."""
+    near = [rival for rival in rivals if rival.behind < RIVAL_NATS]
+    if not near:
+        return ()
+    bare = without(evidence.final.plant, effect.id, evidence.problem.plant)
+    others = [rival.effect for rival in near]
+    found = alike(simulator, evidence.problem.scale, evidence.linear, effect, bare, others)
+    traces = {one.effect.id: one for one in found}
+    return tuple(
+        Confusion(
+            rival.effect.id,
+            words.why_confusable(effect, rival.effect, rival.behind, traces.get(rival.effect.id)),
+        )
+        for rival in near
+    )
+
+
+def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative, ...]:
+    """The structures with one effect exchanged that came nearest, with their own error on what is held out."""
+    rivals = [rival for near in evidence.explanation.rivals.values() for rival in near]
+    listed = []
+    for rival in sorted(rivals, key=lambda rival: rival.behind)[:_SHOWN_ALTERNATIVES]:
+        plant = rival.structure.plant
+        runs = free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
+        behind = [0.0, *(other.behind for other in rivals if other is not rival)]
+        rmse = overall(runs) * evidence.units.reading_factor
+        listed.append(Alternative(rival.effect.id, probability(rival.behind, behind), rmse))
+    return tuple(listed)
+
+
+def nearest(evidence: Evidence, verdict: Verdict) -> Nearest | None:
+    """The known effect that comes nearest to what is left unexplained, and why it was not accepted."""
+    refused, found = evidence.explanation.refused, evidence.explanation.found
+    if verdict != "unexplained" or not (refused or found):
+        return None
+    if not refused:
+        why = f"it takes {len(found)} effects together, more than are likely to be missing at once"
+        return Nearest(found[0][0].id, found[0][0].name, why)
+    effect, weight = max(refused, key=lambda pair: pair[1].total)
+    return Nearest(effect.id, effect.name, _why_refused(weight))
+
+
+def _why_refused(weight: Weight) -> str:
+    reasons = []
+    if weight.gain <= GAIN_NATS:
+        reasons.append(f"it gains {weight.gain:.1f} nats where {GAIN_NATS:g} are asked for")
+    if not weight.borne_out(CHECK_NATS):
+        reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
+    if weight.runs_worse:
+        reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")
+    return ", and ".join(reasons) or "as many effects as are allowed were found before it"

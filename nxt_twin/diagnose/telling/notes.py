@@ -1,0 +1,104 @@
+"""Plain remarks beside a diagnosis: how its figures are to be read, and why some are bad."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
+from nxt_twin.diagnose.telling.words import listed
+from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
+from nxt_twin.physics.plant import Plant
+
+_BAD_RUN_RATIO = 2.5
+_LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
+
+
+def notes(
+    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], stale: Mapping[str, FloatArray], fit: Fit
+) -> tuple[str, ...]:
+    """Plain remarks: how the error is counted, anchors, faults of the recording, runs that stay bad and why.
+
+    `stale` holds the times (s) of late-stamped readings by recording.
+    """
+    said = [
+        f"Each free run lasts {problem.window_s:.3g} s and starts from the state that the model, corrected at each "
+        "reading until then, has reached."
+    ]
+    if plant.layout.frame == "motor":
+        said.append(
+            "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "
+            "and torque constant as their anchor, and are off by as much as these are."
+        )
+    for name, times_s in stale.items():
+        at = ", ".join(f"{t:.3f}" for t in times_s[:12])
+        more = ", …" if times_s.size > 12 else ""
+        said.append(
+            f"{name}: {times_s.size} readings were taken before they were stamped (at {at}{more} s), "
+            "a fault of the transport and not of the motor; they are left out of the errors."
+        )
+    said.extend(_bad_runs(problem, runs))
+    said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
+    said.extend(_at_bounds(problem, plant))
+    return tuple(said)
+
+
+def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
+    """Which held-out runs stay bad beside the others, and what about them was never fitted."""
+    errors = np.array([run.improved_rmse for run in runs])
+    if errors.size < 3:
+        return []
+    usual = float(np.nanmedian(errors))
+    largest = max(float(np.abs(s.command).max()) for s in problem.signals)
+    fastest = max(_fastest(s.time_s, s.measured) for s in problem.signals)
+    said = []
+    for part, run in zip(problem.held_out, runs, strict=True):
+        if not run.improved_rmse > _BAD_RUN_RATIO * usual:
+            continue
+        signals = part.signals
+        reasons = []
+        command = float(np.abs(signals.command).max())
+        if command > 1.02 * largest:
+            reasons.append(f"its commands reach {command / largest:.2f} times the largest that was fitted")
+        if _fastest(signals.time_s, signals.measured) > 1.05 * fastest:
+            reasons.append("it runs faster than anything that was fitted")
+        if signals.command.size > 5 * max(s.command.size for s in problem.signals):
+            reasons.append("its input varies all the time, the fitted ones hardly")
+        why = listed(reasons) if reasons else "nothing in its inputs says why"
+        said.append(f"{run.recording} stays bad ({run.improved_rmse:.3g} beside a usual {usual:.3g}): {why}.")
+    return said
+
+
+def _run_out(run_out: RunOut) -> str:
+    """Why the error of a recording that is held out says little."""
+    how = listed([f"{_LOOSE[mode]} for {seconds:.1f} s" for mode, seconds in run_out.seconds.items()])
+    return (
+        f"{run_out.recording} lets the motor run {how}, as no fitted recording does. Driven runs hardly tell its "
+        "friction from the braking of its own voltage, so this error says little about what was found: "
+        "record such run-outs and let them be fitted too."
+    )
+
+
+def _fastest(time_s: FloatArray, measured: FloatArray) -> float:
+    known = np.isfinite(measured)
+    t, y = time_s[known], measured[known]
+    far = max(1, int(np.searchsorted(t, t[0] + 0.2)))
+    return float(np.max(np.abs(y[far:] - y[:-far]) / np.maximum(t[far:] - t[:-far], 1e-6)))
+
+
+def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
+    said = []
+    for slot, parameter in plant.layout.parameters.items():
+        if slot not in plant.values or parameter.frozen or parameter.tied_to:
+            continue
+        scaled = parameter.scaled(problem.scale)
+        value = plant.values[slot] / parameter.si
+        if value <= scaled.lower and scaled.lower == 0.0:
+            said.append(f"{parameter.name} went to 0: these recordings show nothing of it.")
+        elif value >= scaled.upper:
+            said.append(f"{parameter.name} went to its upper bound {scaled.upper:.3g} {parameter.unit}.")
+    return said

@@ -1,0 +1,147 @@
+"""What a diagnosis says to a person."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
+from nxt_twin.diagnose.judging.confusion import Alike
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.library import library
+
+FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
+
+_MOST_NAMED = 4
+_HELPS = 0.95
+_ALIKE = 0.6
+_LITTLE_NATS = 5.0
+
+
+def sentence(
+    verdict: Verdict,
+    effects: Sequence[FoundEffect],
+    fit: Fit,
+    excitation: Excitation | None = None,
+    names: Mapping[str, str] | None = None,
+    *,
+    patchwork: bool = False,
+) -> str:
+    """What is wrong, in one sentence; `names` says in words which effects `excitation` could not have shown.
+
+    `patchwork` says that it took more effects to come near than are likely to be missing at once.
+    """
+    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
+    named = listed([effect.name for effect in effects])
+    helps = "help" if len(effects) > 1 else "helps"
+    those = "these" if len(effects) > 1 else "it"
+    if verdict == "adequate" and excitation is not None and not excitation.enough:
+        return (
+            f"Nothing is missing as far as these recordings can tell (they are foretold to {fit.improved:.3g} "
+            f"{fit.unit}), but they could not have shown {_unseen(excitation, names or {})}."
+        )
+    if verdict == "adequate":
+        return (
+            f"Nothing is missing: with its parameters re-fitted the model predicts unseen data to "
+            f"{fit.improved:.3g} {fit.unit}."
+        )
+    if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
+        return f"No physics is missing: the recording itself is at fault, by {named}."
+    if verdict == "explained" and not fit.improved < _HELPS * fit.baseline:
+        return (
+            f"The model leaves out {named}; with {those} in, single readings are foretold better, but free runs "
+            f"over data that was not fitted come hardly nearer, if at all ({fit.baseline:.3g} {fit.unit} off, "
+            f"now {fit.improved:.3g})."
+        )
+    if verdict == "explained":
+        return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
+    if effects and not fit.improved < _HELPS * fit.baseline:
+        return (
+            f"Something is missing that no known effect accounts for; {named} foretells single readings better, but "
+            f"free runs over data that was not fitted stay {fit.improved:.3g} {fit.unit} off."
+        )
+    if effects and patchwork:
+        return (
+            f"Something is missing that no known effect accounts for alone: it takes {named} to come near ({figures}), "
+            f"and so many at once are likelier pieces of something else."
+        )
+    if effects:
+        return (
+            f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "
+            f"and what is left is more than noise."
+        )
+    return (
+        "Something is missing, and it is no effect that this tool knows; "
+        f"the free-run error on data that was not fitted stays at {fit.improved:.3g} {fit.unit}."
+    )
+
+
+def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
+    named = [names.get(effect_id, effect_id) for effect_id in excitation.unseen]
+    if len(named) > _MOST_NAMED:
+        named = [*named[:_MOST_NAMED], f"{len(named) - _MOST_NAMED} other effects"]
+    why = f": {listed(excitation.lacks)}" if excitation.lacks else ""
+    return f"{listed(named, 'or')}{why}"
+
+
+def why_confusable(effect: Effect, other: Effect, behind: float, trace: Alike | None = None) -> str:
+    """Why these recordings leave it open which of two effects it is; `trace` says how alike what they do is here."""
+    told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
+    likeness = (
+        f"in its place it does better by {-behind:.1f} nats"
+        if behind < 0.0
+        else f"in its place it does worse by only {behind:.1f} nats"
+    )
+    if trace is not None and trace.cosine >= _ALIKE:
+        likeness += f", and the two leave traces here that are {100.0 * trace.cosine:.0f} % alike once all is re-fitted"
+    return f"{likeness}; {told}" if told else f"{likeness} on these recordings"
+
+
+def experiment_between(effect: Effect, other: Effect) -> NextExperiment:
+    """What would tell two effects apart."""
+    told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
+    fallback = "slow ramps through zero both ways, steps of several sizes, and coast-downs without current"
+    return NextExperiment(
+        why=f"these recordings do not tell {effect.name} from {other.name}", input=told or fallback
+    )
+
+
+def experiment_for_unknown() -> NextExperiment:
+    """What to record when nothing known accounts for the mismatch."""
+    return NextExperiment(
+        why="what is left follows the plant's state, and no known effect has its shape",
+        input="the same input twice, then at half the size, then from another angle: "
+        "what repeats is physics, and what it changes with says which",
+    )
+
+
+def experiment_for_run_outs(recordings: Sequence[str]) -> NextExperiment:
+    """What to record where only held-out recordings show the motor without current."""
+    runs = "runs" if len(recordings) == 1 else "run"
+    return NextExperiment(
+        why=f"only {listed(recordings)} {runs} without current: driven ones hardly tell friction from self-braking",
+        input="spin up both ways at two powers, and let it run out without current each time",
+    )
+
+
+def experiment_for_unseen(excitation: Excitation) -> NextExperiment:
+    """What to record when too little happened to tell anything."""
+    why = listed(excitation.lacks) or "the effects would be small beside the noise"
+    return NextExperiment(
+        why=f"these recordings could not have shown all that may be missing: {why}",
+        input="steps of several sizes both ways with rests between, slow ramps through zero, "
+        "reversals, and run-outs without current",
+    )
+
+
+def proposed(pattern: str, seconds: float, nats: float) -> str:
+    """An input with how long it takes and what to expect of it."""
+    length = f"about {seconds:.0f} s" if seconds >= 10.0 else f"{max(seconds, 1.0):.0f} s"
+    weak = " (even that is little: the two may stay apart only in theory)" if nats < _LITTLE_NATS else ""
+    return f"{pattern}; {length} of it should give {nats:.0f} nats of evidence between the two{weak}"
+
+
+def listed(items: Sequence[str], last: str = "and") -> str:
+    """`items` in one phrase, `last` before the last."""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} {last} {items[-1]}"

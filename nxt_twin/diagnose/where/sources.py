@@ -1,0 +1,323 @@
+"""Which equation fails: give each something of its own to be missing and see which makes the readings likeliest.
+
+After Kristensen, Madsen and Jørgensen (2004): where a model lacks something, the equation that lacks it asks for
+noise. That noise may have a shape (any function of speed, of angle, of the command, see `shapes`) or none. All
+hypotheses are Gaussian with one variance each, so they compete by the marginal likelihood of the same innovations
+of the re-fitted baseline, the parameters of the re-fit integrated out, and none is favoured for being flexible. Each
+has beside it what the baseline asks for by itself: an unknown torque and a reading noise of any size.
+No effect of the library takes part, so this also speaks where none is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.diagnosis import Equation, Source, SourceFinding
+from nxt_twin.diagnose.fitting.kalman import Randomness, cost, deviation, quiet
+from nxt_twin.diagnose.fitting.linear import Linear, linearise
+from nxt_twin.diagnose.fitting.noise import estimate, reading_floor
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, step_for
+from nxt_twin.diagnose.where.course import Course, course_of
+from nxt_twin.diagnose.where.response import Entry, response
+from nxt_twin.diagnose.where.shapes import RESTLESS, SHAPES, Yardstick, hats, yardstick
+from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.simulate import Job, Simulator
+
+SOURCE_OF: dict[Equation, Source] = {
+    "torque_balance": "actuator",
+    "electrical": "battery",
+    "kinematic": "transmission",
+    "measurement": "encoder",
+    "timing": "clock_or_link",
+}
+
+_COMPLETE_TORQUE = 3e-3
+_ABOVE_FLOOR = 1.5
+"""What a complete model leaves at most: an unknown torque as a share of an ordinary one, and a reading noise over that
+of the readings' quantum."""
+
+_FORMLESS_NATS = 7.0  # what chance gives the best of all shapes less than once in a hundred clean cases
+_SHIFTS_S = (4e-3, 8e-3, 0.013, 0.02, 0.03, 0.045, 0.065, 0.09)
+_WANDERING_SHIFTS_S = (0.03, 0.065)
+_LAGS_S = (5e-3, 0.015, 0.04)
+_SIZES = np.geomspace(1e-2, 1e8, 25)
+_TOLD = 1e-7
+_COARSE, _FINE = 8, 6
+_LEAST_SIZE, _MOST_SIZE = 1e-3, 1e4
+
+_Strength = tuple[Equation, float]
+
+
+@final
+@dataclass(frozen=True)
+class _Scene:
+    """The re-fitted baseline in these recordings: what it did, and how far readings are from it uncorrected.
+
+    Each reading counts for `evidence` readings.
+    """
+
+    simulator: Simulator
+    evidence: float
+    courses: tuple[Course, ...]
+    deviations: tuple[FloatArray, ...]
+    unit: Yardstick
+
+
+def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[SourceFinding, ...]:
+    """Strengths of all five equations, nats, the strongest first.
+
+    The p-values hold the best of all hypotheses against what the best of as many gives by chance.
+    """
+    asked, complete = _noises(simulator, problem, baseline)
+    linears = [
+        linearise(simulator, problem, replace(baseline, noise=noise))
+        for noise in dict.fromkeys((asked, _between(asked, complete)))
+    ]
+    scene = _scene(simulator, problem, linears[0])
+    heard = [_formless(scene, asked, complete)]
+    for linear in linears:
+        fitted = _log_likelihood(scene, linear) - _log_likelihood(scene, linears[0])
+        heard += [(equation, fitted + gain) for equation, gain in _shaped(scene, linear)]
+        heard += _shapeless(scene, asked, linear.structure.noise)
+    best: dict[Equation, float] = dict.fromkeys(SOURCE_OF, 0.0)
+    for equation, nats in heard:
+        best[equation] = max(best[equation], nats)
+    found = [
+        SourceFinding(SOURCE_OF[equation], equation, nats, _p_value(nats, len(heard)))
+        for equation, nats in best.items()
+    ]
+    return tuple(sorted(found, key=lambda finding: -finding.strength))
+
+
+def _p_value(nats: float, tries: int) -> float:
+    """Of a likelihood ratio for a variance that cannot be negative, half a chi-square of one degree of freedom."""
+    return min(tries * 0.5 * math.erfc(math.sqrt(nats)), 1.0)
+
+
+def _noises(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[Noise, Noise]:
+    """What the baseline asks for, at least a complete model's, and what a complete model would leave of that."""
+    target = problem.everything()
+    step_s = step_for(baseline.plant, DRAFT_STEP_S)
+    coarse = replace(target, jobs=tuple(replace(job, step_s=step_s) for job in target.jobs))
+    likeliest, _ = estimate(simulator, baseline.plant, coarse, baseline.noise)
+    least = _COMPLETE_TORQUE * problem.scale.torque / baseline.plant.values[Slot(BASE_OWNER, "inertia")]
+    asked = replace(likeliest, disturbance_std=max(likeliest.disturbance_std, least))
+    floor = _ABOVE_FLOOR * reading_floor([job.signals for job in target.jobs])
+    reading = min(asked.reading_std, floor) if floor > 0.0 else asked.reading_std
+    return asked, replace(asked, reading_std=reading, disturbance_std=least)
+
+
+def _between(one: Noise, other: Noise) -> Noise:
+    return replace(
+        one,
+        reading_std=math.sqrt(one.reading_std * other.reading_std),
+        disturbance_std=math.sqrt(one.disturbance_std * other.disturbance_std),
+    )
+
+
+def _scene(simulator: Simulator, problem: Problem, linear: Linear) -> _Scene:
+    plant, noise = linear.structure.plant, linear.structure.noise
+    begins_s: dict[str, float] = {}
+    courses: list[Course] = []
+    for job in linear.jobs:
+        ends_s = float(courses[-1].laid_s[-1]) if courses else 0.0
+        courses.append(course_of(simulator, plant, job, begins_s.setdefault(job.signals.name, ends_s)))
+    deviations = tuple(
+        deviation(job, predicted, noise) for job, predicted in zip(linear.jobs, linear.predicted, strict=True)
+    )
+    return _Scene(simulator, problem.target.evidence, tuple(courses), deviations, yardstick(courses))
+
+
+def _log_likelihood(scene: _Scene, linear: Linear) -> float:
+    """Of the readings, with the parameters of the re-fit at their best, nats but for a constant."""
+    left = linear.left_of(linear.innovations)[0]
+    widths = [
+        np.log(job.observer.innovation_std[mask])
+        for job, mask in zip(linear.jobs, linear.counted, strict=True)
+    ]
+    return -scene.evidence * float(np.sum(np.concatenate(widths))) - 0.5 * float(left @ left)
+
+
+def _formless(scene: _Scene, asked: Noise, complete: Noise) -> _Strength:
+    """What is missing without a shape: a torque or an error of readings, by what the baseline needs more of.
+
+    However strong, it counts for no more than the best of all shapes may come to by chance.
+    """
+    least = _total(scene, asked)
+    torque = _total(scene, replace(asked, disturbance_std=complete.disturbance_std)) - least
+    reading = _total(scene, replace(asked, reading_std=complete.reading_std)) - least
+    equation: Equation = "measurement" if reading > torque else "torque_balance"
+    return equation, min(max(torque, reading), _FORMLESS_NATS)
+
+
+def _shaped(scene: _Scene, linear: Linear) -> list[_Strength]:
+    """What each family of shapes gains over the unknown torque and reading noise of `linear` alone, nats."""
+    found: list[_Strength] = []
+    for shape in SHAPES:
+        rows = (shape.rows(course, scene.unit) for course in scene.courses)
+        found.append((shape.equation, _gain(linear, _answers(scene, linear, rows, shape.entry))))
+    moved = _moved(scene, linear)
+    late = np.array([_whitened(linear, parts) for parts in moved])
+    found += [("timing", _gain(linear, [late[n : n + 2]])) for n in range(len(late) - 1)]
+    found.append(("timing", _gain(linear, _wandering(scene, linear, moved))))
+    found.append(("electrical", _gain(linear, [_lagging(late)])))
+    return found
+
+
+def _gain(linear: Linear, parts: Iterable[FloatArray]) -> float:
+    """Marginal likelihood with any sum of some rows missing over that with none, at the likeliest size, nats.
+
+    The rows' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
+    They come as `parts` of the readings, one after another and each of shape (rows, its readings), so that an hour
+    of them need not be held at once.
+    """
+    power, common, likeness = _products(linear, parts)
+    shares = linear.shares_of(common)
+    gram = power - shares @ common
+    along = likeness - shares @ (linear.slopes @ linear.innovations)
+    if not np.isfinite(gram).all():  # a run that blew up
+        return 0.0
+    strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
+    told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
+    strengths, axes = strengths[told], axes[:, told]
+    variances = _SIZES[:, None] / strengths[-1:]
+    risen = variances * strengths
+    nats = 0.5 * np.sum(variances * (axes.T @ along) ** 2 / (1.0 + risen) - np.log1p(risen), axis=1)
+    return max(float(nats.max()), 0.0)
+
+
+def _products(linear: Linear, parts: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of the rows with one another, of the slopes with the rows, and of the rows with the innovations."""
+    power = common = likeness = np.zeros(())
+    low = 0
+    for part in parts:
+        mine = slice(low, low + part.shape[1])
+        power = power + part @ part.T
+        common = common + linear.slopes[:, mine] @ part.T
+        likeness = likeness + part @ linear.innovations[mine]
+        low = mine.stop
+        del part  # the next one is made only now
+    return power, common, likeness
+
+
+def _answers(scene: _Scene, linear: Linear, rows: Iterator[FloatArray], entry: Entry) -> Iterator[FloatArray]:
+    """What `rows`, a part a job, add to the counted innovations, in standard deviations, by job."""
+    noise = linear.structure.noise
+    for number, (job, course) in enumerate(zip(linear.jobs, scene.courses, strict=True)):
+        yield _whitened_part(linear, number, response(job, course, noise, next(rows), entry))
+
+
+def _whitened(linear: Linear, parts: Sequence[FloatArray]) -> FloatArray:
+    """Innovations of all jobs, SI, in standard deviations at the counted readings, shape (..., readings)."""
+    return np.concatenate([_whitened_part(linear, *part) for part in enumerate(parts)], axis=-1)
+
+
+def _whitened_part(linear: Linear, number: int, part: FloatArray) -> FloatArray:
+    counted = np.flatnonzero(linear.counted[number])
+    found = np.take(part, counted, axis=-1)
+    found *= linear.gain[number][counted]
+    return found
+
+
+def _moved(scene: _Scene, linear: Linear) -> list[list[FloatArray]]:
+    """By how much the foretold readings move with all commands late by each of some shifts, by job, SI."""
+    values, active = linear.structure.plant.vectors()
+    jobs = [_late(job, shift_s) for shift_s in _SHIFTS_S for job in linear.jobs]
+    results = iter(scene.simulator.run(values[None], active[None], jobs))
+    return [[np.nan_to_num(next(results).predicted[0] - own) for own in linear.predicted] for _ in _SHIFTS_S]
+
+
+def _late(job: Job, shift_s: float) -> Job:
+    return replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
+
+
+def _wandering(scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
+    """Shifts that change with time."""
+    some = [moved[_SHIFTS_S.index(shift_s)] for shift_s in _WANDERING_SHIFTS_S]
+    return _answers(scene, linear, _wandering_rows(scene, linear, some), "reading")
+
+
+def _wandering_rows(
+    scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]
+) -> Iterator[FloatArray]:
+    noise = linear.structure.noise
+    for job, course, own, *shifted in zip(linear.jobs, scene.courses, linear.predicted, *moved, strict=True):
+        still = deviation(job, own, noise)
+        errors = np.array([np.nan_to_num(still - deviation(job, own + shift, noise)) for shift in shifted])
+        parts = hats(course.laid_s, scene.unit.quick_s)
+        yield (errors[:, None] * parts).reshape(-1, own.size)
+
+
+def _lagging(late: FloatArray) -> FloatArray:
+    """What follows a command with a lag follows a mixture of later and later commands."""
+    edges_s = [0.0, *(math.sqrt(one * other) for one, other in pairwise(_SHIFTS_S)), math.inf]
+    shares = [
+        [math.exp(-low_s / lag_s) - math.exp(-high_s / lag_s) for low_s, high_s in pairwise(edges_s)]
+        for lag_s in _LAGS_S
+    ]
+    return np.array(shares) @ late
+
+
+def _shapeless(scene: _Scene, asked: Noise, noise: Noise) -> list[_Strength]:
+    """What noise in one equation, of a size that changes with what the plant does, gains over `asked`, nats."""
+    none = _total(scene, asked)
+    scales = {
+        "torque": asked.disturbance_std**2,
+        "count": asked.reading_std**2,
+        "reading": asked.reading_std**2,
+    }
+    found: list[_Strength] = []
+    for restless in RESTLESS:
+        weights = [restless.weights(course, scene.unit) for course in scene.courses]
+        least = _least(partial(_total, scene, noise, restless.entry, weights), scales[restless.entry])
+        found.append((restless.equation, none - least))
+    return found
+
+
+def _total(
+    scene: _Scene,
+    noise: Noise,
+    entry: Entry = "reading",
+    weights: Sequence[FloatArray] = (),
+    size: float = 0.0,
+) -> float:
+    """Negative log-likelihood of the deviations under `noise`, and `weights` times `size` more, nats."""
+    total = 0.0
+    for number, (course, found) in enumerate(zip(scene.courses, scene.deviations, strict=True)):
+        randomness = quiet(course.job, noise)
+        if size > 0.0:
+            randomness = _more(randomness, entry, size * weights[number])
+        total += cost(course.job, found, noise, randomness)
+    return scene.evidence * total
+
+
+def _more(randomness: Randomness, entry: Entry, variances: FloatArray) -> Randomness:
+    match entry:
+        case "torque":
+            return replace(randomness, torque=randomness.torque + variances)
+        case "count":
+            return replace(randomness, slip_per_s=randomness.slip_per_s + variances)
+        case "reading":
+            return replace(randomness, reading=randomness.reading + variances)
+
+
+def _least(value: Callable[[float], float], scale: float) -> float:
+    """The least value over sizes about `scale`, by a coarse and a finer grid in logarithms."""
+    low, high, least = _LEAST_SIZE * scale, _MOST_SIZE * scale, math.inf
+    for count in (_COARSE, _FINE):
+        sizes = np.geomspace(low, high, count)
+        values = [value(float(size)) for size in sizes]
+        best = int(np.argmin(values))
+        least = min(least, values[best])
+        low, high = sizes[max(best - 1, 0)], sizes[min(best + 1, count - 1)]
+    return least
