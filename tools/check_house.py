@@ -60,7 +60,7 @@ def _locks() -> Iterator[str]:
     """Requirements that carry an address."""
     for path in sorted((ROOT / "requirements").iterdir()):
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-            if "http" in line.lower():
+            if "://" in line:
                 yield f"{_place(path)}:{number}: an address in a requirements file"
 
 
