@@ -76,6 +76,7 @@ class Parameter:
         law: how far laws of the same name differ about it, one standard deviation as a fraction of the value: what
             no recording tells of a truth that follows another of them.
         least: SI value up to which it is within what the recordings themselves leave open.
+        lowest: SI value below which recordings rule it out, where that is above `lower`.
         above: owner and symbol of the parameter that it has to exceed to make a difference.
     """
 
@@ -96,6 +97,7 @@ class Parameter:
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
     law: float = 0.0
     least: Callable[[Sequence[Signals]], float] | None = None
+    lowest: Callable[[Sequence[Signals]], float] | None = None
     above: tuple[str, str] | None = None
 
     @property
@@ -129,9 +131,12 @@ class Parameter:
         factor = (scale.torque / NXT_SCALE.torque) ** self.dimension.torque
         factor *= (scale.speed / NXT_SCALE.speed) ** self.dimension.speed
         hinted = self.hints(scale.recordings) if self.hints and scale.recordings else ()
+        lower = self.lower * factor
+        if self.lowest and scale.recordings:
+            lower = max(lower, self.lowest(scale.recordings) / self.si)
         return replace(
             self,
             starts=tuple(value / self.si for value in hinted) or tuple(x * factor for x in self.starts),
-            lower=self.lower * factor,
+            lower=lower,
             upper=self.upper * factor,
         )

@@ -84,12 +84,12 @@ class Stepper:
         self._elapsed_s += step_s
 
     def _take(self, duty: FloatArray, mode: IntArray) -> None:
-        """Bring into force what was commanded a plant's delay ago."""
-        if not any(self._delays_s):
+        """Bring into force what was commanded a plant's delay ago; nothing acts before it is commanded."""
+        if max(self._delays_s) <= 0.0:
             self._in_force[:], self._mode_in_force[:] = duty, mode
             return
         for i, delay_s in enumerate(self._delays_s):
-            if delay_s == 0.0:
+            if delay_s <= 0.0:
                 self._in_force[i], self._mode_in_force[i] = duty[i], mode[i]
                 continue
             queue = self._waiting[i]

@@ -95,6 +95,14 @@ def test_an_end_stop_is_sought_where_the_readings_end():
     assert found.starts == pytest.approx((math.degrees(7.0), math.degrees(-0.5)))
 
 
+def test_a_command_is_sought_as_early_as_one_poll_before_its_row():
+    run = commanded([(0.0, 0.5)], seconds=1.0, every_s=0.02)
+    run.measured[:] = 0.0
+    found = library()["command_delay"].parameters[0].scaled(Scale(0.3, 10.0, (run,)))
+    assert found.lower == pytest.approx(-0.02)
+    assert found.starts == pytest.approx((0.01, 0.04, 0.1, -0.01, -0.02))
+
+
 def test_a_payload_is_sought_at_every_recording_and_within_each():
     runs = in_session([commanded([(0.0, 0.5)], seconds=4.0)] * 2)
     onset = library()["payload_inertia"].parameters[1]

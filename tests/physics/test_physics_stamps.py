@@ -10,6 +10,23 @@ STEPS = [(0.0, 0.0), (0.1, 0.7), (0.5, -0.4), (0.9, 0.3)]
 A_TENTH_OF_A_DEGREE = np.radians(0.1)
 
 
+@pytest.mark.parametrize("early_s", [0.01, 0.03])
+def test_a_negative_command_delay_has_commands_act_before_their_rows(motor_simulator, early_s):
+    run = commanded(STEPS, seconds=1.5)
+    early = nxt(effects={"command_delay": {"delay_s": -early_s}})
+    rows = round(early_s / 0.01)
+    written = motion(motor_simulator, nxt(), run)["angle"]
+    acted = motion(motor_simulator, early, run)["angle"]
+    np.testing.assert_allclose(acted[:-rows], written[rows:], rtol=1e-9, atol=1e-9)
+
+
+def test_a_stepped_plant_s_command_never_acts_before_it_is_given():
+    stepper = Stepper([nxt(), nxt(effects={"command_delay": {"delay_s": -0.02}})])
+    for tick in range(80):
+        stepper.step(np.full(2, 0.6 if tick > 20 else 0.0), np.zeros(2, dtype=np.int64), 8.0, 1e-3)
+    assert stepper.angle[0] == stepper.angle[1] > 0.0
+
+
 @pytest.mark.parametrize("delay_s", [0.01, 0.03, 0.2])
 def test_a_command_delay_moves_the_response_by_exactly_that_much(motor_simulator, delay_s):
     run = commanded(STEPS, seconds=1.5)

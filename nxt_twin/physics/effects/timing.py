@@ -3,23 +3,53 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import NUMBER, Parameter
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
+
+_LATE_S = (0.01, 0.04, 0.1)
 
 
 def _delay(command_delay: float) -> float:
     return command_delay
 
 
+def _delays_s(recordings: Sequence[Signals]) -> list[float]:
+    """The usual delays, then half a poll and a whole one early: a logger may write a command that already acts."""
+    poll_s = -_one_poll_early_s(recordings)
+    return [*_LATE_S, -0.5 * poll_s, -poll_s]
+
+
+def _one_poll_early_s(recordings: Sequence[Signals]) -> float:
+    """A command that acts earlier than one poll before its row would stand in the row before."""
+    return -min(max(signals.interval_s for signals in recordings), _LATE_S[-1])
+
+
 COMMAND_DELAY = Effect(
     id="command_delay",
     name="command delay",
-    equation="u(t) = command(t - d)",
-    source="a dead time, as a radio link or a polling loop has",
+    equation="u(t) = command(t - d), d ≥ -(one poll)",
+    source="a dead time, as a radio link or a polling loop has; negative where a logger writes what acts already",
     equation_of="timing",
     shows=("after_command",),
-    parameters=(Parameter("delay_s", "command_delay", "s", NUMBER, (0.01, 0.04, 0.1), 0.0, 0.5),),
+    parameters=(
+        Parameter(
+            "delay_s",
+            "command_delay",
+            "s",
+            NUMBER,
+            _LATE_S,
+            -_LATE_S[-1],
+            0.5,
+            hints=_delays_s,
+            lowest=_one_poll_early_s,
+        ),
+    ),
     terms={"delay": _delay},
     confusable_with={
         "inductance": "below two samples nothing tells them apart; poll faster",
