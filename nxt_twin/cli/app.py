@@ -5,59 +5,90 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import import_module
-from typing import NoReturn
+from types import MappingProxyType
+from typing import Annotated, NoReturn
 
 import typer
 
+from nxt_twin import __version__
 from nxt_twin.cli.output import fail
 from nxt_twin.errors import NxtTwinError
 
+_COMPLETION = "_NXT_TWIN_COMPLETE"  # what a shell sets to be told how a line can go on
 _INTERRUPTED_WITHIN = 130  # what typer leaves with, without a word, when a command is interrupted
 
-COMMANDS = (
-    "demo",
-    "diagnose",
-    "simulate",
-    "fit",
-    "identify",
-    "prepare",
-    "blind",
-    "reproduce",
-    "connect",
-    "live",
-    "record",
-    "recover",
-    "replay",
-    "drive",
-    "mock",
-    "udev",
-    "doctor",
+COMMANDS: Mapping[str, str] = MappingProxyType(
+    {
+        "demo": "Watch the whole loop without hardware.",
+        "diagnose": "Find the physics that a model leaves out, from recordings.",
+        "simulate": "Predict a recording's outputs from its inputs.",
+        "fit": "Fit a plant's parameters to a case; look for nothing else.",
+        "identify": "Carry out an experiment on a brick and write the fitted plant or sensor.",
+        "prepare": "Make a case of a real data set that is on this machine.",
+        "blind": "Make, solve and score cases with concealed effects.",
+        "reproduce": "Recompute the source paper and say where it contradicts itself.",
+        "connect": "Talk to a brick, or search for bricks.",
+        "live": "Watch a brick beside its model.",
+        "record": "Record a brick's motors, sensors and battery.",
+        "recover": "Get back what a crash left of a recording.",
+        "replay": "Play a recording to the live twin.",
+        "drive": "Run a motor program on a brick.",
+        "mock": "Serve a mock brick until interrupted.",
+        "udev": "Print the udev rule that gives you access to a brick on USB.",
+        "doctor": "Find what on this machine keeps a brick from being reached.",
+    }
 )
-"""Each is a module of this package that holds a function, or a program of its own, of the same name."""
+"""What each command does, by its name. A command is a module of this package that holds a function, or a program of
+its own, of that name."""
 
 
 def program(commands: Iterable[str] = COMMANDS) -> typer.Typer:
-    """The program with these commands; a command's module, and all that it needs, is only imported for it."""
-    app = typer.Typer(name="nxt-twin", no_args_is_help=True, pretty_exceptions_enable=False)
-    app.callback()(_about)
+    """The program with these commands, each imported."""
+    app = _empty()
     for name in commands:
         command = getattr(import_module(f"nxt_twin.cli.{name}"), name)
         if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name)
+            app.add_typer(command, name=name, short_help=COMMANDS[name])
         else:
-            app.command(name)(command)
+            app.command(name, short_help=COMMANDS[name])(command)
     return app
+
+
+def contents() -> typer.Typer:
+    """The program as its own help needs it: every command's summary, and no command imported."""
+    app = _empty()
+    for name, summary in COMMANDS.items():
+        app.command(name, help=summary)(_only_listed)
+    return app
+
+
+def _empty() -> typer.Typer:
+    app = typer.Typer(name="nxt-twin", no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback()(_about)
+    return app
+
+
+def _only_listed() -> None:
+    """Stands for a command in the list of commands."""
+
+
+def _wanted(arguments: list[str]) -> typer.Typer:
+    """The program with as few commands imported as these arguments need."""
+    named = next((argument for argument in arguments if not argument.startswith("-")), None)
+    if named in COMMANDS:
+        return program([named])
+    return program() if _COMPLETION in os.environ else contents()
 
 
 def main() -> None:
     """Run the program and leave with its exit status."""
     arguments = _with_json_target(sys.argv[1:])
-    wanted = [arguments[0]] if arguments and arguments[0] in COMMANDS else COMMANDS
     try:
-        program(wanted)(arguments)
+        _wanted(arguments)(arguments)
     except NxtTwinError as error:
         fail(str(error))
         sys.exit(1)
@@ -77,7 +108,17 @@ def _interrupted() -> NoReturn:
     sys.exit(1)
 
 
-def _about() -> None:
+def _tell_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so
+    if wanted:
+        print(f"nxt-twin {__version__}")
+        raise typer.Exit
+
+
+def _about(
+    version: Annotated[  # noqa: ARG001 - its callback has done it
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
     """A digital twin for the LEGO Mindstorms NXT that finds the physics its model leaves out."""
 
 

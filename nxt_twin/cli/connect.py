@@ -17,7 +17,7 @@ from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
 from nxt_twin.brick.search.finding import WayReport
-from nxt_twin.cli.openers import OPENERS
+from nxt_twin.cli.openers import LOOKING_OPENERS
 from nxt_twin.cli.output import JsonOption, emit_json
 
 
@@ -51,7 +51,7 @@ def _connect(url: str, tap: Path | None, json: str | None) -> None:
     clock = SystemClock()
     with (
         nullcontext() if tap is None else tap.open("w", encoding="utf-8") as sink,
-        open_brick(url, clock, OPENERS, tap=sink) as brick,
+        open_brick(url, clock, LOOKING_OPENERS, tap=sink) as brick,
     ):
         portrait = portray(brick)
     if json:

@@ -1,23 +1,21 @@
-"""`nxt-twin diagnose`: say what physics a model leaves out."""
+"""`nxt-twin diagnose`: say what physics a model leaves out.
+
+Its imports stand inside the functions: help comes at once, without the compiler and the engine.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, final
+from typing import TYPE_CHECKING, Annotated, Any, final
 
 import typer
-import yaml
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
-from nxt_twin.diagnose.diagnosis import Diagnosis
-from nxt_twin.diagnose.engine import diagnose as run_diagnosis
-from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
-from nxt_twin.diagnose.telling.to_json import to_json
-from nxt_twin.diagnose.units import after_number
 from nxt_twin.errors import NxtTwinError
-from nxt_twin.recording.case import read_as_case
-from nxt_twin.recording.program import write_program
+
+if TYPE_CHECKING:
+    from nxt_twin.diagnose.diagnosis import Diagnosis
 
 
 def diagnose(
@@ -40,6 +38,8 @@ def diagnose(
     Re-fits the baseline, locates the mismatch, tries every known effect, and judges on data that was not
     fitted. Exit status 0 whatever the verdict; 1 if a case cannot be diagnosed.
     """
+    from nxt_twin.diagnose.telling.to_json import to_json
+
     failed = False
     for path, label in zip(paths, _labels(paths), strict=True):
         try:
@@ -66,6 +66,8 @@ def diagnose(
 
 def show(diagnosis: Diagnosis, page: Path | None) -> None:
     """Print a diagnosis for a person."""
+    from nxt_twin.diagnose.units import after_number
+
     fit = diagnosis.fit
     print(f"\n{diagnosis.name}: {diagnosis.verdict}")
     print(diagnosis.sentence)
@@ -93,6 +95,8 @@ def show(diagnosis: Diagnosis, page: Path | None) -> None:
 
 def _show_doubt(diagnosis: Diagnosis) -> None:
     """What sets in when, what comes nearest, what would have been seen, and how often noise alone would alarm."""
+    from nxt_twin.diagnose.units import after_number
+
     for onset in diagnosis.mismatch.onsets:
         print(
             f"  {onset.what} sets in at {onset.time_s:.2f} s of {onset.recording} ({onset.strength:.0f} nats)"
@@ -111,7 +115,6 @@ def _show_doubt(diagnosis: Diagnosis) -> None:
 
 
 def _write_report(diagnosis: Diagnosis, folder: Path) -> Path:
-    # Only here: what draws takes longer to import than most of the rest together.
     from nxt_twin.view.report import write_report
 
     return write_report(diagnosis, folder)
@@ -136,6 +139,10 @@ class _Answered:
 
 
 def _diagnose_one(path: Path, label: str | None, seed: int) -> _Answered:
+    from nxt_twin.diagnose.engine import diagnose as run_diagnosis
+    from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
+    from nxt_twin.recording.case import read_as_case
+
     with progress(str(path)) as tell:
         case = read_as_case(path)
         case = replace(case, name=label or case.name)
@@ -155,6 +162,8 @@ def _place(target: str, name: str, ending: str, *, many: bool) -> str:
 
 def _write_experiment(target: Path, diagnosis: Diagnosis, *, many: bool) -> str:
     """Write the program of the next experiment; where there is none, say why in one line."""
+    from nxt_twin.recording.program import write_program
+
     experiment = diagnosis.next_experiment
     if experiment is None:
         return f"{diagnosis.name}: nothing is left open, so no experiment is written"
@@ -167,6 +176,8 @@ def _write_experiment(target: Path, diagnosis: Diagnosis, *, many: bool) -> str:
 
 
 def _write_model(path: Path, model: dict[str, Any]) -> None:
+    import yaml
+
     path.parent.mkdir(parents=True, exist_ok=True)
     config = yaml.safe_dump(model, sort_keys=False, allow_unicode=True)
     path.write_text(config, encoding="utf-8")

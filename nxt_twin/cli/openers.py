@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -18,20 +19,21 @@ if TYPE_CHECKING:
     from nxt_twin.mock.body.body import Body
 
 
-def open_mock(address: str, clock: Clock) -> Link:
+def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
     """Switch on a mock brick.
 
     Args:
         address: empty, or ``?`` and any of ``world=FILE``, ``seed=N``, ``profile=NAME`` and ``conceal=SEED`` or
             ``conceal=FILE``, joined by ``&``.
         clock: what the brick's time follows.
+        ready: load what motors need in order to move; it takes half a second.
 
     Raises:
         LinkUrlError: the address is not of that form, or names no profile.
         WorldError: the world file is none.
         CaseError: what is to be concealed cannot be.
     """
-    # Brings in the compiled plants, which the other URLs do not need.
+    # Brings in the plants, which the other URLs do not need.
     from nxt_twin.mock.start import open_mock_link
 
     wanted = mock_options(address)
@@ -42,6 +44,7 @@ def open_mock(address: str, clock: Clock) -> Link:
         seed=int(wanted.get("seed", "0")),
         profile=wanted.get("profile", "none"),
         change=concealing(wanted.get("conceal")),
+        ready=ready,
         late=LinkTimeoutError,
         lost=LinkLostError,
     )
@@ -63,6 +66,9 @@ def concealing(secret: str | None) -> Callable[[Body], None]:
 
 OPENERS: Final[Mapping[str, Opener]] = MappingProxyType({"mock": open_mock})
 """To be passed to `open_link` and `open_brick`."""
+
+LOOKING_OPENERS: Final[Mapping[str, Opener]] = MappingProxyType({"mock": partial(open_mock, ready=False)})
+"""For who commands no motor."""
 
 
 def mock_options(address: str) -> dict[str, str]:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 JsonOption = Annotated[
     str | None,
@@ -32,6 +31,8 @@ def emit_json(target: str, text: str) -> None:
 @contextmanager
 def progress(title: str) -> Iterator[Callable[[str], None]]:
     """Show on standard error what is being done: a spinner on a terminal, nothing elsewhere."""
+    from rich.console import Console
+
     console = Console(stderr=True)
     with console.status(f"{title} …") as status:
         yield lambda doing: status.update(f"{title}: {doing} …")

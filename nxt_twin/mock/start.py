@@ -24,6 +24,8 @@ def switch_on(
     seed: int = 0,
     before: Firmware | None = None,
     change: Change = lambda _: None,
+    *,
+    ready: bool = True,
 ) -> Firmware:
     """A brick's firmware on its body, one tick old.
 
@@ -32,6 +34,7 @@ def switch_on(
         seed: of the sensors' noise.
         before: the brick as it was when it was switched off; its files and name are kept.
         change: done to the body before.
+        ready: load the compiled plants now, before any clock counts, not when a motor first moves.
 
     Raises:
         WorldError: the world file is none.
@@ -43,10 +46,10 @@ def switch_on(
     if before is not None:
         identity = replace(identity, name=before.radio.brick_name)
     files = () if before is None else before.loader.files
-    body = surroundings.body(seed, folder)
+    body = surroundings.body(seed, folder, ready=ready)
     change(body)
     firmware = Firmware(body, identity, files)
-    firmware.tick()  # loads the compiled plants, which takes a while, before any clock counts
+    firmware.tick()
     return firmware
 
 
@@ -68,6 +71,7 @@ def open_mock_link(
     seed: int = 0,
     profile: str = "none",
     change: Change = lambda _: None,
+    ready: bool = True,
     late: Failure = TimeoutError,
     lost: Failure = ConnectionError,
 ) -> MockLink:
@@ -79,6 +83,7 @@ def open_mock_link(
         seed: of noise, jitter and faults.
         profile: delays of the link.
         change: as for `switch_on`.
+        ready: as for `switch_on`.
         late: makes the exception for "nothing came in time".
         lost: makes the exception for "the other end is gone".
 
@@ -88,5 +93,5 @@ def open_mock_link(
         ServeError: there is no such profile.
     """
     delays = profile_named(profile)
-    host = Host(switch_on(world, seed, change=change), clock)
+    host = Host(switch_on(world, seed, change=change, ready=ready), clock)
     return MockLink(host, delays, seed=seed, late=late, lost=lost)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from functools import cached_property
 from typing import final
 
 import numpy as np
 
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.errors import PlantError
-from nxt_twin.physics.kernel import kernel
+from nxt_twin.physics.kernel import Kernel, kernel
 from nxt_twin.physics.plant import Plant
 
 _ANGLE, _SPEED, _CURRENT = 0, 1, 2
@@ -22,27 +23,34 @@ class Stepper:
 
     Args:
         plants: of one layout. Faults of the recording in them (stale samples) have no meaning here.
+        ready: load the compiled kernel, which takes half a second, at the first step; else once something can move.
 
     Raises:
         PlantError: the plants are of different kinds, or none is given.
     """
 
-    def __init__(self, plants: Sequence[Plant]) -> None:
+    def __init__(self, plants: Sequence[Plant], *, ready: bool = True) -> None:
         if len({plant.layout for plant in plants}) != 1:
             raise PlantError("a stepper takes one or more plants of one kind", where="plants")
         plan = plants[0].layout
-        self._kernel = kernel(plan)
+        self._plan = plan
         vectors = [plant.vectors() for plant in plants]
         self._values = np.array([values for values, _ in vectors])
         self._active = np.array([active for _, active in vectors])
         states = sum(len(effect.states) for effect in plan.effects)
         self._state = np.zeros((len(plants), 3 + states))
         self._elapsed_s = 0.0
-        self._shows_truth = not any("reading" in effect.terms for effect in plan.effects)
+        self._shows_truth = not any("reading" in effect.terms for plant in plants for effect in plant.effects)
         self._delays_s = [_delay_s(plant) for plant in plants]
         self._waiting: list[deque[tuple[float, float, int]]] = [deque() for _ in plants]
         self._in_force = np.zeros(len(plants))
         self._mode_in_force = np.zeros(len(plants), dtype=np.int64)
+        # Friction and inductance move nothing that is at rest; other effects may, such as a hanging weight.
+        self._may_rest = not ready and all(effect.plain for plant in plants for effect in plant.effects)
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return kernel(self._plan)
 
     @property
     def angle(self) -> FloatArray:
@@ -71,6 +79,10 @@ class Stepper:
     def step(self, duty: FloatArray, mode: IntArray, supply_v: float, step_s: float) -> None:
         """Advance by `step_s` with these duties (-1…1) and drive modes, each of shape (plants,)."""
         self._take(duty, mode)
+        if self._may_rest and not self._in_force.any() and not self._state.any():
+            self._elapsed_s += step_s
+            return
+        self._may_rest = False
         self._kernel.step_many(
             self._values,
             self._active,

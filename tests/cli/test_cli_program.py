@@ -6,6 +6,7 @@ import sys
 import pytest
 from cli_program import run, succeed
 
+from nxt_twin import __version__
 from nxt_twin.cli.app import COMMANDS, main
 
 BROKEN = {
@@ -34,10 +35,16 @@ def test_the_program_lists_its_commands():
     assert all(command in said for command in COMMANDS)
 
 
+def test_the_version_is_told():
+    assert succeed("--version").out == f"nxt-twin {__version__}\n"
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
         ("levitate",),
+        ("--", "levitate"),
+        ("--colour", "diagnose"),
         ("diagnose",),
         ("diagnose", "case", "--colour"),
         ("diagnose", "case", "--seed", "many"),

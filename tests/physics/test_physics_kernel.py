@@ -127,3 +127,14 @@ def test_stepping_from_outside_is_the_same_motion(motor_simulator, effect_id):
         assert shift == pytest.approx(0.0, abs=1e-9)
     np.testing.assert_allclose(np.array(shown)[:, 0] + shift, whole["predicted"], atol=1e-6)
     np.testing.assert_array_equal(np.array(shown)[:, 0], np.array(shown)[:, 1])
+
+
+@pytest.mark.parametrize("effects", [{}, {"constant_load": {"load_torque_nm": 0.02}}])
+def test_a_stepper_that_is_not_ready_moves_as_one_that_is(effects):
+    plant = plant_from_config({**NXT, "effects": effects}, "power_pct")
+    ready, waiting = Stepper([plant]), Stepper([plant], ready=False)
+    for duty in [0.0] * 30 + [0.5] * 30 + [0.0] * 30:
+        for stepper in (ready, waiting):
+            stepper.step(np.array([duty]), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
+        np.testing.assert_array_equal(waiting.shown, ready.shown)
+    assert abs(ready.angle[0]) > 0.01

@@ -62,3 +62,12 @@ def test_the_same_physics_shares_one_source_and_other_physics_does_not(tmp_path,
         "rigid_body_linear",
         "rigid_body_rotary",
     ]
+
+
+
+def test_plants_at_rest_load_no_kernel(tmp_path, monkeypatch):
+    monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path))
+    plant = replace(plant_from_config(NXT, "power_pct"), layout=Layout(DC_MOTOR, "motor"))
+    stepper = Stepper([plant], ready=False)
+    stepper.step(np.zeros(1), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
+    assert list(tmp_path.iterdir()) == []

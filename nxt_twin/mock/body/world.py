@@ -133,12 +133,13 @@ class World(_Part):
         address = bytes.fromhex(self.address.replace(":", ""))
         return Identity(self.name, address, self.sleep_timeout_min, self.rename_loses_telegrams)
 
-    def body(self, seed: int = 0, folder: Path | None = None) -> Body:
+    def body(self, seed: int = 0, folder: Path | None = None, *, ready: bool = True) -> Body:
         """The brick's body.
 
         Args:
             seed: of the sensors' noise.
             folder: where paths of plant files start.
+            ready: load the compiled plants now, not when a motor first moves.
 
         Raises:
             PlantError: a motor's plant is none.
@@ -148,7 +149,7 @@ class World(_Part):
         plants = [self.plant(port, folder) for port in ("a", "b", "c")]
         random = Random(seed)  # noqa: S311 - noise, not secrets
         sensors = [self._sensor(port, random) for port in (1, 2, 3, 4)]
-        return Body(battery, Motors(Stepper(plants)), sensors)
+        return Body(battery, Motors(Stepper(plants, ready=ready)), sensors)
 
     def plant(self, port: Literal["a", "b", "c"], folder: Path | None = None) -> Plant:
         """The plant on a port; `folder` is where paths of plant files start.

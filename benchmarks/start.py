@@ -1,0 +1,33 @@
+"""Processor time until the program answers: its import, its help, a brick."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from collections.abc import Sequence
+
+_REPETITIONS = 5
+_PROGRAM = (sys.executable, "-m", "nxt_twin")
+_STARTS: dict[str, tuple[tuple[str, ...], float]] = {
+    "import nxt_twin": ((sys.executable, "-c", "import nxt_twin"), 0.1),
+    "nxt-twin --help": ((*_PROGRAM, "--help"), 0.4),
+    "nxt-twin connect mock:": ((*_PROGRAM, "connect", "mock:"), 0.8),
+    "nxt-twin diagnose --help": ((*_PROGRAM, "diagnose", "--help"), 0.8),
+}
+"""What is started, and the aim, s."""
+
+
+def report() -> list[str]:
+    """One line for each start: user and system time, the best of five."""
+    return [
+        f"{name:26} {min(_spent_s(command) for _ in range(_REPETITIONS)):.2f} s (aim: under {aim_s:g} s)"
+        for name, (command, aim_s) in _STARTS.items()
+    ]
+
+
+def _spent_s(command: Sequence[str]) -> float:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

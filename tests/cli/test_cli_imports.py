@@ -1,0 +1,47 @@
+"""What the program imports before it can answer: what is slow to import waits until it is needed."""
+
+import subprocess
+import sys
+
+from nxt_twin.cli.app import COMMANDS
+
+COMPILER = {"numba", "llvmlite", "scipy"}
+PICTURES = {"matplotlib", "jinja2", "rerun"}
+NUMBERS = {"numpy", "pyarrow", "yaml"}
+TELL = "import sys; print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)"
+RUN = "import atexit\n@atexit.register\ndef tell():\n    {tell}\nfrom nxt_twin.cli import main\nmain()"
+
+
+def imported(code, *arguments):
+    """The packages that a fresh interpreter has imported once it has run `code`."""
+    program = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(program, capture_output=True, text=True, timeout=120, check=True)
+    return set(done.stderr.split()), done.stdout
+
+
+def imported_by_program(*arguments):
+    return imported(RUN.format(tell=TELL), *arguments)
+
+
+def test_the_package_imports_only_the_standard_library():
+    found, _ = imported(f"import nxt_twin; {TELL}")
+    assert "nxt_twin" in found
+    assert not found & (COMPILER | PICTURES | NUMBERS | {"typer", "rich"})
+
+
+def test_the_list_of_commands_imports_no_command():
+    found, said = imported_by_program("--help")
+    assert not found & (COMPILER | PICTURES | NUMBERS)
+    assert all(summary.split()[0] in said for summary in COMMANDS.values())
+
+
+def test_a_brick_answers_without_the_compiler():
+    found, said = imported_by_program("connect", "mock:")
+    assert "NXT at mock:" in said
+    assert not found & (COMPILER | PICTURES | {"pyarrow"})
+
+
+def test_help_on_diagnosing_needs_neither_numbers_nor_the_compiler():
+    found, said = imported_by_program("diagnose", "--help")
+    assert "--model-out" in said
+    assert not found & (COMPILER | PICTURES | NUMBERS)
