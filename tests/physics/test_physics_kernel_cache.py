@@ -64,7 +64,6 @@ def test_the_same_physics_shares_one_source_and_other_physics_does_not(tmp_path,
     ]
 
 
-
 def test_plants_at_rest_load_no_kernel(tmp_path, monkeypatch):
     monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path))
     plant = replace(plant_from_config(NXT, "power_pct"), layout=Layout(DC_MOTOR, "motor"))
