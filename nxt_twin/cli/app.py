@@ -78,7 +78,7 @@ def _only_listed() -> None:
 
 def _wanted(arguments: list[str]) -> typer.Typer:
     """The program with as few commands imported as these arguments need."""
-    named = next((argument for argument in arguments if not argument.startswith("-")), None)
+    named = next((argument for argument in arguments if not argument.startswith("-")), "")
     if named in COMMANDS:
         return program([named])
     return program() if _COMPLETION in os.environ else contents()
@@ -108,14 +108,14 @@ def _interrupted() -> NoReturn:
     sys.exit(1)
 
 
-def _tell_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so
+def _tell_version(wanted: bool) -> None:
     if wanted:
         print(f"nxt-twin {__version__}")
         raise typer.Exit
 
 
 def _about(
-    version: Annotated[  # noqa: ARG001 - its callback has done it
+    version: Annotated[
         bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
