@@ -126,9 +126,9 @@ def hold(
         enough=enough,
     )
     session = Session(parts)
+    if recorder is not None:
+        recorder.keep_lags(session.row_lags)
     watch(session, parts, seconds or None, told)
-    if out is not None and session.polls:
-        session.row_lags.write_beside(out)
     conclude(
         session, parts, told, schema="nxt-twin/live/1", title=found, json=json, model_out=model_out, report=report
     )  # fmt: skip

@@ -59,8 +59,8 @@ def record(
 ) -> None:
     """Record a brick: motors, sensors, battery, a row a poll (contract 1).
 
-    The rows are on the way to the disk while it runs: after a crash, `nxt-twin recover FILE` gives back all but the
-    last half second. Without a program the motors are left alone, and what the brick says of them is written down.
+    The rows are on the way to the disk while it runs: after a crash, `nxt-twin recover FILE` gives them back. Without
+    a program the motors are left alone, and what the brick says of them is written down.
     Ctrl-C ends it, and is an ordinary end.
     """
     if out is None:
@@ -123,10 +123,8 @@ def write_down(
         teller = Teller(tell)
         with suppress(*([KeyboardInterrupt] if may_end else [])), tidy_end(), open_it() as brick:
             logbook = Logbook(brick, clock, ports, plan, writer, driver, pace)
-            try:
-                logbook.keep(seconds, teller)
-            finally:
-                logbook.row_lags.write_beside(out)
+            writer.keep_lags(logbook.row_lags)
+            logbook.keep(seconds, teller)
     last = teller.last
     return Written(file=str(out) if last.rows else None, rows=last.rows, seconds=round(last.elapsed_s, 3))
 

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from nxt_twin.cli.output import JsonOption, emit_json
-from nxt_twin.recording.stream import STREAM_SUFFIX
+from nxt_twin.cli.output import JsonOption, emit_json, fail
+from nxt_twin.recording.stream import STREAM_SUFFIX, stream_path
 from nxt_twin.recording.stream import recover as recovered
 
 
@@ -19,11 +19,19 @@ def recover(
     ],
     json: JsonOption = None,
 ) -> None:
-    """Make a recording out of the stream that a crash, a kill or an empty laptop battery left of it."""
-    saved = recovered(recording)
+    """Make a recording out of the stream that a crash, a kill or an empty laptop battery left of it.
+
+    Where the stream is damaged, all rows that are whole are recorded, the stream is kept, and the exit status is 1.
+    """
+    found = recovered(recording)
+    saved = found.recording
     path = recording.with_name(saved.name)
     if json:
         answer = {"file": str(path), "rows": saved.rows, "seconds": round(saved.duration_s, 3)}
-        emit_json(json, json_format.dumps({"schema": "nxt-twin/recover/1", **answer}))
+        document = {"schema": "nxt-twin/recover/1", **answer, "damages": found.damages}
+        emit_json(json, json_format.dumps(document))
     if json != "-":
         print(f"{saved.rows} rows, {saved.duration_s:.1f} s: {path}")
+    if found.damages:
+        fail(f"{stream_path(path)}: {'; '.join(found.damages)} (the stream is kept)")
+        raise typer.Exit(1)

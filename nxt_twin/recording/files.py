@@ -78,15 +78,20 @@ def read_sidecar(path: Path) -> dict[str, Any]:
     return keys
 
 
-def write_recording(recording: Recording, path: Path) -> None:
+def write_recording(recording: Recording, path: Path, *, anew: bool = False) -> None:
     """Write a recording's columns as CSV or Parquet, by suffix; never leaves half a file behind.
 
     NaN becomes an empty cell, columns of whole numbers are written as integers, modes as words, and all
     other numbers with every digit they need to be read back the same. The sidecar is the user's: it is not
     written, and `kinds` and `output_quantum` of a mapped recording live in its mapping file.
 
+    Args:
+        recording: to be written.
+        path: where to.
+        anew: nothing that is there is written over, and it is on the disk itself when this comes back.
+
     Raises:
-        RecordingError: if the suffix is another or the file cannot be written.
+        RecordingError: if the suffix is another, the file cannot be written, or (`anew`) it is there already.
     """
     suffix = path.suffix.lower()
     if suffix not in _READERS:
@@ -98,13 +103,43 @@ def write_recording(recording: Recording, path: Path) -> None:
             _write_csv(table, partial)
         else:
             pyarrow.parquet.write_table(table, partial)
-        partial.replace(path)
+        if anew:
+            _sync(partial)
+            _put_anew(partial, path)
+            _sync(path.parent)
+        else:
+            partial.replace(path)
+    except FileExistsError:
+        raise RecordingError("is there already", where=str(path), mend="move it away") from None
     except OSError as failure:
         what = f"cannot be written: {failure.strerror}"
         raise RecordingError(what, where=str(path), mend="check the folder and the space left") from None
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def _put_anew(partial: Path, path: Path) -> None:
+    """Give a file its name, which must be free; some file systems cannot do both at once."""
+    try:
+        path.hardlink_to(partial)
+    except FileExistsError:
+        raise
+    except OSError:
+        if path.exists():
+            raise FileExistsError from None
+        partial.replace(path)
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file, or a folder's list of names, is on the disk; Windows cannot open folders."""
+    if path.is_dir() and os.name == "nt":
+        return
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _write_csv(table: pa.Table, path: Path) -> None:

@@ -7,6 +7,7 @@ before.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, final
@@ -72,27 +73,54 @@ class RowLags:
         self._acted.setdefault(port, Lag()).add(after_s, std_s)
 
     def write_beside(self, recording: Path) -> None:
-        """Put them, and the bridge's steps, in the recording's sidecar, unless one tells more and is the user's."""
+        """Put them, and the bridge's steps, in the recording's sidecar, unless one tells more and is the user's.
+
+        Before anything is learnt, that is the steps alone. The sidecar is there whole, or as it was.
+
+        Raises:
+            OSError: it cannot be written.
+        """
         sidecar = recording.with_suffix(".yaml")
-        if not self._read or (sidecar.exists() and not _tells_no_more(sidecar)):
+        if not _is_ours(sidecar):
             return
-        document = {
+        keys: dict[str, Any] = {_KEY: self._learnt()} if self._read else {}
+        text = yaml.safe_dump({**keys, PULSES_KEY: PULSE_STEPS}, sort_keys=False)
+        partial = sidecar.with_name(f".{sidecar.name}.{os.getpid()}.partial")
+        try:
+            partial.write_text(text, encoding="utf-8")
+            partial.replace(sidecar)
+        finally:
+            partial.unlink(missing_ok=True)
+
+    @staticmethod
+    def remove_beside(recording: Path) -> None:
+        """Take the sidecar away again, unless it is the user's: nothing was recorded."""
+        sidecar = recording.with_suffix(".yaml")
+        if sidecar.exists() and _is_ours(sidecar):
+            sidecar.unlink()
+
+    def _learnt(self) -> dict[str, dict[Port, float]]:
+        return {
             _READ: {port: round(lag.mean_s, 6) for port, lag in self._read.items()},
             _READ_STD: {port: round(lag.std_s, 6) for port, lag in self._read.items()},
             _ACTED: {port: round(lag.mean_s, 6) for port, lag in self._acted.items()},
             _ACTED_STD: {port: round(lag.std_s, 6) for port, lag in self._acted.items()},
         }
-        keys = {_KEY: document, PULSES_KEY: PULSE_STEPS}
-        sidecar.write_text(yaml.safe_dump(keys, sort_keys=False), encoding="utf-8")
 
 
-def _tells_no_more(sidecar: Path) -> bool:
-    """Whether it was left by an earlier recording of that name."""
+def _is_ours(sidecar: Path) -> bool:
+    """Whether there is none, or one that an earlier recording of that name left."""
     try:
         keys = yaml.safe_load(sidecar.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return True
     except (yaml.YAMLError, UnicodeDecodeError):
         return False
-    return isinstance(keys, dict) and _KEY in keys and keys.keys() <= {_KEY, PULSES_KEY}
+    return (
+        isinstance(keys, dict)
+        and keys.keys() <= {_KEY, PULSES_KEY}
+        and keys.get(PULSES_KEY, PULSE_STEPS) == PULSE_STEPS
+    )
 
 
 @final

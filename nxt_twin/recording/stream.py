@@ -1,33 +1,39 @@
 """A recording that grows while the brick is polled, and that a crash cannot take away.
 
-Beside the recording NAME there is NAME.stream: an Arrow stream whose small batches are handed to the system whenever
-half a second of rows has come together. So a program that is killed loses at most that; a power cut may lose what the
-system has not put on the disk yet, some seconds more. Waiting for the disk after each batch would hold the polls up, so
-that is done once, at the end, when all becomes the recording itself, whole or not at all.
+Beside the recording NAME there is NAME.stream: a frame a row (`frames`), handed to the system as soon as the row is
+there. So a program that is killed loses none; a power cut may lose what the system has not put on the disk yet, some
+seconds. Waiting for the disk after each row would hold the polls up, so that is done once, at the end, when all becomes
+the recording itself, whole or not at all. The first frame, written twice, names the columns.
 """
 
 from __future__ import annotations
 
+import json
+import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+import struct
+import sys
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from typing import Final, final
+from typing import BinaryIO, Final, final
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.ipc
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE, TIME, check_names
 from nxt_twin.recording.files import write_recording
+from nxt_twin.recording.frames import Damage, Frame, frame, frames
+from nxt_twin.recording.lags import RowLags
 from nxt_twin.recording.recording import Recording
 
 STREAM_SUFFIX: Final = ".stream"
-BATCH_S: Final = 0.5
-_ROWS_MOST: Final = 4096
 _SUFFIXES: Final = (".csv", ".parquet")
+_FORMAT: Final = "nxt-twin/stream/1"
+_TOLD_MOST: Final = 3
 
 
 def stream_path(path: Path) -> Path:
@@ -53,17 +59,19 @@ class RecordingWriter:
         self.path = path
         self.rows = 0
         self._columns = tuple(columns)
-        self._pending: list[Mapping[str, float]] = []
+        self._known = frozenset(columns)
         self._stream = stream_path(path)
-        self._schema = pa.schema([(name, pa.float64()) for name in self._columns])
+        self._lags: RowLags | None = None
+        self._lags_due = 1
         try:
             # Unbuffered: what is written is the system's at once.
             self._file = self._stream.open("xb", buffering=0)
         except OSError as failure:
             what = f"cannot be written: {failure.strerror}"
             raise RecordingError(what, where=str(self._stream), mend="check the folder") from None
-        self._writer = pa.ipc.new_stream(self._file, self._schema)
         self._open = True
+        _claim(self._file)
+        self._write(2 * frame(0, json.dumps({"format": _FORMAT, "columns": self._columns}).encode()))
 
     def __enter__(self) -> RecordingWriter:
         return self
@@ -71,8 +79,17 @@ class RecordingWriter:
     def __exit__(self, *_: object) -> None:
         self.finish()
 
+    def keep_lags(self, row_lags: RowLags) -> None:
+        """Keep them in the sidecar from now on, renewed each time that twice as many rows are there.
+
+        Raises:
+            OSError: the sidecar cannot be written.
+        """
+        self._lags = row_lags
+        row_lags.write_beside(self.path)
+
     def row(self, values: Mapping[str, float]) -> None:
-        """Append one row.
+        """Append one row; it is the system's when this comes back.
 
         Args:
             values: contract 1's columns by name, modes as indices into `DRIVE_MODES`; what is left out or NaN was
@@ -81,15 +98,18 @@ class RecordingWriter:
         Raises:
             RecordingError: a column that was not announced, or the disk is full.
         """
-        unknown = values.keys() - set(self._columns)
-        if unknown:
+        if unknown := values.keys() - self._known:
             what = f"no column {', '.join(sorted(unknown))} was announced"
             raise RecordingError(what, where=str(self.path))
-        self._pending.append(dict(values))
+        cells = struct.pack(
+            f"<{len(self._columns)}d", *(values.get(each, math.nan) for each in self._columns)
+        )
+        self._write(frame(self.rows + 1, cells))
         self.rows += 1
-        span_s = values[TIME] - self._pending[0][TIME]
-        if span_s >= BATCH_S or len(self._pending) >= _ROWS_MOST:
-            self._flush()
+        if self._lags is not None and self.rows >= self._lags_due:
+            self._lags_due = 2 * self.rows
+            with suppress(OSError):  # the rows matter more, and say themselves when the disk is full
+                self._lags.write_beside(self.path)
 
     def finish(self) -> Path | None:
         """Make the recording out of the rows; doing so again does nothing.
@@ -98,50 +118,63 @@ class RecordingWriter:
             Its path; None where there was no row.
 
         Raises:
-            RecordingError: it cannot be written; the rows are still in the stream.
+            RecordingError: it cannot be written, or the stream is damaged; the rows are still in the stream.
+            OSError: the sidecar cannot be written; the recording is.
         """
         if not self._open:
             return self.path if self.rows else None
         self._open = False
-        self._flush()
-        self._writer.close()
-        os.fsync(self._file.fileno())
-        self._file.close()
-        if self.rows:
-            write_recording(_read_stream(self._stream, self.path), self.path)
-        self._stream.unlink()
+        with self._file as file:
+            with suppress(OSError):  # what cannot be synced cannot be read back either, which is told then
+                os.fsync(file.fileno())
+            if self.rows:
+                _check_whole(_saved(self._stream, self.path), self._stream)
+            self._stream.unlink()
+        if self._lags is not None:
+            (self._lags.write_beside if self.rows else self._lags.remove_beside)(self.path)
         return self.path if self.rows else None
 
     def close(self) -> None:
         """Finish."""
         self.finish()
 
-    def _flush(self) -> None:
-        if not self._pending:
-            return
-        arrays = [
-            pa.array([row.get(name, np.nan) for row in self._pending], type=pa.float64())
-            for name in self._columns
-        ]
+    def _write(self, data: bytes) -> None:
         try:
-            self._writer.write_batch(pa.record_batch(arrays, schema=self._schema))
+            written = self._file.write(data)
+            reason = "" if written == len(data) else "no space left on the device"
         except OSError as failure:
-            what = f"cannot be written: {failure.strerror or failure}"
-            raise RecordingError(what, where=str(self._stream), mend="make room") from None
-        self._pending.clear()
+            reason = failure.strerror or str(failure)
+        if reason:
+            mend = f"make room, then nxt-twin recover {self.path}"
+            raise RecordingError(f"cannot be written: {reason}", where=str(self._stream), mend=mend)
 
 
-def recover(path: Path) -> Recording:
-    """Make the recording out of a stream that was cut off, and remove the stream.
+@final
+@dataclass(frozen=True)
+class Recovered:
+    """What was got back of a recording.
+
+    Attributes:
+        recording: of all whole rows.
+        damages: what could not be read, place and rows in words; then the stream is still there.
+    """
+
+    recording: Recording
+    damages: tuple[str, ...]
+
+
+def recover(path: Path) -> Recovered:
+    """Make the recording out of a stream that was cut off, and remove the stream if all of it was read.
 
     Args:
         path: the recording, or its stream.
 
     Returns:
-        The recording, which is at `path` now.
+        The recording, which is at `path` now, and what is damaged.
 
     Raises:
-        RecordingError: there is no stream, nothing in it is whole, or the recording is there already.
+        RecordingError: there is no stream, somebody writes it, nothing in it is whole, or the recording is there
+            already.
     """
     final_path = path.with_name(path.name.removesuffix(STREAM_SUFFIX))
     stream = stream_path(final_path)
@@ -152,14 +185,13 @@ def recover(path: Path) -> Recording:
         )
     if final_path.suffix.lower() not in _SUFFIXES:
         raise RecordingError("is neither .csv nor .parquet", where=str(final_path), mend="change the suffix")
-    if final_path.exists():
-        raise RecordingError(
-            "is there already", where=str(final_path), mend=f"move it, or delete {stream.name}"
-        )
-    recording = _read_stream(stream, final_path)
-    write_recording(recording, final_path)
-    stream.unlink()
-    return recording
+    with stream.open("rb") as file:
+        if not _claim(file):
+            raise RecordingError("is being written", where=str(stream), mend="wait for who writes it")
+        recovered = _saved(stream, final_path)
+        if not recovered.damages:
+            stream.unlink()
+    return recovered
 
 
 def check_free(path: Path) -> None:
@@ -177,36 +209,84 @@ def check_free(path: Path) -> None:
         raise RecordingError("was cut off, or is being written", where=str(path), mend=mend)
 
 
-def _read_stream(stream: Path, path: Path) -> Recording:
-    batches = list(_whole_batches(stream))
-    if not batches:
-        what = "nothing in it is whole"
+def _claim(file: BinaryIO) -> bool:
+    """Whether nobody else has claimed the stream, until the file is closed; where there are no locks, always."""
+    if sys.platform == "win32":
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
+
+
+def _saved(stream: Path, path: Path) -> Recovered:
+    """The stream's rows, written as the recording."""
+    recovered = _read_stream(stream, path)
+    write_recording(recovered.recording, path, anew=True)
+    return recovered
+
+
+def _check_whole(recovered: Recovered, stream: Path) -> None:
+    if recovered.damages:
+        raise RecordingError("; ".join(recovered.damages), where=str(stream), mend="all else was recorded")
+
+
+def _read_stream(stream: Path, path: Path) -> Recovered:
+    found = list(frames(stream.read_bytes()))
+    names = _names(found, stream)
+    size = 8 * len(names)
+    rows = [each for each in found if isinstance(each, Frame) and each.number and len(each.payload) == size]
+    if not rows:
         raise RecordingError(
-            what, where=str(stream), mend="it was cut off in its first half second; delete it"
+            "nothing in it is whole", where=str(stream), mend="it was cut off before its first row; delete it"
         )
-    names = batches[0].schema.names
-    check_names(names, stream)
+    table = np.frombuffer(b"".join(row.payload for row in rows), dtype="<f8").reshape(len(rows), len(names))
     columns: dict[str, FloatArray] = {
-        name: np.concatenate([batch.column(name).to_numpy(zero_copy_only=False) for batch in batches])
-        for name in names
+        name: table[:, index].astype(np.float64)
+        for index, name in enumerate(names)
+        if name == TIME or not np.all(np.isnan(table[:, index]))
     }
-    sampled = {
-        name: values for name, values in columns.items() if name == TIME or not np.all(np.isnan(values))
-    }
-    _check_words(sampled, stream)
-    return Recording(path.name, sampled)
+    _check_words(columns, stream)
+    return Recovered(Recording(path.name, columns), _damages(found, rows))
 
 
-def _whole_batches(stream: Path) -> Iterator[pa.RecordBatch]:
-    """All batches up to where the stream was cut off."""
-    with stream.open("rb") as file, suppress(pa.ArrowInvalid, OSError, EOFError):
-        reader = pa.ipc.open_stream(file)
-        while True:
-            try:
-                batch = reader.read_next_batch()
-            except StopIteration:
-                return
-            yield batch
+def _names(found: Sequence[Frame | Damage], stream: Path) -> list[str]:
+    """The columns, from whichever of the first frames is whole."""
+    heads = [each.payload for each in found if isinstance(each, Frame) and each.number == 0]
+    try:
+        head = json.loads(heads[0])
+        names = [str(name) for name in head["columns"]] if head["format"] == _FORMAT else []
+    except (IndexError, ValueError, KeyError, TypeError):
+        names = []
+    if not names:
+        what = "its beginning is damaged, or another version wrote it"
+        raise RecordingError(what if found else "nothing in it is whole", where=str(stream))
+    check_names(names, stream)
+    return names
+
+
+def _damages(found: Sequence[Frame | Damage], rows: Sequence[Frame]) -> tuple[str, ...]:
+    """The stretches that could not be read and the rows that are missing, in words."""
+    stretches = [each for each in found if isinstance(each, Damage)]
+    if not stretches:
+        return ()
+    places = ", ".join(f"byte {each.offset}" for each in stretches[:_TOLD_MOST])
+    more = f" and {len(stretches) - _TOLD_MOST} places more" if len(stretches) > _TOLD_MOST else ""
+    numbers = [0, *(row.number for row in rows)]
+    gaps = [_span(low + 1, high - 1) for low, high in pairwise(numbers) if high > low + 1]
+    if isinstance(found[-1], Damage):
+        gaps.append(f"all after {numbers[-1]}")
+    lost = f"rows lost: {', '.join(gaps[:_TOLD_MOST])}" if gaps else "no row is lost"
+    return (f"damaged at {places}{more}", f"{lost}{', …' if len(gaps) > _TOLD_MOST else ''}")
+
+
+def _span(low: int, high: int) -> str:
+    return f"{low}" if low == high else f"{low} to {high}"
 
 
 def _check_words(columns: Mapping[str, FloatArray], stream: Path) -> None:

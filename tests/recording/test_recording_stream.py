@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.files import read_recording
-from nxt_twin.recording.stream import BATCH_S, RecordingWriter, recover, stream_path
+from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.lags import KnownLags, RowLags
+from nxt_twin.recording.stream import RecordingWriter, recover, stream_path
 
 COLUMNS = ("time_s", "a_power_pct", "a_mode", "a_tacho_deg", "battery_v", "s1_touch")
 
@@ -59,53 +61,177 @@ def test_a_recording_may_be_csv(tmp_path):
     assert path.read_text().splitlines()[1] == "0,40,coast,0,8.1"
 
 
-def test_what_is_on_disk_is_never_more_than_half_a_second_behind(tmp_path):
+def begun(path, count=1000):
+    """A stream as it is on disk after so many rows, with nobody writing it."""
+    with RecordingWriter(path, COLUMNS) as writer:
+        for row in rows(count):
+            writer.row(row)
+        data = stream_path(path).read_bytes()
+    path.unlink(missing_ok=True)
+    return data
+
+
+@pytest.mark.parametrize("period_s", [0.001, 0.01, 30.0])
+def test_a_row_is_on_its_way_to_the_disk_as_soon_as_it_was_read(tmp_path, period_s):
     path = tmp_path / "run.parquet"
-    writer = RecordingWriter(path, COLUMNS)
-    for row in rows(1000):
-        writer.row(row)
-    copy = tmp_path / "copy.parquet.stream"
-    copy.write_bytes(stream_path(path).read_bytes())
-    assert recover(copy).time_s[-1] >= 9.99 - BATCH_S - 0.01
-    writer.finish()
+    with RecordingWriter(path, COLUMNS) as writer:
+        for number, row in enumerate(rows(30, period_s), 1):
+            writer.row(row)
+            copy = tmp_path / f"copy{number}.parquet.stream"
+            copy.write_bytes(stream_path(path).read_bytes())
+            assert recover(copy).recording.rows == number
 
 
-def test_a_program_that_is_killed_leaves_all_but_the_last_moments(tmp_path):
+def test_a_program_that_is_killed_leaves_every_row(tmp_path):
     path = tmp_path / "run.parquet"
     with subprocess.Popen(
         [sys.executable, "-c", KILLED, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as process:
         assert process.stdout.readline() == b"go on\n"
+        with pytest.raises(RecordingError, match="is being written"):
+            recover(path)
         os.kill(process.pid, signal.SIGKILL)
     assert process.returncode == -signal.SIGKILL
     assert not path.exists()
-    recovered = recover(path)
-    assert recovered.time_s[-1] >= 9.99 - 1.0
-    np.testing.assert_array_equal(read_recording(path).columns["a_tacho_deg"], np.arange(recovered.rows))
+    recovered = recover(path).recording
+    assert recovered.rows == 1000
+    np.testing.assert_array_equal(read_recording(path).columns["a_tacho_deg"], np.arange(1000.0))
     assert not stream_path(path).exists()
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.77, 0.999])
-def test_a_stream_cut_anywhere_gives_its_whole_batches(tmp_path, share):
-    path = tmp_path / "run.parquet"
+def test_what_a_killed_program_learnt_of_its_stamps_is_in_the_sidecar(tmp_path):
+    path, lags = tmp_path / "run.parquet", RowLags()
     writer = RecordingWriter(path, COLUMNS)
-    for row in rows(1000):
+    writer.keep_lags(lags)
+    assert read_sidecar(path) == {"pulse_steps": 125}
+    for row in rows(10):
+        lags.taken("a", row["time_s"] - 0.004, 1e-4)
+        lags.row(row["time_s"])
         writer.row(row)
-    data = stream_path(path).read_bytes()
+    assert KnownLags(read_sidecar(path)).read_before_s("a") == (pytest.approx(0.004), pytest.approx(1e-4))
     writer.finish()
+    assert read_recording(path).pulse_steps == 125
+
+
+def test_a_recording_that_came_to_nothing_leaves_no_sidecar(tmp_path):
+    with RecordingWriter(tmp_path / "run.csv", COLUMNS) as writer:
+        writer.keep_lags(RowLags())
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("left", [0.2, 0.5, 0.77, 0.999])
+def test_a_stream_cut_anywhere_gives_its_whole_rows(tmp_path, left):
+    data = begun(tmp_path / "run.parquet")
     cut = tmp_path / "cut.parquet.stream"
-    cut.write_bytes(data[: int(share * len(data))])
+    cut.write_bytes(data[: int(left * len(data))])
     recovered = recover(cut)
-    np.testing.assert_array_equal(recovered.columns["a_tacho_deg"], np.arange(recovered.rows))
-    assert recovered.rows >= int(share * 1000) - 2 * 51
+    assert recovered.damages == ()
+    np.testing.assert_array_equal(
+        recovered.recording.columns["a_tacho_deg"], np.arange(float(recovered.recording.rows))
+    )
+    assert recovered.recording.rows >= int(left * 1000) - 5
+    assert not cut.exists()
+
+
+def test_zeros_that_a_power_cut_left_at_the_end_are_no_damage(tmp_path):
+    cut = tmp_path / "cut.parquet.stream"
+    cut.write_bytes(begun(tmp_path / "run.parquet", 50) + bytes(4000))
+    assert recover(cut).damages == ()
+    assert read_recording(tmp_path / "cut.parquet").rows == 50
+
+
+def test_one_flipped_bit_is_told_and_nothing_wrong_comes_back(tmp_path):
+    data = begun(tmp_path / "run.parquet", 20)
+    begins = [found.start() for found in re.finditer(b"NXTr", data)]
+    damaged = tmp_path / "damaged.parquet.stream"
+    for place in range(0, 8 * len(data), 5):
+        flipped = bytearray(data)
+        flipped[place // 8] ^= 1 << place % 8
+        damaged.write_bytes(flipped)
+        recovered = recover(damaged)
+        assert recovered.damages[0] == f"damaged at byte {max(at for at in begins if at <= place // 8)}"
+        counts = recovered.recording.columns["a_tacho_deg"]
+        assert set(counts) <= set(range(20))
+        assert np.all(np.diff(counts) > 0.0)
+        assert ("no row is lost" in recovered.damages[1]) == (counts.size == 20)
+        assert damaged.read_bytes() == flipped
+        (tmp_path / "damaged.parquet").unlink()
+
+
+def test_which_rows_are_lost_is_told(tmp_path):
+    data = bytearray(begun(tmp_path / "run.parquet", 20))
+    head, size = data.index(b"NXTr", data.index(b"NXTr", 1) + 1), 20 + 8 * len(COLUMNS)
+    data[head + 7 * size + 25] ^= 4
+    data[head + 8 * size + 2] ^= 4
+    data[head + 12 * size + 5] ^= 4
+    (tmp_path / "damaged.csv.stream").write_bytes(data)
+    recovered = recover(tmp_path / "damaged.csv")
+    assert recovered.damages == (
+        f"damaged at byte {head + 7 * size}, byte {head + 12 * size}",
+        "rows lost: 8 to 9, 13",
+    )
+    assert list(recovered.recording.columns["a_tacho_deg"]) == [*range(7), 9, 10, 11, *range(13, 20)]
+
+
+def test_a_disk_that_is_full_leaves_the_rows_before(tmp_path, monkeypatch):
+    path = tmp_path / "run.csv"
+    writer = RecordingWriter(path, COLUMNS)
+    for row in rows(5):
+        writer.row(row)
+    monkeypatch.setattr(writer, "_file", Full(writer._file))
+    with pytest.raises(RecordingError, match="nxt-twin recover"):
+        writer.row({"time_s": 9.0})
+    writer.finish()
+    assert read_recording(path).rows == 5
+
+
+class Full:
+    """A file that takes the first half of what is written."""
+
+    def __init__(self, file):
+        self._file = file
+
+    def write(self, data):
+        return self._file.write(data[: len(data) // 2])
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)
+
+    def __enter__(self):
+        return self._file.__enter__()
+
+    def __exit__(self, *failure):
+        return self._file.__exit__(*failure)
+
+
+def test_a_recording_that_came_meanwhile_is_not_written_over(tmp_path):
+    path = tmp_path / "run.csv"
+    writer = RecordingWriter(path, COLUMNS)
+    for row in rows(5):
+        writer.row(row)
+    path.write_text("mine")
+    with pytest.raises(RecordingError, match="there already"):
+        writer.finish()
+    with pytest.raises(RecordingError, match="there already"):
+        recover(path)
+    path.rename(tmp_path / "mine.csv")
+    assert recover(path).recording.rows == 5
 
 
 def test_nothing_to_recover_is_said(tmp_path):
+    path = tmp_path / "run.parquet"
     with pytest.raises(RecordingError, match="nothing to recover"):
-        recover(tmp_path / "run.parquet")
-    (tmp_path / "run.parquet.stream").write_bytes(b"\xff\xff\xff\xff\x10")
-    with pytest.raises(RecordingError, match="nothing in it is whole"):
-        recover(tmp_path / "run.parquet")
+        recover(path)
+    for content, why in [
+        (b"", "nothing in it is whole"),
+        (b"NXTr", "nothing in it is whole"),
+        (b"\xff\xff\xff\xff\x10", "its beginning is damaged, or another version wrote it"),
+        (begun(tmp_path / "other.parquet", 0), "cut off before its first row"),
+    ]:
+        stream_path(path).write_bytes(content)
+        with pytest.raises(RecordingError, match=why):
+            recover(path)
+        assert stream_path(path).exists()
 
 
 def test_no_recording_is_written_over(tmp_path):
