@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from nxt_twin.blind.reached import Reach
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.fitting.noise import first_guess, with_noise
+from nxt_twin.diagnose.fitting.everything import fit_everything
+from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
+from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
-from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.judge import free_runs, overall
+from nxt_twin.diagnose.search.searched import settled_baseline
+from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.layout import Layout
@@ -30,15 +35,15 @@ def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
     if not _holds(problem.plant.layout, effects):
         return None
     with Simulator(problem.plant.layout) as simulator:
-        workshop = Workshop(simulator, problem)
-        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-        baseline = workshop.settle(workshop.fit(problem.plant, noise))
+        fitter = Fitter(simulator, problem)
+        baseline = settled_baseline(fitter)
         true = baseline
         for effect in effects:
-            started = _started(workshop, true.plant, effect, true.noise)
-            true = workshop.settle(workshop.fit(started, true.noise, iterations=25))
+            started = _started(fitter, true.plant, effect, true.noise)
+            fitted, _ = fitter.fit(started, true.noise, replace(SETTLED, iterations=25))
+            true = settled(fitter, fitted.plant, true.noise)
         weight = weigh(baseline, true)
-        final = workshop.fit_everything(true.plant, true.noise)
+        final = fit_everything(fitter, true.plant, true.noise)
         return Reach(weight.gain, weight.check_gain, _held_out(simulator, problem, final))
 
 
@@ -46,7 +51,7 @@ def _holds(layout: Layout, effects: list[Mapping[str, Any]]) -> bool:
     return {effect["id"] for effect in effects} <= {effect.id for effect in layout.effects}
 
 
-def _started(workshop: Workshop, plant: Plant, hidden: Mapping[str, Any], noise: Noise) -> Plant:
+def _started(fitter: Fitter, plant: Plant, hidden: Mapping[str, Any], noise: Noise) -> Plant:
     """`plant` with the hidden effect at its true size; what the answer does not tell is tried."""
     effect = plant.layout.effect(hidden["id"])
     known = {
@@ -55,20 +60,20 @@ def _started(workshop: Workshop, plant: Plant, hidden: Mapping[str, Any], noise:
         if parameter.name in hidden["params"]
     }
     trials = [
-        plant.with_effect(effect.id, {**start, **known}) for start in _distinct(workshop, effect.id, known)
+        plant.with_effect(effect.id, {**start, **known}) for start in _distinct(fitter, effect.id, known)
     ]
     vectors = [trial.vectors() for trial in trials]
-    target = with_noise(workshop.problem.target, noise)
+    target = with_noise(fitter.problem.target, noise)
     values, active = (np.array(column) for column in zip(*vectors, strict=True))
-    costs = target.cost(workshop.simulator.run(values, active, target.jobs))
+    costs = target.cost(fitter.simulator.run(values, active, target.jobs))
     return trials[int(np.argmin(costs))]
 
 
-def _distinct(workshop: Workshop, effect_id: str, known: Mapping[str, float]) -> list[dict[str, float]]:
+def _distinct(fitter: Fitter, effect_id: str, known: Mapping[str, float]) -> list[dict[str, float]]:
     """Starting values that differ in something that is not known."""
-    effect = workshop.problem.plant.layout.effect(effect_id)
+    effect = fitter.problem.plant.layout.effect(effect_id)
     different = {}
-    for start in starts_of(effect, workshop.problem.scale):
+    for start in starts_of(effect, fitter.problem.scale):
         free = {symbol: value for symbol, value in start.items() if symbol not in known}
         different[tuple(sorted(free.items()))] = free
     return list(different.values())

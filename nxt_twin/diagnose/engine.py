@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -11,14 +10,17 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
+from nxt_twin.diagnose.fitting.everything import fit_everything
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
-from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import Evidence, gather, is_patchwork, verdict_of
 from nxt_twin.diagnose.judging.judge import noise_floor, overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
 from nxt_twin.diagnose.next.next_step import next_experiment
-from nxt_twin.diagnose.search.explain import Explanation, explain
+from nxt_twin.diagnose.search.explain import Progress
+from nxt_twin.diagnose.search.searched import searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
@@ -29,8 +31,6 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
-
-Progress = Callable[[str], None]
 
 
 @final
@@ -55,45 +55,19 @@ def diagnose(case: Case, *, seed: int = 0, progress: Progress = lambda _: None) 
     """
     problem = problem_for(case)
     with Simulator(problem.plant.layout) as simulator:
-        explanation, refit, final = _explained(simulator, problem, progress)
+        found = searched(simulator, problem, progress)
         progress("judging on what was held out")
         rng = np.random.default_rng(seed)
-        evidence = gather(simulator, problem, explanation, refit, final, rng)
-        return Answer(_diagnosis(simulator, evidence, seed, rng), final.plant)
-
-
-def _explained(
-    simulator: Simulator, problem: Problem, progress: Progress
-) -> tuple[Explanation, Structure, Structure]:
-    """What was found, and the re-fitted baseline and the best structure, both fitted on all that is not held out."""
-    progress("re-fitting the baseline")
-    workshop = Workshop(simulator, problem)
-    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-    baseline = workshop.settle(workshop.fit(problem.plant, noise))
-    explanation = explain(workshop, baseline, progress)
-    progress("fitting on every reading that is not held out")
-    final = workshop.fit_everything(explanation.best.plant, explanation.best.noise)
-    return explanation, _best_baseline(workshop, baseline, final) if explanation.found else final, final
-
-
-def _best_baseline(workshop: Workshop, baseline: Structure, final: Structure) -> Structure:
-    """The re-fitted baseline at its best in free run, so that what was found is not held against a straw man.
-
-    The likeliest noise of a model that lacks much can swallow so much that its parameters mean nothing; under
-    the noise of the improved plant they have to carry the motion.
-    """
-    own = workshop.roughly_everything(baseline.plant, baseline.noise, rounds=2)
-    sober = workshop.roughly_everything(workshop.problem.plant, final.noise, rounds=0)
-    return min(own, sober, key=lambda structure: structure.free_run_rms[0])
+        evidence = gather(simulator, problem, found, rng)
+        return Answer(_diagnosis(simulator, evidence, seed, rng), found.final.plant)
 
 
 def fit_as_it_stands(case: Case) -> Structure:
     """Fit the parameters of the case's plant on everything that is not held out, looking for nothing else."""
     problem = problem_for(case)
     with Simulator(problem.plant.layout) as simulator:
-        workshop = Workshop(simulator, problem)
         noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-        return workshop.fit_everything(problem.plant, noise)
+        return fit_everything(Fitter(simulator, problem), problem.plant, noise)
 
 
 def problem_for(case: Case) -> Problem:

@@ -17,10 +17,12 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.everything import fit_everything
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
-from nxt_twin.diagnose.fitting.structure import Structure, Workshop
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.judge import noise_floor
 from nxt_twin.errors import PlantError
 from nxt_twin.experiment.combine import combined, propagated
@@ -202,10 +204,10 @@ def _sooner(recording: Recording, port: Port) -> Recording:
 def _fitted(problem: Problem, lag_std_s: Mapping[str, float]) -> tuple[Structure, FloatArray]:
     """The fit with the noise that suits it, and its covariance."""
     with Simulator(problem.plant.layout) as simulator:
-        workshop = Workshop(simulator, problem)
+        fitter = Fitter(simulator, problem)
         guess = first_guess(problem.plant, problem.signals, problem.scale.torque)
         found = [
-            _settled(workshop, replace(guess, disturbance_std=q * guess.disturbance_std)) for q in _QUIETER
+            _settled(fitter, replace(guess, disturbance_std=q * guess.disturbance_std)) for q in _QUIETER
         ]
         structure = min(found, key=lambda each: each.fitted.cost + each.fitted.prior_cost)
         linear = linearise(simulator, problem, structure, STEP_S)
@@ -219,10 +221,10 @@ def _runs_off(problem: Problem, structure: Structure) -> float:
     return structure.free_run_rms[0] / noise_floor(problem, structure.noise)
 
 
-def _settled(workshop: Workshop, noise: Noise) -> Structure:
-    structure = workshop.fit_everything(workshop.problem.plant, noise)
+def _settled(fitter: Fitter, noise: Noise) -> Structure:
+    structure = fit_everything(fitter, fitter.problem.plant, noise)
     for _ in range(_ROUNDS):
-        structure = workshop.fit_everything(structure.plant, structure.noise)
+        structure = fit_everything(fitter, structure.plant, structure.noise)
     return structure
 
 

@@ -11,8 +11,10 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.everything import fit_everything
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
-from nxt_twin.diagnose.fitting.structure import Workshop
+from nxt_twin.diagnose.search import settling
 from nxt_twin.recording.case import Case
 
 FAMILIES = ("steps", "ramps", "reversals")
@@ -43,11 +45,11 @@ def clean_case(seed):
 def settled(simulator, case, *, added=None):
     """The case's problem, and its baseline (with `added` effects by id and starting values) fitted to everything."""
     problem = problem_for(case)
-    workshop = Workshop(simulator, problem)
+    fitter = Fitter(simulator, problem)
     plant = problem.plant
     for effect_id, values in (added or {}).items():
         plant = plant.with_effect(effect_id, values)
     noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-    rough = workshop.settle(workshop.fit(plant, noise))
-    final = workshop.fit_everything(rough.plant, rough.noise)
-    return problem, workshop, final
+    rough = settling.settled(fitter, fitter.fit(plant, noise)[0].plant, noise)
+    final = fit_everything(fitter, rough.plant, rough.noise)
+    return problem, fitter, final

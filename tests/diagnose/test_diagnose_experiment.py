@@ -17,6 +17,7 @@ from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.next.inputs import family
 from nxt_twin.diagnose.next.next_experiment import propose
+from nxt_twin.diagnose.search import settling
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.files import write_recording
@@ -41,11 +42,11 @@ def rivals():
     """A constant load and friction that differs by direction, each fitted to what the load has made."""
     case = recorded(71, motor={"constant_torque_nm": 0.004}, families=("reversals", "steps", "steps"))
     with Simulator(problem_for(case).plant.layout) as simulator:
-        problem, workshop, load = settled(simulator, case, added={"constant_load": {"load": 0.004}})
+        problem, fitter, load = settled(simulator, case, added={"constant_load": {"load": 0.004}})
         bare = without(load.plant, "constant_load", problem.plant)
         level = bare.values[("coulomb_friction", "coulomb")]
         lean = {"forward": max(level - 0.004, 0.0), "reverse": level + 0.004}
-        other = workshop.settled(bare.with_effect("asymmetric_friction", lean), load.noise)
+        other = settling.settled(fitter, bare.with_effect("asymmetric_friction", lean), load.noise)
         yield simulator, problem, load, other, bare
 
 

@@ -9,13 +9,15 @@ from diagnose_cases import concealed, diagnosed
 
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting import batch
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_guess, with_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
-from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Workshop, step_for
+from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.explain import candidates, explain
 from nxt_twin.diagnose.search.screen import screen
+from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
@@ -28,12 +30,12 @@ class Bench:
     def __init__(self, effects, *, seed, link="usb"):
         self.problem = problem_for(concealed(effects, seed=seed, link=link))
         self.simulator = Simulator(self.problem.plant.layout)
-        self.workshop = Workshop(self.simulator, self.problem)
+        self.fitter = Fitter(self.simulator, self.problem)
         self.steps = 0.0
         self._run = self.simulator.run
         self.simulator.run = self._counted
         noise = first_guess(self.problem.plant, self.problem.signals, self.problem.scale.torque)
-        self.baseline = self.workshop.settled(self.problem.plant, noise)
+        self.baseline = settled(self.fitter, self.problem.plant, noise)
 
     def _counted(self, values, active, jobs):
         spans_s = [(job.signals.time_s[-1] - job.signals.time_s[0]) / job.step_s for job in jobs]
@@ -41,7 +43,7 @@ class Bench:
         return self._run(values, active, jobs)
 
     def screened(self):
-        return screen(self.workshop, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
+        return screen(self.fitter, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +72,10 @@ def test_small_batches_promise_the_same(lacking, monkeypatch):
 
 def test_an_hour_that_must_be_run_set_by_set_is_fitted_the_same(lacking, monkeypatch):
     plant, noise = lacking.baseline.plant, lacking.baseline.noise
-    whole = lacking.workshop.settled(plant, noise)
+    whole = settled(lacking.fitter, plant, noise)
     slopes = linearise(lacking.simulator, lacking.problem, whole).slopes
     monkeypatch.setattr(batch, "_MOST_READINGS", 1)
-    alone = lacking.workshop.settled(plant, noise)
+    alone = settled(lacking.fitter, plant, noise)
     assert alone.plant == whole.plant
     assert alone.noise == whole.noise
     assert alone.free_run_rms == whole.free_run_rms
@@ -146,7 +148,7 @@ def test_effects_are_found_that_free_runs_speak_against_one_by_one():
 
 
 def test_a_draft_is_made_once_for_a_structure(lacking):
-    drafts = Drafts(lacking.workshop)
+    drafts = Drafts(lacking.fitter)
     effects = candidates(lacking.baseline.plant, lacking.problem.signals[0])
     first = drafts.of(lacking.baseline, effects, 2)
     before = lacking.steps
@@ -167,18 +169,18 @@ def test_coarse_steps_change_a_settled_weight_by_little(lacking):
     bench, plant = lacking, lacking.baseline.plant
     found = max(bench.screened(), key=lambda prospect: prospect.gain)
     noise = bench.baseline.noise
-    coarse = bench.workshop.settled(found.plant, noise)
-    exact = Workshop(bench.simulator, bench.problem)
+    coarse = settled(bench.fitter, found.plant, noise)
+    exact = Fitter(bench.simulator, bench.problem)
     exact._targets = {1e-3: bench.problem.target, 2e-3: bench.problem.target}
-    fine = exact.settled(found.plant, noise)
-    fine_base = exact.settled(plant, noise)
+    fine = settled(exact, found.plant, noise)
+    fine_base = settled(exact, plant, noise)
     assert weigh(bench.baseline, coarse).gain == pytest.approx(weigh(fine_base, fine).gain, abs=6.0)
 
 
 def test_two_effects_are_found_together_with_a_bounded_amount_of_work():
     bench = Bench(("battery_sag", "gravity_load"), seed=142)
     before = bench.steps
-    explanation = explain(bench.workshop, bench.baseline, lambda _: None)
+    explanation = explain(bench.fitter, bench.baseline, lambda _: None)
     assert {effect.id for effect, _ in explanation.found} == {"battery_sag", "gravity_load"}
     assert all(weight.total > 0.0 for _, weight in explanation.found)
     assert bench.steps - before < 80e6
@@ -187,18 +189,20 @@ def test_two_effects_are_found_together_with_a_bounded_amount_of_work():
 def test_nothing_is_found_where_nothing_lacks_and_it_costs_little():
     bench = Bench((), seed=143)
     before = bench.steps
-    explanation = explain(bench.workshop, bench.baseline, lambda _: None)
+    explanation = explain(bench.fitter, bench.baseline, lambda _: None)
     assert explanation.found == ()
     assert bench.steps - before < 25e6
 
 
 def test_what_doubts_readings_does_not_hide_what_else_is_missing():
     bench = Bench(("stale_samples", "stiction"), seed=143)
-    doubting = bench.workshop.settled(
-        bench.baseline.plant.with_effect("stale_samples", {"stale_fraction": 0.05}), bench.baseline.noise
+    doubting = settled(
+        bench.fitter,
+        bench.baseline.plant.with_effect("stale_samples", {"stale_fraction": 0.05}),
+        bench.baseline.noise,
     )
     effect = doubting.plant.layout.effect("stiction")
-    best = screen(bench.workshop, doubting, [effect])[0]
+    best = screen(bench.fitter, doubting, [effect])[0]
     coulomb = doubting.plant.values[Slot("coulomb_friction", "coulomb")]
     assert best.gain > 10.0
     stretched = best.stretched(bench.problem.scale)

@@ -12,6 +12,7 @@ from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.detectable import detectable
 from nxt_twin.diagnose.judging.sight import lacks
+from nxt_twin.diagnose.search import settling
 from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.simulate import Simulator
@@ -40,10 +41,10 @@ def clean_linear(simulator):
 def gained(simulator, effect_id, size):
     """What the search would hold for an effect of that size in a motor of the other simulator."""
     case = recorded(SEED, **TRUTH[effect_id](size))
-    _, workshop, final = settled(simulator, case)
-    bare = workshop.settled(final.plant, final.noise)
+    _, fitter, final = settled(simulator, case)
+    bare = settling.settled(fitter, final.plant, final.noise)
     symbol = final.plant.layout.effect(effect_id).parameters[0].symbol
-    richer = workshop.settled(bare.plant.with_effect(effect_id, {symbol: size}), bare.noise)
+    richer = settling.settled(fitter, bare.plant.with_effect(effect_id, {symbol: size}), bare.noise)
     weight = weigh(bare, richer)
     return weight.gain > GAIN_NATS and weight.total > GAIN_NATS + CHECK_NATS
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
 from nxt_twin.diagnose.fitting.noise import first_guess
-from nxt_twin.diagnose.fitting.structure import Workshop
 from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
@@ -62,9 +63,10 @@ def fitted(seed: int) -> Fit:
     plant = {key: value for key, value in MOTOR.items() if key != "inductance_h"}
     problem = problem_for(Case("c", Path(), plant, tuple(a_run(rng, n) for n in range(3)), (), "a"))
     simulator = Simulator(problem.plant.layout)
-    workshop = Workshop(simulator, problem)
-    structure = workshop.fit_everything(
-        problem.plant, first_guess(problem.plant, problem.signals, problem.scale.torque)
+    structure = fit_everything(
+        Fitter(simulator, problem),
+        problem.plant,
+        first_guess(problem.plant, problem.signals, problem.scale.torque),
     )
     return simulator, linearise(simulator, problem, structure, STEP_S), problem.everything()
 

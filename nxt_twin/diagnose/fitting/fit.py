@@ -82,6 +82,10 @@ class Target:
     counted: tuple[BoolArray, ...]
     evidence: float = 1.0
 
+    def with_step(self, step_s: float) -> Target:
+        """The readings, simulated with steps of `step_s`."""
+        return replace(self, jobs=tuple(replace(job, step_s=step_s) for job in self.jobs))
+
     def seen(self) -> tuple[BoolArray, ...]:
         """Those of the counted samples that carry a reading which no start was taken from."""
         return tuple(
@@ -93,8 +97,9 @@ class Target:
         """Negative log-likelihood of the counted readings for each parameter set, nats."""
         return self.evidence * cost_of(results, self.counted)
 
-    def costs(self, simulator: Simulator, values: FloatArray, active: BoolArray) -> FloatArray:
-        """The same of runs that are made for nothing else, a few sets at a time."""
+    def costs_of(self, simulator: Simulator, plants: Sequence[Plant]) -> FloatArray:
+        """Negative log-likelihood of the counted readings for each of `plants`, nats, run a few at a time."""
+        values, active = (np.array(part) for part in zip(*(plant.vectors() for plant in plants), strict=True))
         parts = batches(len(values), samples_of(self.jobs))
         return np.concatenate([self.cost(simulator.run(values[n], active[n], self.jobs)) for n in parts])
 

@@ -20,6 +20,7 @@ from nxt_twin.diagnose.judging.detectable import allowed
 from nxt_twin.diagnose.judging.intervals import robust_covariance
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
 from nxt_twin.diagnose.search.explain import Explanation
+from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.simulate import Simulator
@@ -80,15 +81,9 @@ class Evidence:
     false_alarms: FalseAlarms
 
 
-def gather(
-    simulator: Simulator,
-    problem: Problem,
-    explanation: Explanation,
-    baseline: Structure,
-    final: Structure,
-    rng: Generator,
-) -> Evidence:
+def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:
     """Run both structures over everything, and made-up clean recordings beside them."""
+    baseline, final = searched.refit, searched.final
     before, after = (
         residuals(simulator, structure.plant, problem.everything(), final.noise)
         for structure in (baseline, final)
@@ -102,7 +97,7 @@ def gather(
     return Evidence(
         problem=problem,
         units=units_of(problem.plant.layout.frame, problem.signals[0]),
-        explanation=explanation,
+        explanation=searched.explanation,
         baseline=baseline,
         final=final,
         before=before,

@@ -7,7 +7,9 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Draft, Structure, Workshop, step_for
+from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.search.drafting import Draft, draft_cost, draft_costs, drafted
 from nxt_twin.diagnose.search.screen import Prospect, screen
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
@@ -34,10 +36,10 @@ class _Known:
 
 @final
 class Drafts:
-    """Drafts of one workshop; what was made for a structure once is not made again."""
+    """Drafts of one problem; what was made for a structure once is not made again."""
 
-    def __init__(self, workshop: Workshop) -> None:
-        self._workshop = workshop
+    def __init__(self, fitter: Fitter) -> None:
+        self._fitter = fitter
         self._known: list[_Known] = []
 
     def of(
@@ -62,7 +64,7 @@ class Drafts:
     def prospects(self, structure: Structure, effects: list[Effect]) -> dict[str, list[Prospect]]:
         """The starts of each of `effects` beside `structure`, by the effect's id, likeliest first."""
         known = self._of(structure).prospects
-        for prospect in screen(self._workshop, structure, [e for e in effects if e.id not in known]):
+        for prospect in screen(self._fitter, structure, [e for e in effects if e.id not in known]):
             known.setdefault(prospect.effect.id, []).append(prospect)
         return known
 
@@ -75,8 +77,8 @@ class Drafts:
 
     def cost(self, structure: Structure, noise: Noise) -> float:
         """As `Draft.cost`, of a structure as it stands, under other noise."""
-        step_s = step_for(structure.plant, DRAFT_STEP_S)
-        fitted, check = self._workshop.draft_cost(structure.plant, noise, step_s)
+        step_s = DRAFTED.step_for(structure.plant)
+        fitted, check = draft_cost(self._fitter, structure.plant, noise, step_s)
         return fitted + structure.fitted.prior_cost + check
 
     def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
@@ -85,14 +87,14 @@ class Drafts:
         enough = _STARTS_SHARE * prospects[0].gain
         plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
         if len(plants) > 1:
-            trials = [self._workshop.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
-            best = min(trials, key=lambda draft: draft.fitted.cost + draft.fitted.prior_cost)
+            trials = [drafted(self._fitter, plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
             plants = [best.fitted.plant]
-        return self._workshop.draft(plants[0], noise, iterations=further)
+        return drafted(self._fitter, plants[0], noise, iterations=further)
 
     def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
         """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
-        scale = self._workshop.problem.scale
+        scale = self._fitter.problem.scale
         pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
-        costs = self._workshop.draft_costs([plant for pair in pairs for plant in pair], noise)
+        costs = draft_costs(self._fitter, [plant for pair in pairs for plant in pair], noise)
         return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]

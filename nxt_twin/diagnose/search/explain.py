@@ -8,13 +8,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
-from nxt_twin.diagnose.fitting.structure import (
-    Draft,
-    Structure,
-    Workshop,
-    is_mechanical,
-)
+from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
+from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
+from nxt_twin.diagnose.search.moments import moments_gained
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.weight import FREE_RUN_RATIO, Weight, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
@@ -87,9 +85,9 @@ class Explanation:
     refused: tuple[tuple[Effect, Weight], ...]
 
 
-def explain(workshop: Workshop, baseline: Structure, progress: Progress) -> Explanation:
+def explain(fitter: Fitter, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
-    search = _Search(workshop, baseline)
+    search = _Search(fitter, baseline)
     best = baseline
     for exchange in range(_EXCHANGES + 1):
         best, refused = search.grown(best, progress)
@@ -120,11 +118,11 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
 class _Search:
     """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
 
-    def __init__(self, workshop: Workshop, baseline: Structure) -> None:
-        self._workshop = workshop
+    def __init__(self, fitter: Fitter, baseline: Structure) -> None:
+        self._fitter = fitter
         self._baseline = baseline
-        self._settled = Settled(workshop, baseline)
-        self._drafts = Drafts(workshop)
+        self._settled = Settled(fitter, baseline)
+        self._drafts = Drafts(fitter)
         self._tried: list[Effect] = []
 
     def grown(
@@ -248,7 +246,7 @@ class _Search:
         for effect, trial in settled:
             if best.fitted_cost - trial.fitted_cost > in_reach:
                 trial = self._settled_anew(best, effect, trial)
-            if _shows(trial.plant, effect, self._workshop.problem.scale):
+            if _shows(trial.plant, effect, self._fitter.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
@@ -286,10 +284,10 @@ class _Search:
             return trial
         sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
-        drafts = [self._workshop.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
-        leading = min(drafts, key=lambda draft: draft.cost)
+        drafts = [drafted(self._fitter, p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
+        leading = min(drafts, key=lambda made: made.cost)
         elsewhere = leading.fitted.plant
-        costs = self._workshop.draft_costs([elsewhere, trial.plant], trial.noise)
+        costs = draft_costs(self._fitter, [elsewhere, trial.plant], trial.noise)
         return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
     def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
@@ -309,7 +307,9 @@ class _Search:
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
         """
         first = simpler.plant.active == self._baseline.plant.active
-        return first or weight.gain > _MANY_NATS or self._workshop.moments(simpler, richer) > _FEW_MOMENTS
+        return (
+            first or weight.gain > _MANY_NATS or moments_gained(self._fitter, simpler, richer) > _FEW_MOMENTS
+        )
 
     def _needed(self, best: Structure) -> float:
         explained = self._doubting(best).fitted_cost - best.fitted_cost
@@ -327,7 +327,7 @@ class _Search:
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
 
     def _candidates(self, plant: Plant) -> list[Effect]:
-        return candidates(plant, self._workshop.problem.signals[0])
+        return candidates(plant, self._fitter.problem.signals[0])
 
 
 def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:

@@ -11,7 +11,8 @@ import numpy as np
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches, predictions, samples_of
 from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
-from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, Workshop, step_for
+from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
@@ -44,7 +45,7 @@ class Prospect:
         return self.plant.with_values({slot: value})
 
 
-def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) -> list[Prospect]:
+def screen(fitter: Fitter, structure: Structure, effects: Sequence[Effect]) -> list[Prospect]:
     """What each start of each of `effects` promises beside `structure`, likeliest first.
 
     One run a start gives the signature: the change of all predictions in standard deviations. What a re-fit of the
@@ -54,13 +55,13 @@ def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) 
     plants = [
         (effect, _with_load_split(structure.plant.with_effect(effect.id, start), effect))
         for effect in effects
-        for start in starts_of(effect, workshop.problem.scale)
+        for start in starts_of(effect, fitter.problem.scale)
     ]
     found = []
-    steps_s = {step_for(plant, DRAFT_STEP_S) for _, plant in plants}
+    steps_s = {DRAFTED.step_for(plant) for _, plant in plants}
     for step_s in sorted(steps_s):
-        some = [(effect, plant) for effect, plant in plants if step_for(plant, DRAFT_STEP_S) == step_s]
-        nuisance = _Nuisance(workshop, structure, workshop.tuned(structure.noise, step_s))
+        some = [(effect, plant) for effect, plant in plants if DRAFTED.step_for(plant) == step_s]
+        nuisance = _Nuisance(fitter, structure, fitter.tuned(structure.noise, step_s))
         gains = nuisance.gains([plant for _, plant in some])
         found += [Prospect(*one, *promise) for one, promise in zip(some, gains, strict=True)]
     return sorted(found, key=lambda prospect: -prospect.gain)
@@ -70,11 +71,11 @@ def screen(workshop: Workshop, structure: Structure, effects: Sequence[Effect]) 
 class _Nuisance:
     """What the structure's own variables can imitate: residuals and slopes at its values."""
 
-    def __init__(self, workshop: Workshop, structure: Structure, target: Target) -> None:
-        self._simulator = workshop.simulator
+    def __init__(self, fitter: Fitter, structure: Structure, target: Target) -> None:
+        self._simulator = fitter.simulator
         self._target = target
         plant = structure.plant
-        variables = variables_of(plant, workshop.problem.plant, workshop.problem.scale)
+        variables = variables_of(plant, fitter.problem.plant, fitter.problem.scale)
         values, active = _shifted(plant, variables)
         self._active = plant.active
         self._outliers = [

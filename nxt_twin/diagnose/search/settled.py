@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import final
 
-from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S, Structure, Workshop, step_for
+from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.search.drafting import draft_cost
+from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
@@ -18,13 +21,13 @@ UNFITTED_NATS = 60.0
 class Settled:
     """What one search has settled, beginning with the re-fitted `baseline`."""
 
-    def __init__(self, workshop: Workshop, baseline: Structure) -> None:
-        self._workshop = workshop
+    def __init__(self, fitter: Fitter, baseline: Structure) -> None:
+        self._fitter = fitter
         self._best = {baseline.plant.active: baseline}
 
     def settle(self, plant: Plant, noise: Noise) -> Structure:
         """Settle, unless that set of effects came out better before."""
-        structure = self._workshop.settled(plant, noise)
+        structure = settled(self._fitter, plant, noise)
         before = self._best.get(plant.active)
         if before is None or structure.fitted_cost < before.fitted_cost:
             self._best[plant.active] = structure
@@ -43,10 +46,10 @@ class Settled:
 
         An effect that merely led out of a dead end would else be named for it.
         """
-        plant = _simpler(best.plant, effect_id, self._workshop.problem.plant)
+        plant = _simpler(best.plant, effect_id, self._fitter.problem.plant)
         before = self.like(plant)
         if before is not None:
-            cost, _ = self._workshop.draft_cost(plant, best.noise, step_for(plant, SETTLED_STEP_S))
+            cost, _ = draft_cost(self._fitter, plant, best.noise, SETTLED.step_for(plant))
             if cost > before.fitted.cost + UNFITTED_NATS:
                 return before
         return self.settle(plant, best.noise)

@@ -1,0 +1,43 @@
+"""What the readings that only check a choice say of a fitted plant."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import final
+
+from nxt_twin.diagnose.fitting.fit import Fitted
+from nxt_twin.diagnose.fitting.free_run import FreeRunCheck
+from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.simulate import Simulator
+
+_CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
+
+
+@final
+class Checks:
+    """The checking readings of one problem."""
+
+    def __init__(self, simulator: Simulator, problem: Problem) -> None:
+        self._simulator = simulator
+        self._checking = replace(problem.target, counted=problem.check)
+        self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
+
+    def checked(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
+        """The fitted plant with its cost on the checking readings and its error in free runs over them.
+
+        The cost is the least under a few noises. A structure that fits well has a small noise, and under that noise
+        it would pay for other inputs.
+        """
+        plant = fitted.plant
+        values, active = plant.vectors()
+        checking = self._checking.with_step(step_s)
+        kinder = [replace(noise, disturbance_std=f * noise.disturbance_std) for f in _CHECK_NOISES]
+        tuned = [with_noise(checking, one) for one in kinder]
+        results = self._simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
+        size = len(checking.jobs)
+        costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
+        rms, believed = self._free_runs.rms(self._simulator, plant, noise, results[:size], step_s)
+        return Structure(fitted, noise, min(costs), rms, believed)

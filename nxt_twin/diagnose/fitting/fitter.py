@@ -1,0 +1,134 @@
+"""Fits plants to the readings of one problem, under a given noise: all that the other rooms ask of a fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.diagnose.fitting.checks import Checks
+from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, Target, fit
+from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, SETTLED_STEP_S, Structure, shares, step_for
+from nxt_twin.diagnose.fitting.variables import variables_of
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import STEP_S, Simulator
+
+_SHARE_ROUNDS = 3
+_SHARE_RESTS = 0.03
+_TUNED_KEPT = 8
+
+
+@final
+@dataclass(frozen=True)
+class Effort:
+    """How closely a plant is fitted.
+
+    Attributes:
+        step_s: step of the simulation, for a plant without mechanical states of its effects, s.
+        iterations: most steps of the fit.
+        patience_nats: the fit rests where the next step would gain less.
+        covariance: whether the covariance is measured at the end.
+    """
+
+    step_s: float
+    iterations: int
+    patience_nats: float
+    covariance: bool = False
+
+    def step_for(self, plant: Plant) -> float:
+        """The step of the simulation for `plant`, s."""
+        return step_for(plant, self.step_s)
+
+
+DRAFTED = Effort(DRAFT_STEP_S, 4, 1.0)
+SETTLED = Effort(SETTLED_STEP_S, 12, 0.2)
+EXACT = Effort(STEP_S, 15, 0.05, covariance=True)
+"""Enough to rank a candidate, enough to weigh a structure, and what is reported."""
+
+
+@final
+class Fitter:
+    """Fits plants to one problem's readings; the latest of the targets that suit a noise are kept."""
+
+    def __init__(self, simulator: Simulator, problem: Problem) -> None:
+        self.simulator = simulator
+        self.problem = problem
+        self._targets: dict[float, Target] = {STEP_S: problem.target}
+        self._tuned: dict[tuple[float, Noise], Target] = {}
+        self._checks = Checks(simulator, problem)
+
+    def fit(
+        self, plant: Plant, noise: Noise, effort: Effort = SETTLED, slopes: Slopes | None = None
+    ) -> tuple[Fitted, Slopes]:
+        """Fit `plant` on the target's readings under `noise`, and give the slopes at which the fit came to rest.
+
+        `slopes` of an earlier fit of a plant with the same effects save the first measurement of them.
+        """
+        return self.fit_on(self.tuned(noise, effort.step_for(plant)), plant, effort, slopes)
+
+    def fit_on(
+        self, tuned: Target, plant: Plant, effort: Effort, slopes: Slopes | None = None
+    ) -> tuple[Fitted, Slopes]:
+        """As `fit`, on readings whose jobs already have their step and noise: variables and shares in turn."""
+        rounds = 0
+        while True:
+            rounds += 1
+            fitted, slopes = fit(
+                self.simulator,
+                plant,
+                variables_of(plant, self.problem.plant, self.problem.scale),
+                tuned,
+                slopes,
+                iterations=effort.iterations,
+                patience_nats=effort.patience_nats,
+                covariance=effort.covariance,
+            )
+            before, plant = plant, self._with_shares(fitted.plant, tuned)
+            if rounds == _SHARE_ROUNDS or _shares_rest(before, plant):
+                return replace(fitted, plant=plant), slopes
+            slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
+
+    def checked(self, fitted: Fitted, noise: Noise, effort: Effort = SETTLED) -> Structure:
+        """The fitted plant with what the checking readings say of it."""
+        return self._checks.checked(fitted, noise, effort.step_for(fitted.plant))
+
+    def target(self, step_s: float) -> Target:
+        """The target with steps of `step_s`."""
+        if step_s not in self._targets:
+            self._targets[step_s] = self.problem.target.with_step(step_s)
+        return self._targets[step_s]
+
+    def tuned(self, noise: Noise, step_s: float) -> Target:
+        """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
+        key = (step_s, noise)
+        if key not in self._tuned:
+            if len(self._tuned) >= _TUNED_KEPT:
+                del self._tuned[next(iter(self._tuned))]
+            self._tuned[key] = with_noise(self.target(step_s), noise)
+        return self._tuned[key]
+
+    def _with_shares(self, plant: Plant, target: Target) -> Plant:
+        """Set the share of each fault to the mean probability with which it explains a reading."""
+        if not shares(plant):
+            return plant
+        values, active = plant.vectors()
+        results = self.simulator.run(values[None], active[None], target.jobs)
+        doubts = np.concatenate(
+            [1.0 - result.weight[0, mask] for result, mask in zip(results, target.seen(), strict=True)]
+        )
+        new = {}
+        for effect in plant.effects:
+            if "outlier" in effect.terms:
+                share = effect.parameters[0]
+                new[Slot(effect.id, share.symbol)] = float(np.clip(doubts.mean(), share.lower, share.upper))
+        return plant.with_values(new)
+
+
+def _shares_rest(before: Plant, after: Plant) -> bool:
+    slots = [Slot(e.id, e.parameters[0].symbol) for e in after.effects if "outlier" in e.terms]
+    return all(abs(after.values[s] - before.values[s]) < _SHARE_RESTS * before.values[s] for s in slots)

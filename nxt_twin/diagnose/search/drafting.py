@@ -1,0 +1,48 @@
+"""Plants fitted roughly, and plants weighed as they stand: enough to rank them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.fit import Fitted
+from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+
+
+@final
+@dataclass(frozen=True)
+class Draft:
+    """A plant fitted roughly, and the cost of the checking readings under the same noise, nats."""
+
+    fitted: Fitted
+    check_cost: float
+
+    @property
+    def cost(self) -> float:
+        """Of all readings and priors, nats."""
+        return self.fitted.cost + self.fitted.prior_cost + self.check_cost
+
+
+def drafted(fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
+    """Fit `plant` roughly under `noise`, on coarse steps."""
+    effort = replace(DRAFTED, iterations=iterations)
+    fitted, _ = fitter.fit(plant, noise, effort)
+    return Draft(fitted, draft_cost(fitter, fitted.plant, noise, effort.step_for(plant))[1])
+
+
+def draft_cost(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[float, float]:
+    """Cost of `plant` as it stands on the target's readings and on the checking ones, steps of `step_s`."""
+    values, active = plant.vectors()
+    target = fitter.tuned(noise, step_s)
+    results = fitter.simulator.run(values[None], active[None], target.jobs)
+    checking = replace(target, counted=fitter.problem.check)
+    return float(target.cost(results)[0]), float(checking.cost(results)[0])
+
+
+def draft_costs(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+    """Costs of plants with the same effects as they stand, on the target's readings, by the steps of a draft."""
+    return fitter.tuned(noise, DRAFTED.step_for(plants[0])).costs_of(fitter.simulator, plants)

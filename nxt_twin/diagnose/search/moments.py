@@ -1,0 +1,27 @@
+"""In how many moments one structure gains over another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
+from nxt_twin.diagnose.fitting.structure import Structure
+
+
+def moments_gained(fitter: Fitter, simpler: Structure, richer: Structure) -> float:
+    """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike.
+
+    Both under the noise of `simpler`: a noise that one moment forced upon a model costs it all the others.
+    """
+    tuned = fitter.tuned(simpler.noise, SETTLED.step_for(richer.plant))
+    gains: dict[tuple[str, int], float] = {}
+    for sign, structure in ((1.0, simpler), (-1.0, richer)):
+        values, active = structure.plant.vectors()
+        results = fitter.simulator.run(values[None], active[None], tuned.jobs)
+        for job, result in zip(tuned.jobs, results, strict=True):
+            seconds = np.floor(job.signals.time_s - job.signals.time_s[0]).astype(int)
+            for second, cost in enumerate(np.bincount(seconds, np.nan_to_num(result.cost[0]))):
+                key = (job.signals.name, second)
+                gains[key] = gains.get(key, 0.0) + sign * float(cost)
+    each = np.array(list(gains.values()))
+    return float(np.sum(each) ** 2 / max(np.sum(each**2), 1e-12))
