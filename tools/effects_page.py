@@ -126,11 +126,20 @@ SCENES: Final[dict[str, Scene]] = {
         {"cogging_torque_nm": 0.03, "cycles_per_turn": 6.0, "phase_deg": 0.0}, ((0.0, 0.2),), 3.0
     ),
     "payload_inertia": Scene({"added_inertia_kg_m2": 3e-3, "onset_s": 2.0}, _SQUARE, 4.0),
+    "hanging_payload": Scene(
+        {"gravity_torque_nm": 0.05, "added_inertia_kg_m2": 3e-3, "phase_deg": 0.0},
+        ((0.0, 0.3), (2.0, -0.3)),
+        4.0,
+    ),
+    "commutation_ripple": Scene(
+        {"ripple_fraction": 0.4, "cycles_per_turn": 6.0, "phase_deg": 0.0}, _stairs(0.1, 1.0, each_s=1.5), 3.0
+    ),
     "end_stop": Scene({"limit_deg": 200.0, "restitution": 0.4}, ((0.0, 0.5), (1.2, -0.5)), 2.0, "angle"),
     "backlash": Scene({"gap_deg": 12.0, "load_inertia_kg_m2": 1.5e-3}, ((0.0, 0.5), (0.4, -0.5)), 0.8),
     "shaft_compliance": Scene(
         {"stiffness_nm_per_rad": 1.0, "load_inertia_kg_m2": 1.5e-3}, ((0.0, 0.5), (0.6, 0.0)), 1.2
     ),
+    "torque_saturation": Scene({"torque_yield_per_a": 1.5}, _SQUARE, 2.0),
     "winding_heating": Scene(
         {"resistance_rise_per_joule": 0.1, "thermal_time_constant_s": 20.0},
         _stairs(*(0.7, -0.7) * 20, each_s=0.4),
@@ -148,6 +157,7 @@ SCENES: Final[dict[str, Scene]] = {
         8.0,
         "error",
     ),
+    "sample_hold": Scene({"refresh_period_s": 0.08}, ((0.0, 0.0), (0.1, 0.6), (0.5, -0.6)), 0.9, "angle"),
     "missed_counts": Scene(
         {"loss_fraction": 0.15, "speed_threshold_rad_s": 6.0},
         _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5),

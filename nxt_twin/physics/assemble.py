@@ -66,6 +66,7 @@ def source(plan: Layout) -> str:
         settling=SETTLING,
         settle=_indent(_stage(plan, "reading"), 20),
         reading=_indent(_stage(plan, "reading"), 12),
+        scatter=_indent(_stage(plan, "scatter"), 20),
         outlier=_indent(_stage(plan, "outlier"), 16),
     )
     stepping = STEPPING.format(

@@ -40,6 +40,7 @@ Stage = Literal[
     "advance",
     "stop",
     "reading",
+    "scatter",
     "outlier",
 ]
 """Where in a step a term acts; `stages.STAGES` says how its value is used."""

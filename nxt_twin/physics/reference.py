@@ -66,7 +66,9 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
         if math.isnan(reading) or job.start.at[k]:
             continue
         std = float(job.observer.innovation_std[k])
-        weight, cost = axis.judge(reading, predicted, last_reading, std)
+        wider = axis.widened(std)
+        weight, cost = axis.judge(reading, predicted, last_reading, wider)
+        weight *= (std / wider) ** 2 if std > 0.0 else 1.0
         found["weight"][k], found["cost"][k] = weight, cost
         axis.correct(job.observer.gains[k] * weight * (reading - predicted))
         last_reading = reading
@@ -115,6 +117,11 @@ class _Axis:
         self._angle += float(change[0])
         self._speed += float(change[1])
         self._disturbance += float(change[2])
+
+    def widened(self, std: float) -> float:
+        """The standard deviation of a reading with what its scatter adds."""
+        scatter = self.formed("scatter", {"angle": self._angle, "speed": self._speed}, 0.0)
+        return math.sqrt(std * std + scatter) if std > 0.0 else std
 
     def judge(self, reading: float, predicted: float, last_reading: float, std: float) -> tuple[float, float]:
         """The weight of a reading and its negative log-likelihood."""

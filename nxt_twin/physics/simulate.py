@@ -41,7 +41,8 @@ class Result:
 
     Attributes:
         predicted: the reading expected before the sample's own correction.
-        weight: probability that the reading is what it says (1 without an outlier model, 0 where none was read).
+        weight: what the reading counts (1 without a model of outliers or scatter, 0 where none was read): the probability
+            that it is what it says, times the share of its variance that is ordinary noise.
         cost: negative log-likelihood of the reading.
     """
 

@@ -54,18 +54,20 @@ STAGES: dict[Stage, StageRule] = {
     "drop": StageRule("add", "drop", _DRIVE),
     "limit": StageRule("replace", "limit", ("limit", *_DRIVE)),
     "damping": StageRule("add", "damping", _MOTION),
-    "torque": StageRule("add", "load_torque", _MOTION),
+    "torque": StageRule("add", "load_torque", ("drive_torque", *_MOTION)),
     "friction": StageRule("replace", "level", _FRICTION),
     "hold": StageRule("hold", "", _FRICTION),
     "advance": StageRule("states", "", ("before", "after", "resistance", *_MOTION)),
     "stop": StageRule("motion", "", ("angle", "speed", "home")),
     "reading": StageRule("shift", "", ("angle", "speed")),
+    "scatter": StageRule("add", "scatter", ("angle", "speed")),
     "outlier": StageRule("density", "outlier", ("reading", "predicted", "last_reading", "reading_std")),
 }
-"""`angle` is that of the middle of the step (of its end in `stop` and `reading`), `speed` that of its beginning.
+"""`angle` is that of the middle of the step (of its end in `stop`, `reading` and `scatter`), `speed` that of its beginning.
 Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion it
 opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `others_a` is what the
 brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt that it falls; both
 are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag` how late a reading's
 stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in
-the session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off."""
+the session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off,
+a `scatter` term by which variance a reading strays, beyond its ordinary noise."""

@@ -135,19 +135,28 @@ def run(
         if reading == reading and not restart[k]:
             innovation = reading - predicted_reading
             std = reading_std[k]
+            log_std = log_scale[k]
+            trust = 1.0
             fresh = 1.0
             if std > 0.0:
+                if any_scatter:
+                    scatter = 0.0
+{scatter}
+                    trust = std * std / (std * std + scatter)
+                    log_std -= 0.5 * math.log(trust)
+                    std /= math.sqrt(trust)
                 ratio = innovation / std
                 share = 1.0
                 outlier = 0.0
 {outlier}
                 if share < 1.0:
-                    density = share * math.exp(-0.5 * ratio * ratio - log_scale[k])
+                    density = share * math.exp(-0.5 * ratio * ratio - log_std)
                     total = density + outlier + 1e-300
                     fresh = density / total
                     cost[k] = -math.log(total)
                 else:
-                    cost[k] = 0.5 * ratio * ratio + log_scale[k]
+                    cost[k] = 0.5 * ratio * ratio + log_std
+            fresh *= trust
             weight[k] = fresh
             angle += gains[k, 0] * fresh * innovation
             speed += gains[k, 1] * fresh * innovation

@@ -40,6 +40,10 @@ CONTRACT = {
     "clock_skew": ("rate_error", "lag_span_s"),
     "stale_samples": ("stale_fraction",),
     "missed_counts": ("loss_fraction", "speed_threshold_rad_s"),
+    "sample_hold": ("refresh_period_s",),
+    "hanging_payload": ("gravity_torque_nm", "added_inertia_kg_m2", "phase_deg"),
+    "torque_saturation": ("torque_yield_per_a",),
+    "commutation_ripple": ("ripple_fraction", "cycles_per_turn"),
     "encoder_eccentricity": ("amplitude_deg", "cycles_per_turn"),
 }
 EFFECTS = list(library().values())

@@ -69,6 +69,14 @@ LAWS = {
         {"friction_per_torque": 0.3},
         lambda m: m.plain() - m.sign * 0.3 * abs(m.drive()),
     ),
+    "torque_saturation": (
+        {"torque_yield_per_a": 1.5},
+        lambda m: m.plain() + m.drive() * (1.0 / (1.0 + 1.5 * abs(m.drive()) / K) - 1.0),
+    ),
+    "commutation_ripple": (
+        {"ripple_fraction": 0.3, "cycles_per_turn": 6.0, "phase_deg": 20.0},
+        lambda m: m.plain() + m.drive() * 0.3 * math.cos(6.0 * m.angle + math.radians(20.0)),
+    ),
     "friction_warmup": (
         {"cold_extra_torque_nm": 0.06, "time_constant_s": 1.5},
         lambda m: m.plain() - m.sign * 0.06 * math.exp(-m.time_s / 1.5),

@@ -31,6 +31,15 @@ def test_an_unbalanced_arm_swings_like_a_pendulum(rotary_simulator, amplitude_de
     assert np.abs(angle[-300:]).max() == pytest.approx(math.radians(amplitude_deg), rel=1e-3)
 
 
+def test_a_payload_on_an_arm_swings_with_its_own_inertia_too(rotary_simulator):
+    payload = {"gravity_torque_nm": 0.05, "added_inertia_kg_m2": 1e-3, "phase_deg": 0.0}
+    run = commanded([(0.0, 0.0)], seconds=20.0, kind="torque_nm")
+    plant = disc(effects={"hanging_payload": payload})
+    angle = motion(rotary_simulator, plant, run, angle=math.radians(5.0))["angle"]
+    expected_s = 4.0 * math.sqrt((J + 1e-3) / 0.05) * ellipk(math.sin(math.radians(2.5)) ** 2)
+    assert period_s(run.time_s, angle) == pytest.approx(expected_s, rel=1e-4)
+
+
 def test_an_arm_comes_to_rest_hanging_down_at_its_phase(rotary_simulator):
     plant = disc(
         viscous_friction=0.02, effects={"gravity_load": {"gravity_torque_nm": 0.1, "phase_deg": 40.0}}

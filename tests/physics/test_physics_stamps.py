@@ -94,3 +94,20 @@ def test_a_reading_that_stands_still_while_the_motor_runs_counts_as_stale(motor_
     assert weight[row] < 0.05
     assert np.median(weight[fast[fast < row]]) > 0.9
     assert np.all(motor_simulator.trace(nxt(), job)["weight"][known[1:]] == 1.0)
+
+
+def test_a_held_reading_is_half_a_period_old_on_average_and_counts_less_the_faster_the_motor(motor_simulator):
+    period_s = 0.04
+    held = nxt(effects={"sample_hold": {"refresh_period_s": period_s}})
+    run = commanded([(0.0, 0.7)], seconds=1.0)
+    prompt, old = (motion(motor_simulator, plant, run)["predicted"] for plant in (nxt(), held))
+    np.testing.assert_allclose(old[2:], prompt[:-2], atol=A_TENTH_OF_A_DEGREE)
+    job = job_with_readings(motor_simulator, seconds=2.0)
+    trace = motor_simulator.trace(held, job)
+    read = np.flatnonzero(np.isfinite(job.signals.measured))[1:]
+    ordinary = job.observer.innovation_std[read] ** 2
+    strayed = (period_s * trace["speed"][read]) ** 2 / 12.0
+    fast = np.abs(trace["speed"][read]) > 8.0  # shown after the correction, which moves a slow one too much
+    expected = ordinary / (ordinary + strayed)
+    np.testing.assert_allclose(trace["weight"][read][fast], expected[fast], rtol=0.2)
+    assert expected[fast].max() < 0.05

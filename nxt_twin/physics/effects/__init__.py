@@ -29,10 +29,12 @@ from nxt_twin.physics.effects.load import (
     CONSTANT_LOAD,
     END_STOP,
     GRAVITY_LOAD,
+    HANGING_PAYLOAD,
     PAYLOAD_INERTIA,
     SPRING_LOAD,
 )
-from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, STALE_SAMPLES
+from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE, TORQUE_SATURATION
+from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, SAMPLE_HOLD, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
 
 BUILT_IN: tuple[Effect, ...] = (
@@ -52,10 +54,13 @@ BUILT_IN: tuple[Effect, ...] = (
     GRAVITY_LOAD,
     SPRING_LOAD,
     COGGING,
+    COMMUTATION_RIPPLE,
     PAYLOAD_INERTIA,
+    HANGING_PAYLOAD,
     END_STOP,
     BACKLASH,
     SHAFT_COMPLIANCE,
+    TORQUE_SATURATION,
     WINDING_HEATING,
     BATTERY_SAG,
     BATTERY_DRAIN,
@@ -63,6 +68,7 @@ BUILT_IN: tuple[Effect, ...] = (
     POWER_CURVE,
     COMMAND_DELAY,
     CLOCK_SKEW,
+    SAMPLE_HOLD,
     STALE_SAMPLES,
     MISSED_COUNTS,
     ENCODER_ECCENTRICITY,

@@ -67,6 +67,45 @@ GRAVITY_LOAD = Effect(
 )
 
 
+def _hanging(angle: float, payload_gravity: float, payload_phase: float) -> float:
+    return -payload_gravity * sine(angle + payload_phase)
+
+
+def _carried(payload_inertia: float) -> float:
+    return payload_inertia
+
+
+HANGING_PAYLOAD = Effect(
+    id="hanging_payload",
+    name="payload on an arm",
+    equation="τ = -τg·sin(θ + φ), J = J0 + Ja",
+    source="the physical pendulum: m·g·l·sin, and m·l² with what the payload has about its own middle",
+    equation_of="torque_balance",
+    shows=("angle", "after_command"),
+    parameters=(
+        Parameter("gravity_torque_nm", "payload_gravity", "N·m", TORQUE, (0.05,), 0.0, 3.0),
+        Parameter("added_inertia_kg_m2", "payload_inertia", "kg·m²", INERTIA, (1e-3,), 0.0, 0.2),
+        Parameter(
+            "phase_deg",
+            "payload_phase",
+            "deg",
+            NUMBER,
+            (0.0, 90.0, 180.0, -90.0),
+            -270.0,
+            270.0,
+            si=math.pi / 180.0,
+            otherwise=0.0,
+        ),
+    ),
+    terms={"inertia": _carried, "torque": _hanging},
+    confusable_with={
+        "gravity_load": "quick reversals tell: a payload adds inertia, an arm that was there all along does not",
+        "payload_inertia": "slow turns tell: a payload on an arm pulls it down, a disc does not",
+    },
+    frames=("motor", "rotary"),
+)
+
+
 def _spring(angle: float, stiffness: float, rest: float) -> float:
     return -stiffness * (angle - rest)
 

@@ -58,6 +58,36 @@ COMMAND_DELAY = Effect(
 )
 
 
+def _mean_age(refresh_period: float) -> float:
+    return 0.5 * refresh_period
+
+
+def _strayed(speed: float, refresh_period: float) -> float:
+    """The variance of an age that is anywhere in one period, times the speed squared."""
+    strays = refresh_period * speed
+    return strays * strays / 12.0
+
+
+SAMPLE_HOLD = Effect(
+    id="sample_hold",
+    name="reading refreshed at another rate",
+    equation="y(t) = θ(t - a), a anywhere from 0 to T: a lag of T/2 and a scatter of T·|ω|/√12",
+    source="uniform quantisation, Bennett 1948, in time; the phase is unknown in every recording",
+    equation_of="timing",
+    shows=("high_speed",),
+    parameters=(
+        Parameter("refresh_period_s", "refresh_period", "s", NUMBER, (8e-3, 0.02, 0.05), 0.0, 0.5),
+    ),
+    terms={"lag": _mean_age, "scatter": _strayed},
+    confusable_with={
+        "command_delay": "quick steady turning tells: readings that are held scatter, a delay leaves them smooth",
+        "clock_skew": "ages of a held reading are anywhere in a period; a clock's lag wanders slowly",
+        "stale_samples": "every reading is held, by less than a period; single ones are stale",
+    },
+    fault=True,
+)
+
+
 _REPEATED = 0.5  # of the stale readings: as likely the last one again as one stamped late
 
 
