@@ -41,8 +41,8 @@ class Result:
 
     Attributes:
         predicted: the reading expected before the sample's own correction.
-        weight: what the reading counts (1 without a model of outliers or scatter, 0 where none was read): the probability
-            that it is what it says, times the share of its variance that is ordinary noise.
+        weight: what the reading counts (1 without a model of outliers or scatter, 0 where none was read): the
+            probability that it is what it says, times the share of its variance that is ordinary noise.
         cost: negative log-likelihood of the reading.
     """
 

@@ -63,9 +63,9 @@ STAGES: dict[Stage, StageRule] = {
     "scatter": StageRule("add", "scatter", ("angle", "speed")),
     "outlier": StageRule("density", "outlier", ("reading", "predicted", "last_reading", "reading_std")),
 }
-"""`angle` is that of the middle of the step (of its end in `stop`, `reading` and `scatter`), `speed` that of its beginning.
-Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion it
-opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `others_a` is what the
+"""`angle` is that of the middle of the step (of its end in `stop`, `reading` and `scatter`), `speed` that of its
+beginning. Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion
+it opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bounds the current. `others_a` is what the
 brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt that it falls; both
 are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag` how late a reading's
 stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in

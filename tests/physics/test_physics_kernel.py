@@ -105,7 +105,9 @@ def test_a_batch_on_several_threads_gives_what_its_members_give_alone(motor_simu
         np.testing.assert_array_equal(predicted, motor_simulator.trace(plant, job)["predicted"])
 
 
-STEPPED = [effect_id for effect_id in EFFECT_IDS if effect_id not in {"clock_skew", "sample_hold", "stale_samples"}]
+STEPPED = [
+    effect_id for effect_id in EFFECT_IDS if effect_id not in {"clock_skew", "sample_hold", "stale_samples"}
+]
 
 
 @pytest.mark.parametrize("effect_id", STEPPED)

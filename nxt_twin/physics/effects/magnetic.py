@@ -71,7 +71,7 @@ COMMUTATION_RIPPLE = Effect(
     ),
     terms={"torque": _commutated},
     confusable_with={
-        "cogging": "a coast-down without current tells: cogging is still there, a ripple of the current's torque is not",
+        "cogging": "a coast-down without current tells: cogging is still there, commutation ripple is not",
         "angle_dependent_friction": "several powers at one speed tell: binding stays, ripple grows with the current",
     },
     frames=("motor", "rotary"),

@@ -75,9 +75,7 @@ SAMPLE_HOLD = Effect(
     source="uniform quantisation, Bennett 1948, in time; the phase is unknown in every recording",
     equation_of="timing",
     shows=("high_speed",),
-    parameters=(
-        Parameter("refresh_period_s", "refresh_period", "s", NUMBER, (8e-3, 0.02, 0.05), 0.0, 0.5),
-    ),
+    parameters=(Parameter("refresh_period_s", "refresh_period", "s", NUMBER, (8e-3, 0.02, 0.05), 0.0, 0.5),),
     terms={"lag": _mean_age, "scatter": _strayed},
     confusable_with={
         "command_delay": "quick steady turning tells: readings that are held scatter, a delay leaves them smooth",
