@@ -88,7 +88,7 @@ def true_plant(case: ConcealedCase) -> Plant:
 
 
 def plant_of(base: Mapping[str, float]) -> Plant:
-    """The plant of a true motor's numbers, by contract 2's keys."""
+    """The plant of a true motor's numbers, by a plant file's keys."""
     keys = load_plant_config("nxt_motor").keys() & base.keys()
     return plant_from_config({**{key: base[key] for key in keys}, "kind": "dc_motor"}, "power_pct")
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import grimp
+from house_pages import pages
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,7 +26,7 @@ _CHECKS = re.compile(r"assert|^check|raises$|fail$")
 
 def main() -> int:
     """Print every finding; 1 if there is one."""
-    found = [*_product(), *_circles(), *_locks(), *_user_paths(), *_tests()]
+    found = [*_product(), *_circles(), *_locks(), *_user_paths(), *_tests(), *pages(ROOT)]
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

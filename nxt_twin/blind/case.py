@@ -20,7 +20,7 @@ NOMINAL: Final[Mapping[str, float]] = {
     "inertia_kg_m2": 1.2e-3,
     "supply_v": 8.0,
 }
-"""The baseline of contract 2, that every case shows its solver whatever the true motor is."""
+"""The baseline of docs/formats.md#plant-files, which every case shows its solver whatever the true motor is."""
 
 
 @final
@@ -30,7 +30,7 @@ class ConcealedCase:
 
     Attributes:
         name: of the case's folder and of its answer.
-        content: what `case.yaml` holds (contract 2).
+        content: what `case.yaml` holds (docs/formats.md#cases).
         recordings: in the order of `content`, held-out ones last.
         answer: what `<name>.json` of the answers holds: effects with their true parameters, the true base
             parameters, and the true angle at each stamp.

@@ -29,7 +29,7 @@ class Place:
     """What a diagnosis says of where, as far as it is judged.
 
     Attributes:
-        equation: that it names, of contract 4's four.
+        equation: that it names, one of the four of docs/formats.md#diagnosis-json.
         loudest: that for which the strongest of its sources speaks, of five; no effect's name takes part in it.
         least_p: the least p-value of its sources; None where it gives none.
         onsets: moments at which something sets in, the strongest first.
@@ -48,7 +48,7 @@ class Located:
 
     Attributes:
         truth: the equation of what is hidden; None unless exactly one thing is.
-        named: whether the equation that the diagnosis names is that one; None without `truth`. The contract counts
+        named: whether the equation that the diagnosis names is that one; None without `truth`. The JSON format counts
             what joins two bodies to the balance of torques.
         unaided: whether its loudest source speaks for that one.
         alarm: whether a source's p-value is below 1 %; None where it gives none.

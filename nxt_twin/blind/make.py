@@ -40,7 +40,7 @@ def make_case(
 
     Args:
         seed: of all chance in the case.
-        effects: ids to hide; `()` hides nothing; None hides one of contract 5's motor effects.
+        effects: ids to hide; `()` hides nothing; None hides one motor effect of docs/effects.md.
         size: how large; None draws a size for each effect.
         link: how the brick is polled.
         duration_s: length of each recording, s.

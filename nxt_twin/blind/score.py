@@ -113,7 +113,7 @@ def score(
     Args:
         cases_dir: holds the case folders with their seals.
         answers_dir: holds one `<case>.json` a case.
-        diagnoses_dir: holds one `<case>.json` a case (contract 4); a missing one counts as no answer.
+        diagnoses_dir: holds one `<case>.json` (docs/formats.md#diagnosis-json); a missing one counts as no answer.
         reached_dir: holds one `<case>.json` for each case of which is known what the true structure reaches.
 
     Raises:

@@ -103,7 +103,7 @@ def concealed(
 
 
 def drawable() -> list[str]:
-    """The ids that a seed draws from: those of contract 5 that a plain motor lacks."""
+    """The ids that a seed draws from: those of docs/effects.md that a plain motor lacks."""
     return [effect.id for effect in KNOWN_EFFECTS.values() if _lacking(effect)]
 
 

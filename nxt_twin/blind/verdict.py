@@ -123,7 +123,7 @@ NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
 
 
 def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
-    """Take from a diagnosis (contract 4) what is judged.
+    """Take from a diagnosis (docs/formats.md#diagnosis-json) what is judged.
 
     Raises:
         CaseError: if a key is missing or of another type.
@@ -146,7 +146,8 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             place=parse_place(diagnosis.get("mismatch", {})),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
-        raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend="see contract 4") from None
+        mend = "see docs/formats.md#diagnosis-json"
+        raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend=mend) from None
 
 
 def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -> Judged:

@@ -18,6 +18,7 @@ from nxt_twin import __version__
 from nxt_twin.cli.output import fail
 from nxt_twin.errors import NxtTwinError
 
+_PAGES = "Files, JSON and exit statuses: docs/formats.md. The physical effects: docs/effects.md."
 _COMPLETION = "_NXT_TWIN_COMPLETE"  # what a shell sets to be told how a line can go on
 _INTERRUPTED_WITHIN = 130  # what typer leaves with, without a word, when a command is interrupted
 
@@ -67,7 +68,7 @@ def contents() -> typer.Typer:
 
 
 def _empty() -> typer.Typer:
-    app = typer.Typer(name="nxt-twin", no_args_is_help=True, pretty_exceptions_enable=False)
+    app = typer.Typer(name="nxt-twin", no_args_is_help=True, pretty_exceptions_enable=False, epilog=_PAGES)
     app.callback()(_about)
     return app
 

@@ -57,7 +57,7 @@ def record(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
-    """Record a brick: motors, sensors, battery, a row a poll (contract 1).
+    """Record a brick: motors, sensors and battery, one row a poll (docs/formats.md).
 
     The rows are on the way to the disk while it runs: after a crash, `nxt-twin recover FILE` gives them back. Without
     a program the motors are left alone, and what the brick says of them is written down.

@@ -295,7 +295,7 @@ class Diagnosis:
 
     Attributes:
         name: the case's or recording's name.
-        verdict: `adequate`, `explained` or `unexplained` (contract 4).
+        verdict: `adequate`, `explained` or `unexplained` (docs/formats.md#diagnosis-json).
         sentence: what is wrong, in one sentence for a person.
         notes: plain remarks for that person: anchors, runs that stay bad and why, faults of the transport.
         held_out: the runs on which `fit` is reported.

@@ -83,7 +83,7 @@ class RunFolder:
         """A complete recording.
 
         Raises:
-            RecordingError: it is not as contract 1 says.
+            RecordingError: it is no recording (docs/formats.md#recordings).
         """
         return read_recording(self._path(name))
 
@@ -97,7 +97,7 @@ class RowWriter:
 
     Args:
         path: the complete recording's path.
-        columns: contract 1's columns.
+        columns: of docs/formats.md#recordings.
         kept: rows to begin with.
 
     Attributes:

@@ -56,7 +56,7 @@ class Effect:
     """A piece of physics that a model may have or lack.
 
     Attributes:
-        id: the contract's name (contract 5).
+        id: its name in plant files and JSON (docs/effects.md).
         name: the field's standard name.
         equation: the law in plain text.
         equation_of: which equation of the plant it stands in.

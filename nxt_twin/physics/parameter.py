@@ -59,7 +59,7 @@ class Parameter:
     """One parameter of a base model or of an effect.
 
     Attributes:
-        name: the key in plant files and JSON (contract 5), which ends in the unit.
+        name: the key in plant files and JSON (docs/effects.md), which ends in the unit.
         symbol: the name under which the equations use its SI value.
         unit: of `name`, for people.
         dimension: how it scales from an NXT motor to another plant.

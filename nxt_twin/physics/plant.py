@@ -73,7 +73,7 @@ class Plant:
         return Plant(self.layout, self.active - gone, kept)
 
     def to_config(self) -> dict[str, Any]:
-        """The plant as a YAML-ready mapping (contract 2), which `plant_from_config` reads back."""
+        """The plant as a YAML-ready mapping (docs/formats.md#plant-files), which `plant_from_config` reads back."""
         config: dict[str, Any] = {"kind": self.layout.base.kind}
         nested: dict[str, dict[str, float]] = {}
         plain = {effect.id for effect in self.effects if effect.plain} | {BASE_OWNER}
@@ -97,7 +97,7 @@ def frame_for(kind: str, input_kind: InputKind) -> Frame:
 
 
 def plant_from_config(config: Mapping[str, Any], input_kind: InputKind) -> Plant:
-    """Read a plant (contract 2) that is driven by `input_kind`.
+    """Read a plant (docs/formats.md#plant-files) that is driven by `input_kind`.
 
     A key of a plain effect that is left out is physics left out; one that a nested effect supersedes is dropped.
 

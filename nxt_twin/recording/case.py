@@ -1,4 +1,4 @@
-"""A case: the baseline plant, the recordings to fit, and those held out (contract 2)."""
+"""A case: the baseline plant, the recordings to fit, and those held out (docs/formats.md#cases)."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from nxt_twin.recording.tables.table import Table
 _FEWEST_ROWS = 2
 
 
-def contract_columns(table: Table, path: Path) -> dict[str, FloatArray]:
+def checked_columns(table: Table, path: Path) -> dict[str, FloatArray]:
     """Check a table's values against the catalogue, and fill its commands in.
 
     Returns:

@@ -1,4 +1,4 @@
-"""The columns that a recording may have (contract 1)."""
+"""The columns that a recording may have (docs/formats.md#recordings)."""
 
 from __future__ import annotations
 

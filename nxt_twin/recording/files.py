@@ -16,7 +16,7 @@ import pyarrow.parquet
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.checks import contract_columns
+from nxt_twin.recording.checks import checked_columns
 from nxt_twin.recording.columns import CATALOGUE, check_names
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import known_pulse_steps
@@ -41,7 +41,7 @@ def read_recording(path: Path) -> Recording:
     Commands that a row leaves empty are filled in with the one in force.
 
     Raises:
-        RecordingError: if the file, its sidecar, or anything in them is not as contract 1 says.
+        RecordingError: if the file, its sidecar, or anything in them is not as docs/formats.md says.
     """
     read_table_head(path, RecordingError)
     reader = _READERS.get(path.suffix.lower())
@@ -53,7 +53,7 @@ def read_recording(path: Path) -> Recording:
         check_names(names, path)
         return {name: "word" if CATALOGUE[name].words else "number" for name in names}
 
-    columns = contract_columns(reader(path, choose), path)
+    columns = checked_columns(reader(path, choose), path)
     sidecar = read_sidecar(path)
     plant = sidecar.get("plant")
     named = plant if isinstance(plant, str) else None

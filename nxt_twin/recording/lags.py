@@ -125,7 +125,7 @@ def _is_ours(sidecar: Path) -> bool:
 
 @final
 class KnownLags:
-    """Those that a recording's sidecar tells; none where it tells none, as contract 1 has it.
+    """Those that a recording's sidecar tells; none where it tells none.
 
     Args:
         sidecar: its keys.

@@ -1,4 +1,4 @@
-"""Mapping files: what the columns of a table from elsewhere are (contract 1)."""
+"""Mapping files: what the columns of a table from elsewhere are (docs/formats.md#mapping-files)."""
 
 from __future__ import annotations
 

@@ -17,7 +17,9 @@ _SLACK = 1e-9  # of a step: 56 % are 70 of them
 
 
 def known_pulse_steps(sidecar: Mapping[str, Any], where: str) -> int:
-    """How many steps a recording's sidecar tells; 0, where it tells none, is a duty as commanded (contract 1).
+    """The number of duty steps that a recording's sidecar states (docs/formats.md#sidecars).
+
+    Without one it is 0: a duty acts as commanded.
 
     Raises:
         RecordingError: it is no such number.

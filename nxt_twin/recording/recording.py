@@ -34,7 +34,7 @@ class Recording:
 
     Attributes:
         name: the file's name, or what the maker calls it.
-        columns: float64 arrays of equal length by column name (contract 1). NaN is a cell that was not
+        columns: float64 arrays of equal length by column name (docs/formats.md#recordings). NaN is a cell that was not
             sampled in that row. Modes are held as indices into `columns.DRIVE_MODES`.
         kinds: for a recording that came in through a mapping file, the kinds of its `input` (SI, except
             power_pct) and `output` (SI: rad, m, rad/s, m/s); None for a brick's recording.

@@ -47,7 +47,7 @@ class RecordingWriter:
 
     Args:
         path: the recording, `.parquet` or `.csv`; it is there when the writer has finished.
-        columns: contract 1's columns that rows may fill, `time_s` among them.
+        columns: those of docs/formats.md#recordings that rows may fill, `time_s` among them.
 
     Raises:
         RecordingError: the path is taken, of another suffix, or cannot be written; or a column is none.
@@ -92,7 +92,7 @@ class RecordingWriter:
         """Append one row; it is the system's when this comes back.
 
         Args:
-            values: contract 1's columns by name, modes as indices into `DRIVE_MODES`; what is left out or NaN was
+            values: by column name, modes as indices into `DRIVE_MODES`; what is left out or NaN was
                 not sampled.
 
         Raises:

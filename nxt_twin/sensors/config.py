@@ -1,7 +1,7 @@
 """A sensor's parameters as the keys of a YAML file, and back.
 
 Base parameters stand at the top; those of an effect under `effects:` and the effect's id, by the names of
-contract 5. A parameter that is left out has its default, an effect that is left out is off.
+docs/effects.md. A parameter that is left out has its default, an effect that is left out is off.
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ class Recorder(Protocol):
     """Keeps a session as a recording; `nxt_twin.recording.stream.RecordingWriter` is one."""
 
     def row(self, values: Mapping[str, float]) -> None:
-        """Keep one poll: contract 1's columns by name, modes as indices; what was not sampled is left out."""
+        """Keep one poll: a recording's columns by name, modes as indices; what was not sampled is left out."""
         ...
 
     def close(self) -> None:

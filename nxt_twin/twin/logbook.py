@@ -1,4 +1,4 @@
-"""A brick without a model: polled, driven if wanted, and written down as contract 1 wants it."""
+"""A brick without a model: polled, driven if wanted, and written down as docs/formats.md#recordings says."""
 
 from __future__ import annotations
 

@@ -84,7 +84,8 @@ class Session:
     """Polls, predicts, compares, learns, records and tells. Not for several threads at once.
 
     In a poll the battery and a sensor come first, if due, then the motors; the row's stamp is that of the last reply.
-    Only then are the motors commanded: so a command acts after the counts that stand in its row (contract 1).
+    Only then are the motors commanded: so a command acts after the counts that stand in its row
+    (docs/formats.md#recordings).
 
     The motors go on as last commanded while the link is lost, as the firmware does; on leaving, they coast.
 

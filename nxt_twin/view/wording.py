@@ -1,4 +1,4 @@
-"""The contract's names in words for a person."""
+"""The names in JSON and plant files, in words for a person."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _UNIT_ENDINGS = (
 
 
 def spelled_out(name: str) -> str:
-    """A key of the contract as words, without its unit: `breakaway_torque_nm` as `breakaway torque`."""
+    """A key of a plant file or of the JSON as words, without its unit: `breakaway_torque_nm` as `breakaway torque`."""
     for ending in _UNIT_ENDINGS:
         if name.endswith(ending) and len(name) > len(ending):
             name = name.removesuffix(ending)

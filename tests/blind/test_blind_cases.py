@@ -62,13 +62,13 @@ def test_a_seed_makes_the_same_case_again_and_another_seed_another():
     assert first.answer["base"] != other.answer["base"]
 
 
-def test_every_motor_effect_of_the_contract_can_be_hidden():
+def test_every_documented_motor_effect_can_be_hidden():
     assert set(KNOWN_EFFECTS) == set(CONTRACT_PARAMETERS)
     assert len(UNKNOWN_EFFECTS) >= 10
 
 
 @pytest.mark.parametrize("effect", CONTRACT_PARAMETERS)
-def test_answer_names_the_contracts_parameters_and_larger_is_more_visible(effect):
+def test_answer_names_the_documented_parameters_and_larger_is_more_visible(effect):
     small, large = (
         make_case(12, effects=(effect,), size=size, **QUICK).answer for size in ("small", "large")
     )

@@ -1,4 +1,4 @@
-"""Each concealed effect does what contract 5 says of it, with its parameters' meaning."""
+"""Each concealed effect does what docs/effects.md says of it, with its parameters' meaning."""
 
 from __future__ import annotations
 

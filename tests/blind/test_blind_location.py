@@ -54,7 +54,7 @@ def test_the_equation_is_judged_as_named_and_as_heard_without_a_name():
     assert (found.truth, found.named, found.unaided) == ("timing", False, True)
 
 
-def test_what_joins_two_bodies_counts_to_the_torques_only_where_the_contract_has_no_other_name():
+def test_what_joins_two_bodies_counts_to_the_torques_only_where_the_format_has_no_other_name():
     sources = [source("torque_balance", 9.0), source("kinematic", 8.0)]
     found = placed("backlash", "torque_balance", sources=sources, gap_deg=5.0)
     assert (found.named, found.unaided) == (True, False)

@@ -1,6 +1,7 @@
 """`nxt-twin diagnose`."""
 
 import json
+from pathlib import Path
 
 import pytest
 import yaml
@@ -11,8 +12,8 @@ def number(value):
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def assert_contract_4(answer):
-    """Keys and types of a diagnosis, as contract 4 writes them."""
+def assert_is_a_diagnosis(answer):
+    """Keys and types of a diagnosis, as docs/formats.md#diagnosis-json writes them."""
     assert answer["schema"] == "nxt-twin/diagnosis/1"
     assert answer["verdict"] in ("adequate", "explained", "unexplained")
     assert answer["refit"]
@@ -50,9 +51,9 @@ def assert_contract_4(answer):
     assert following is None or all(isinstance(following[key], str) for key in ("why", "input"))
 
 
-def test_the_json_is_as_the_contract_says_and_names_what_was_concealed(diagnosed):
+def test_the_json_is_as_documented_and_names_what_was_concealed(diagnosed):
     answer = json.loads(diagnosed.json.read_text(encoding="utf-8"))
-    assert_contract_4(answer)
+    assert_is_a_diagnosis(answer)
     assert answer["verdict"] == "explained"
     assert [effect["id"] for effect in answer["effects"]] == ["coulomb_friction"]
     assert answer["effects"][0]["params"]["coulomb_friction_nm"]["unit"] == "N·m"
@@ -104,7 +105,7 @@ def test_json_on_standard_output_is_all_that_is_there_and_each_time_the_same(cas
         succeed("diagnose", cases["clean"], "--json"),
     )
     answer = said.json()
-    assert_contract_4(answer)
+    assert_is_a_diagnosis(answer)
     assert answer["verdict"] == "adequate"
     assert answer["effects"] == []
     assert answer["mismatch"]["when"] == []
@@ -168,3 +169,23 @@ def test_a_motor_that_never_moves_is_refused(tmp_path):
     outcome = run("diagnose", recording)
     assert outcome.status == 1
     assert "nothing moves" in outcome.err
+
+
+def keys_of(value, parent=""):
+    """Every key of a JSON value, but for names of parameters and settings of a motor program."""
+    if isinstance(value, dict):
+        for key, inside in value.items():
+            if parent not in ("refit", "params"):
+                yield key
+            if key != "program":
+                yield from keys_of(inside, key)
+    elif isinstance(value, list):
+        for inside in value:
+            yield from keys_of(inside, parent)
+
+
+def test_every_key_of_the_json_stands_on_the_page_of_formats(diagnosed):
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    section = page.split("\n## Diagnosis JSON\n")[1].split("\n## ")[0]
+    answer = json.loads(diagnosed.json.read_text(encoding="utf-8"))
+    assert {key for key in keys_of(answer) if f"`{key}`" not in section} == set()

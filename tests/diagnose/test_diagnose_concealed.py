@@ -54,7 +54,7 @@ def test_the_improved_plant_holds_what_was_found():
     assert plant_from_config(config, "power_pct").active == answer.plant.active
 
 
-def test_the_json_has_the_contract_s_shape():
+def test_the_json_is_as_documented():
     content = json.loads(to_json(diagnosed(("gravity_load",), seed=11).diagnosis))
     assert content["schema"] == "nxt-twin/diagnosis/1"
     assert {"channel", "when", "regimes", "equation"} <= set(content["mismatch"])

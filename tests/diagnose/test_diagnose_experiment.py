@@ -99,7 +99,7 @@ def test_the_json_carries_doubt_intervals_and_the_program(loaded):
         assert MotorProgram.model_validate(experiment["program"]).ports == ("a",)
 
 
-def test_the_transmission_is_told_by_source_since_the_contract_knows_four_equations(loaded):
+def test_the_transmission_is_told_by_source_since_the_format_knows_four_equations(loaded):
     moved = replace(loaded.diagnosis, mismatch=Mismatch("a_tacho_deg", (), (), "kinematic", "transmission"))
     mismatch = json.loads(to_json(moved))["mismatch"]
     assert mismatch["equation"] == "torque_balance"

@@ -26,7 +26,7 @@ def test_a_motor_is_no_sensor():
         diagnose_sensor(motor)
 
 
-def test_the_json_is_that_of_contract_4():
+def test_the_json_is_as_documented():
     answer = json.loads(to_json(sensor_diagnosis("touch_sensor", ("touch_hysteresis",))[0].diagnosis))
     assert answer["schema"] == "nxt-twin/diagnosis/1"
     assert answer["mismatch"]["channel"] == "s1_touch"

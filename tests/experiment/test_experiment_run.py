@@ -62,7 +62,7 @@ def run(experiment: Experiment, path: Path, seed: int = 1) -> RunFolder:
     return folder
 
 
-def test_a_sweep_is_a_recording_of_contract_1(tmp_path: Path) -> None:
+def test_a_sweep_is_a_recording(tmp_path: Path) -> None:
     experiment = small("distance_sweep")
     folder = run(experiment, tmp_path)
     recording = read_recording(folder.path / "recordings" / "sweep.csv")

@@ -49,7 +49,7 @@ CONTRACT = {
 EFFECTS = list(library().values())
 
 
-def test_the_library_has_every_effect_of_the_contract_under_its_names():
+def test_the_library_has_every_promised_effect_under_its_names():
     for effect_id, names in CONTRACT.items():
         declared = {parameter.name for parameter in library()[effect_id].parameters}
         assert set(names) <= declared, effect_id
@@ -116,7 +116,7 @@ def test_a_payload_is_sought_at_every_recording_and_within_each():
 
 
 @pytest.mark.parametrize("effect_id", [effect_id for effect_id in CONTRACT if not library()[effect_id].plain])
-def test_a_plant_file_needs_no_more_than_the_contract_s_names(effect_id):
+def test_a_plant_file_needs_no_more_than_the_promised_names(effect_id):
     parameters = {p.name: p for p in library()[effect_id].parameters}
     given = {name: parameters[name].starts[0] for name in CONTRACT[effect_id]}
     plant = nxt(effects={effect_id: given})

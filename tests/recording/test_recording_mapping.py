@@ -27,7 +27,7 @@ def mapping(put):
     return write
 
 
-def test_reads_the_contracts_example(put):
+def test_reads_the_documented_example(put):
     example = """
     table:  {format: csv, delimiter: ",", header: true}
     time:   {column: t, unit: s}

@@ -40,7 +40,7 @@ def test_the_same_session_gives_the_same_numbers_with_and_without_a_viewer():
     assert numbers() == numbers(Memory())
 
 
-def test_recorded_rows_have_the_contracts_columns_in_order_of_time():
+def test_recorded_rows_have_the_documented_columns_in_order_of_time():
     outcome = run(Rig(), 2.0, sensors=EVERY_SENSOR)
     times = [row["time_s"] for row in outcome.rows]
     assert times == sorted(times)
@@ -48,7 +48,7 @@ def test_recorded_rows_have_the_contracts_columns_in_order_of_time():
 
 
 def test_a_command_acts_after_the_counts_of_its_row():
-    """Contract 1: the count is read before this row's command acts."""
+    """The count is read before this row's command acts."""
     rows = run(Rig(), 2.0).rows
     first = next(n for n, row in enumerate(rows) if row["a_power_pct"] != 0.0)
     assert rows[first]["a_tacho_deg"] == rows[0]["a_tacho_deg"]

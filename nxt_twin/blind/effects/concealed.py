@@ -25,7 +25,7 @@ class Draw:
     """One effect with its numbers drawn.
 
     Attributes:
-        params: the true values, under contract 5's names (an unknown effect's under its own); the
+        params: the true values, under the names of docs/effects.md (an unknown effect's under its own); the
             main one first.
         motor: fields of `Motor` that the effect changes.
         sensing: fields of `Sensing` that it changes.
@@ -93,11 +93,11 @@ class ConcealedEffect:
     """An effect that a case can hide.
 
     Attributes:
-        id: contract 5's id, or an unknown effect's own.
+        id: the id in docs/effects.md, or an unknown effect's own.
         equation: the one that changes: the hub's torque, what makes the current, what joins two bodies, what the
             encoder makes of the angle, or the stamps.
         sample: draws its numbers.
-        known: whether contract 5 names it.
+        known: whether docs/effects.md names it.
         leaves_out: the key that the baseline lacks, for the plain terms.
         clashes: ids that cannot stand in the same case, since both set the same term.
         needs_coasting: whether only a coasting motor shows it.

@@ -14,7 +14,7 @@ from nxt_twin.blind.effects.unknown import UNKNOWN
 KNOWN_EFFECTS: Final[dict[str, ConcealedEffect]] = {
     effect.id: effect for effect in (*FRICTION, *ELECTRICAL, *CHAIN, *LOAD)
 }
-"""Those of contract 5, in the order of drawing: the end stop last, since it looks at the rest."""
+"""Those of docs/effects.md, in the order of drawing: the end stop last, since it looks at the rest."""
 
 UNKNOWN_EFFECTS: Final[dict[str, ConcealedEffect]] = {effect.id: effect for effect in UNKNOWN}
 

@@ -34,7 +34,7 @@ class SensorCase:
     Attributes:
         content: what `case.yaml` holds.
         recordings: in its order.
-        effects: the true parameters of each effect, by contract names; of one that no library holds, none.
+        effects: the true parameters of each effect, by their names in JSON; of one that no library holds, none.
     """
 
     content: Mapping[str, Any]
@@ -126,7 +126,7 @@ SENSOR_EFFECTS: Mapping[SensorKind, Mapping[str, Callable[[SensorSize, Generator
         }
     )
 )
-"""By kind of sensor and contract id, how an effect is made."""
+"""By kind of sensor and effect id, how an effect is made."""
 
 SENSOR_SURPRISES: Mapping[SensorKind, Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {

@@ -64,7 +64,7 @@ class RecordedBrick:
     Commands that are sent to it are taken and change nothing. It stands still at its last row.
 
     Args:
-        recording: of a brick (contract 1).
+        recording: of a brick (docs/formats.md#recordings).
         clock: by which its rows come; the first at the moment of the first question.
 
     Attributes:

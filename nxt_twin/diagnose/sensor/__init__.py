@@ -1,1 +1,1 @@
-"""Diagnosis of sensor cases: what a sensor does beyond its ideal (contract 6)."""
+"""Diagnosis of sensor cases: what a sensor does beyond its ideal (docs/formats.md#sensor-cases)."""

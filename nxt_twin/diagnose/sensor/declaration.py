@@ -13,7 +13,7 @@ class SensorParameter:
     """One parameter of an effect.
 
     Attributes:
-        name: in JSON and sensor files (contract 5).
+        name: in JSON and sensor files (docs/sensors.md).
         field: of the sensor's parameters dataclass.
         unit: of both.
         lower, upper: bounds.
@@ -36,7 +36,7 @@ class SensorEffect:
     """Something that a sensor may do beyond its ideal.
 
     Attributes:
-        id: the contract's name (contract 5).
+        id: its name in sensor files and JSON (docs/sensors.md).
         name: in words.
         equation: the law in plain text, with its source.
         shows: the regimes in which it shows.

@@ -97,7 +97,7 @@ class _Evidence:
 
 
 def is_sensor_case(case: Case) -> bool:
-    """Whether a case is about a sensor (contract 6)."""
+    """Whether a case is about a sensor (docs/formats.md#sensor-cases)."""
     return (isinstance(case.plant, dict) and case.plant.get("kind") in KINDS) or _named_kind(case) in KINDS
 
 

@@ -161,7 +161,7 @@ def standard_errors(names: Sequence[str], covariance: FloatArray) -> dict[str, f
 def plain_estimates(
     effect: SensorEffect, values: Values, names: Sequence[str], covariance: FloatArray
 ) -> dict[str, Estimate]:
-    """The effect's parameters under their contract names."""
+    """The effect's parameters under their names in JSON."""
     stds = standard_errors(names, covariance)
     return {
         part.name: Estimate(values[part.field], stds.get(part.field, 0.0), part.unit)

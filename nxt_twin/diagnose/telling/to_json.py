@@ -1,4 +1,4 @@
-"""A diagnosis as the JSON of contract 4."""
+"""A diagnosis as the JSON of docs/formats.md#diagnosis-json."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _moved(moved: Moved) -> dict[str, Any]:
 
 
 def _mismatch(mismatch: Mismatch) -> dict[str, Any]:
-    """The contract knows four equations; a transmission's fault shows in the torque balance, and `source` tells it."""
+    """The format knows four equations; a transmission's fault shows in the torque balance, and `source` tells it."""
     content = asdict(mismatch)
     if mismatch.equation == "kinematic":
         content["equation"] = "torque_balance"
