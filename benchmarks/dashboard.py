@@ -11,7 +11,7 @@ from typing import Final
 
 from benchmarks.timing import times_s
 from nxt_twin.recording.columns import Port
-from nxt_twin.twin.records import Innovation, MotorState, Tick
+from nxt_twin.twin.records import Innovation, MotorBelief, Tick
 from nxt_twin.view.dashboard import open_dashboard
 from nxt_twin.view.dashboard.wire import read, written
 
@@ -83,7 +83,7 @@ def _tick(number: int) -> Tick:
     time_s = number * _POLL_S
     angle = 600 * math.sin(time_s)
     motors = tuple(
-        MotorState(
+        MotorBelief(
             port, 60.0, "drive", angle, 600 * math.cos(time_s), 0.1, 1e-3, 2e-3,
             {"nothing": 0.7, "stiction": 0.2, "viscous_friction": 0.05, "constant_load": 0.05},
         )

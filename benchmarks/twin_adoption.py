@@ -25,7 +25,7 @@ from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.polling import Plan
-from nxt_twin.twin.records import Event, MotorState, Tick
+from nxt_twin.twin.records import Event, MotorBelief, Tick
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
 from nxt_twin.twin.sinks import Memory
@@ -194,7 +194,7 @@ def _first(events: Sequence[Event], kind: str) -> Event | None:
     return next((event for event in events if event.kind == kind), None)
 
 
-def _likeliest(state: MotorState) -> tuple[str, float]:
+def _likeliest(state: MotorBelief) -> tuple[str, float]:
     name = max(state.effects, key=lambda each: state.effects[each])
     return name, state.effects[name]
 

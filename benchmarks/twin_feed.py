@@ -20,13 +20,13 @@ from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.monitor import MotorMonitor
-from nxt_twin.twin.motor import Evidence
+from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.records import Event
 from nxt_twin.twin.settings import PACES, Pace
 
 _PACE: Final[dict[Link, Pace]] = {"usb": PACES["usb"], "bluetooth": PACES["bt"]}
 _TICK_S: Final = 1e-3
-Heed = Callable[[Evidence], None]
+Heed = Callable[[ReadingEvidence], None]
 
 
 @final

@@ -21,10 +21,10 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.brick_twin import TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
-from nxt_twin.twin.motor import Evidence
-from nxt_twin.twin.settings import Noise
+from nxt_twin.twin.motor import ReadingEvidence
+from nxt_twin.twin.settings import MotorNoise
 
-_NOISE: Final = Noise(torque_nm=TORQUE_NOISE_NM, torque_time_s=TORQUE_MEMORY_S)
+_NOISE: Final = MotorNoise(torque_nm=TORQUE_NOISE_NM, torque_time_s=TORQUE_MEMORY_S)
 _HALF_A_COUNT: Final = 0.5
 
 
@@ -63,7 +63,7 @@ def _nats_of_stale(
     """What is gained by expecting that a share of the readings is of that age."""
     found: list[float] = []
 
-    def weigh(evidence: Evidence) -> None:
+    def weigh(evidence: ReadingEvidence) -> None:
         believed = evidence.believed
         off = math.radians(evidence.tacho_deg + _HALF_A_COUNT) - believed.predicted
         late = off + evidence.speed * age_s

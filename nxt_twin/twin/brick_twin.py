@@ -12,9 +12,9 @@ from nxt_twin.recording.columns import DriveMode, Port
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.bridge import COAST, Bridge, Hold, firmware_bridge
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
-from nxt_twin.twin.motor import Evidence, MotorTwin
-from nxt_twin.twin.records import MotorState
-from nxt_twin.twin.settings import Noise, Watch
+from nxt_twin.twin.motor import MotorTwin, ReadingEvidence
+from nxt_twin.twin.records import MotorBelief
+from nxt_twin.twin.settings import MotorNoise, Watch
 from nxt_twin.twin.supply import Company, Supply
 
 _SUPPLY_STEP_S = 0.005
@@ -37,7 +37,7 @@ class TwinOptions:
         cells_ohm: the battery's internal resistance; None for that of six alkaline cells.
     """
 
-    noise: Noise = field(default_factory=Noise)
+    noise: MotorNoise = field(default_factory=MotorNoise)
     watch: Watch = field(default_factory=Watch)
     candidates: tuple[str, ...] = DEFAULT_CANDIDATES
     bridge: Bridge = firmware_bridge
@@ -143,7 +143,7 @@ class BrickTwin:
             moment_s = min(to_s, moment_s + _SUPPLY_STEP_S)
             self._batch.advance(moment_s, self._supply.under(self._drawn_a()))
 
-    def read_tacho(self, port: Port, taken_s: float, count: int, taken_std_s: float = 0.0) -> Evidence:
+    def read_tacho(self, port: Port, taken_s: float, count: int, taken_std_s: float = 0.0) -> ReadingEvidence:
         """Compare a count, taken at `taken_s`, and learn from it."""
         self.move(taken_s)
         own_a = self._batch.drawn_a(self._motors[port].row)
@@ -166,7 +166,7 @@ class BrickTwin:
         """Forget all that was learnt of a motor, apart from where it is."""
         self._motors[port].begin_anew(self._batch)
 
-    def state(self, port: Port) -> MotorState:
+    def state(self, port: Port) -> MotorBelief:
         """What is believed of a motor now."""
         return self._motors[port].state(self._batch, *self._commands[port])
 

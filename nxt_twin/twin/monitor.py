@@ -8,7 +8,7 @@ from typing import final
 
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN
-from nxt_twin.twin.motor import Evidence
+from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.records import Event, EventKind
 from nxt_twin.twin.settings import Watch
 from nxt_twin.twin.standstill import Standstill
@@ -57,7 +57,7 @@ class MotorMonitor:
         return self._standstill.trouble
 
     def take(
-        self, time_s: float, evidence: Evidence, power_pct: int, effects: Mapping[str, float]
+        self, time_s: float, evidence: ReadingEvidence, power_pct: int, effects: Mapping[str, float]
     ) -> Iterator[Event]:
         """Take what one reading said, and the probabilities of the effects; yield what is to be said."""
         moving_s = self._moving_s(time_s, evidence.speed)

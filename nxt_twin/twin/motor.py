@@ -14,8 +14,8 @@ from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
 from nxt_twin.twin.estimator import Compared, Weigher
 from nxt_twin.twin.jerk import Drive, Jerks
-from nxt_twin.twin.records import Innovation, MotorState
-from nxt_twin.twin.settings import Noise, Watch
+from nxt_twin.twin.records import Innovation, MotorBelief
+from nxt_twin.twin.settings import MotorNoise, Watch
 from nxt_twin.twin.strand import Strand
 
 _SHARED = 3
@@ -26,7 +26,7 @@ _WEIGH_EVERY_S = 0.03
 """The weighed models take readings no more often: what tells them apart takes longer, and each costs time."""
 
 
-class Evidence(NamedTuple):
+class ReadingEvidence(NamedTuple):
     """What one reading says.
 
     Attributes:
@@ -64,7 +64,7 @@ class MotorTwin:
         self,
         port: Port,
         plant: Plant,
-        noise: Noise,
+        noise: MotorNoise,
         watch: Watch,
         first_row: int,
         ids: Sequence[str],
@@ -149,7 +149,7 @@ class MotorTwin:
         self._jerks.expect(jerk)
         self._weighed_jerks.expect(jerk)
 
-    def read(self, batch: Batch, count: int, taken_std_s: float, stamp_s: float) -> Evidence:
+    def read(self, batch: Batch, count: int, taken_std_s: float, stamp_s: float) -> ReadingEvidence:
         """Compare a count, read at the batch's moment, and learn from it.
 
         Args:
@@ -187,7 +187,7 @@ class MotorTwin:
         speed, torque = float(self._tracking.mean[1]), float(self._tracking.mean[2])
         most = self._watch.most_nats
         nats = min(max(nats, -most), most)
-        return Evidence(innovation, nats, believed, speed, torque, count)
+        return ReadingEvidence(innovation, nats, believed, speed, torque, count)
 
     def _reap(self, batch: Batch, *, weighing: bool) -> None:
         """Take where the rows have got to since they were sown, by which all that take this reading predict it."""
@@ -212,11 +212,11 @@ class MotorTwin:
         self._weigher = self._new_weigher()
         self._probable = None
 
-    def state(self, batch: Batch, power_pct: float, mode: DriveMode) -> MotorState:
+    def state(self, batch: Batch, power_pct: float, mode: DriveMode) -> MotorBelief:
         """What is believed of the motor now."""
         row = batch.state[self.row]
         covariance = self._tracking.estimator.covariance
-        return MotorState(
+        return MotorBelief(
             port=self.port,
             power_pct=power_pct,
             mode=mode,

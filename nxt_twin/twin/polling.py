@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, final
 from firmware_protocol import MotorMode, OutputPort, RunState, SensorMode, SensorType
 from firmware_protocol.ultrasonic import ADDRESS, UltrasonicRegister
 from nxt_twin.brick.brick import Brick
-from nxt_twin.brick.commands.motors import MotorState as BrickMotor
+from nxt_twin.brick.commands.motors import MotorState
 from nxt_twin.brick.errors import CommandRefusedError
 from nxt_twin.brick.stamped import Stamped
 from nxt_twin.recording.columns import DriveMode, Port, Slot
@@ -127,7 +127,7 @@ def tell(brick: Brick, port: Port, power_pct: int, mode: DriveMode) -> Stamped[N
     return brick.motors.drive(output, power_pct, floating=mode == "float")
 
 
-def reported(state: BrickMotor) -> tuple[int, DriveMode]:
+def reported(state: MotorState) -> tuple[int, DriveMode]:
     """What a motor is doing by the brick's own word, for motors that somebody else commands."""
     if not state.mode & MotorMode.ON or state.run_state == RunState.IDLE:
         return 0, "coast"

@@ -63,7 +63,7 @@ class Innovation:
 
 @final
 @dataclass(frozen=True)
-class MotorState:
+class MotorBelief:
     """What the twin believes of one motor after an update.
 
     Attributes:
@@ -108,7 +108,7 @@ class Tick:
     number: int
     sent_s: float
     received_s: float
-    motors: tuple[MotorState, ...]
+    motors: tuple[MotorBelief, ...]
     innovations: tuple[Innovation, ...]
     battery_v: float | None = None
     link_up: bool = True

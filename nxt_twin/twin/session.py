@@ -26,7 +26,7 @@ from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
 from nxt_twin.twin.monitor import MotorMonitor
-from nxt_twin.twin.motor import Evidence
+from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
@@ -239,7 +239,7 @@ class Session:
         row[tacho_column(port)] = float(count)
         return evidence.innovation
 
-    def _watch(self, port: Port, time_s: float, evidence: Evidence, power_pct: int) -> None:
+    def _watch(self, port: Port, time_s: float, evidence: ReadingEvidence, power_pct: int) -> None:
         monitor = self.monitors[port]
         effects = self._twin.motor(port).probabilities
         for event in monitor.take(time_s, evidence, power_pct, effects):

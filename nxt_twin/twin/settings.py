@@ -8,7 +8,7 @@ from typing import final
 
 @final
 @dataclass(frozen=True)
-class Noise:
+class MotorNoise:
     """What is random about a motor whose model holds.
 
     Attributes:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import queue
-import threading
 from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
@@ -41,63 +39,6 @@ class Memory:
 
     def close(self) -> None:
         """Nothing to finish."""
-
-
-@final
-class Aside:
-    """Feeds a slow sink from a thread of its own; what it cannot take in time is dropped, events last.
-
-    Args:
-        sink: the slow one; used by that thread alone.
-        room: how many records may wait.
-        patience_s: how long closing waits for it.
-
-    Attributes:
-        dropped: how many polls it missed.
-    """
-
-    def __init__(self, sink: Sink, room: int = 2000, patience_s: float = 2.0) -> None:
-        self._sink = sink
-        self._waiting: queue.Queue[Tick | Event | None] = queue.Queue(room)
-        self._patience_s = patience_s
-        self.dropped = 0
-        self._thread = threading.Thread(target=self._work, name="sink", daemon=True)
-        self._thread.start()
-
-    def tick(self, tick: Tick) -> None:
-        """Hand a poll over, or drop it."""
-        try:
-            self._waiting.put_nowait(tick)
-        except queue.Full:
-            self.dropped += 1
-
-    def event(self, event: Event) -> None:
-        """Hand an event over, in place of the oldest record if need be."""
-        while True:
-            try:
-                self._waiting.put_nowait(event)
-            except queue.Full:
-                with suppress(queue.Empty):
-                    self._waiting.get_nowait()
-                    self.dropped += 1
-            else:
-                return
-
-    def close(self) -> None:
-        """Let it finish, but not for ever."""
-        with suppress(queue.Full):
-            self._waiting.put(None, timeout=self._patience_s)
-        self._thread.join(self._patience_s)
-
-    def _work(self) -> None:
-        while (record := self._waiting.get()) is not None:
-            with suppress(Exception):  # a sink that fails must not end the session; the next record may do
-                if isinstance(record, Tick):
-                    self._sink.tick(record)
-                else:
-                    self._sink.event(record)
-        with suppress(Exception):
-            self._sink.close()
 
 
 @final

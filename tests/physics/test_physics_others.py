@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from physics_reference import predict
 from physics_samples import commanded, motion, nxt
 
 from nxt_twin.physics.recorded import signals_of
-from nxt_twin.physics.reference import predict
 from nxt_twin.physics.simulate import free_job
 from nxt_twin.physics.start import at_rest
 from nxt_twin.recording.columns import DRIVE_MODES

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from sensors_firmware_scale import firmware_percent
 
 from nxt_twin.sensors import sound
 from nxt_twin.sensors.errors import SensorError
-from nxt_twin.sensors.firmware_scale import firmware_percent
 from nxt_twin.sensors.sound import SoundParameters, SoundTruth
 
 

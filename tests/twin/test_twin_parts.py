@@ -1,7 +1,5 @@
 """Bridges, batches, drivers, standstills, supplies, histories and sinks, each by itself."""
 
-import threading
-
 import numpy as np
 import pytest
 from twin_feed import nxt_motor
@@ -19,7 +17,7 @@ from nxt_twin.twin.history import History
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import Watch
-from nxt_twin.twin.sinks import Aside, Memory, Several
+from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.standstill import Standstill
 from nxt_twin.twin.supply import Supply
 from nxt_twin.twin.tally import LOW_SPEED, Regimes, Tally
@@ -195,34 +193,6 @@ def test_history_gives_a_recording_with_what_the_bridge_did():
 
 def _tick(number):
     return Tick(number, 0.0, 0.0, (), ())
-
-
-def test_a_sink_that_blocks_does_not_hold_the_session_up():
-    free = threading.Event()
-
-    class Slow:
-        def __init__(self):
-            self.seen = []
-
-        def tick(self, tick):
-            free.wait(5.0)
-            self.seen.append(tick.number)
-
-        def event(self, event):
-            self.seen.append(event.kind)
-
-        def close(self):
-            self.seen.append("closed")
-
-    slow = Slow()
-    aside = Aside(slow, room=10)
-    for n in range(100):
-        aside.tick(_tick(n))
-    aside.event(Event(0.0, "stopped", "end"))
-    assert aside.dropped >= 85
-    free.set()
-    aside.close()
-    assert slow.seen[-2:] == ["stopped", "closed"]
 
 
 def test_a_sink_that_fails_is_left_out():

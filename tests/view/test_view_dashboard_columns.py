@@ -9,7 +9,7 @@ import pytest
 from view_ticks import ONSET_S, PORTS, some_ticks
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.twin.records import Innovation, MotorState, Tick
+from nxt_twin.twin.records import Innovation, MotorBelief, Tick
 from nxt_twin.view.dashboard.cloud import HEIGHT, WIDTH, Cloud
 from nxt_twin.view.dashboard.columns import NIS_BOUND, Tabulator, turn_of
 
@@ -97,8 +97,8 @@ def test_a_lost_link_is_seen_and_has_no_latency():
 
 
 def test_the_ghost_goes_on_where_readings_are_missing():
-    def motor(angle_deg: float) -> tuple[MotorState, ...]:
-        return (MotorState("a", 0.0, "coast", angle_deg, 0.0, 0.0, 0.0, 1e-3),)
+    def motor(angle_deg: float) -> tuple[MotorBelief, ...]:
+        return (MotorBelief("a", 0.0, "coast", angle_deg, 0.0, 0.0, 0.0, 1e-3),)
 
     read = Tick(0, 0.0, 0.1, motor(12.0), (Innovation(0.1, "a_tacho_deg", "deg", 11.0, 10.0, 1.0),))
     blind = Tick(1, 0.2, 0.2, motor(15.0), (), link_up=False)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from view_ticks import some_events, some_ticks
 
-from nxt_twin.twin.records import Innovation, MotorState, Tick
+from nxt_twin.twin.records import Innovation, MotorBelief, Tick
 from nxt_twin.view.dashboard.job import Job, job_of
 from nxt_twin.view.dashboard.wire import read, written
 
@@ -29,7 +29,7 @@ def test_events_and_losses_come_back():
 
 def test_what_is_not_finite_and_read_only_mappings_are_carried_too():
     effects = MappingProxyType({"nothing": 1.0})
-    motor = MotorState("b", 0.0, "coast", float("inf"), float("-inf"), 0.0, 0.0, 0.0, effects)
+    motor = MotorBelief("b", 0.0, "coast", float("inf"), float("-inf"), 0.0, 0.0, 0.0, effects)
     back = read(written(Tick(3, 1.0, 1.1, (motor,), (), link_up=False)))
     assert isinstance(back, Tick)
     assert back.motors == (motor,)

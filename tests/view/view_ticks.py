@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from nxt_twin.recording.columns import Port
-from nxt_twin.twin.records import Event, Innovation, MotorState, Tick
+from nxt_twin.twin.records import Event, Innovation, MotorBelief, Tick
 
 POLL_S = 0.02
 ONSET_S = 6.0
@@ -67,12 +67,12 @@ def _reading(
     return Innovation(time_s, channel, unit, measured, model, std**2, accepted=measured != 255.0)
 
 
-def _motor(port: Port, time_s: float, random: np.random.Generator) -> MotorState:
+def _motor(port: Port, time_s: float, random: np.random.Generator) -> MotorBelief:
     angle, speed = _motion(port, time_s)
     dragged = port == "a" and time_s > ONSET_S
     torque = (-3e-5 * speed if dragged else 0.0) + random.normal(0.0, 1.5e-3)
     sure = 1 / (1 + math.exp(-(time_s - ONSET_S - 1.5) * 3)) if port == "a" else 0.02
-    return MotorState(
+    return MotorBelief(
         port=port,
         power_pct=60.0 if math.sin(time_s) > 0 else -60.0,
         mode="drive",

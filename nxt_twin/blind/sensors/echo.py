@@ -64,11 +64,6 @@ def speed_of_sound_m_per_s(temperature_c: float) -> float:
     return float(np.sqrt(_ADIABATIC * _GAS_J_PER_MOL_K * (temperature_c + 273.15) / _AIR_KG_PER_MOL))
 
 
-def widest_deg(echo: Echo) -> float:
-    """The incidence at which half of the echoes at the best distance fall below the threshold, deg."""
-    return 10.0 * float(np.sqrt((echo.margin_db or 0.0) / echo.turning_db))
-
-
 def readings_cm(
     echo: Echo, time_s: FloatArray, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator
 ) -> FloatArray:

@@ -40,7 +40,7 @@ class Commands:
 
 @final
 @dataclass(frozen=True)
-class Run:
+class TrueRun:
     """What came of the commands; arrays have shape (rows,).
 
     Attributes:
@@ -56,7 +56,7 @@ class Run:
     terminal_v: FloatArray
 
 
-def true_run(motor: Motor, sensing: Sensing, commands: Commands) -> Run:
+def true_run(motor: Motor, sensing: Sensing, commands: Commands) -> TrueRun:
     """Simulate one recording without its quantisation and noise."""
     read_s = commands.read_s
     issued_s = read_s + sensing.lag_s(read_s)
@@ -78,7 +78,7 @@ def true_run(motor: Motor, sensing: Sensing, commands: Commands) -> Run:
     last_refresh = refresh_s[np.searchsorted(refresh_s, read_s, side="right") - 1]
     hub_deg = np.rad2deg(states[at_read, integrator.THETA])
     miscount_deg = np.rad2deg(states[at_read, integrator.MISCOUNT])
-    return Run(
+    return TrueRun(
         stamp_s=np.round((1.0 + sensing.rate_error) * issued_s, 6),
         hub_deg=hub_deg,
         encoder_deg=sensing.encoder_deg(hub_deg, miscount_deg),

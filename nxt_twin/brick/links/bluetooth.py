@@ -17,7 +17,6 @@ from nxt_twin.brick.url import bluetooth_address
 CONNECT_TIMEOUT_S: Final = 15.0
 """The radio looks for a brick for ten seconds before it gives up."""
 
-_NO_BLUETOOTH: Final = (errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT, errno.ESOCKTNOSUPPORT)
 _NO_ADAPTER: Final = (errno.ENODEV, errno.ENETDOWN, errno.EHOSTUNREACH, errno.ENETUNREACH)
 _NOT_PAIRED: Final = (errno.EACCES, errno.EPERM, errno.EBADE, errno.ECONNREFUSED)
 

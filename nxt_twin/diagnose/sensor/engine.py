@@ -21,15 +21,16 @@ from nxt_twin.diagnose.diagnosis import (
     NextExperiment,
     Verdict,
 )
+from nxt_twin.diagnose.search.explain import probability
 from nxt_twin.diagnose.sensor import words
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
-from nxt_twin.diagnose.sensor.explain import RIVAL_NATS, Explanation, explain, probability
+from nxt_twin.diagnose.sensor.explain import RIVAL_NATS, SensorExplanation, explain
 from nxt_twin.diagnose.sensor.judge import held_out_runs, noise_floor, overall
 from nxt_twin.diagnose.sensor.leftover import Left, regimes_of, spells_of, what_is_left
 from nxt_twin.diagnose.sensor.light_problem import LightProblem
-from nxt_twin.diagnose.sensor.problem import Problem, standard_errors
+from nxt_twin.diagnose.sensor.problem import SensorProblem, standard_errors
 from nxt_twin.diagnose.sensor.runs import KINDS, channel_of, runs_of, truth_column, unit_of
-from nxt_twin.diagnose.sensor.structure import Structure, Workshop
+from nxt_twin.diagnose.sensor.structure import SensorFitter, SensorStructure
 from nxt_twin.diagnose.sensor.touch_problem import TouchProblem
 from nxt_twin.diagnose.sensor.ultrasonic_problem import UltrasonicProblem
 from nxt_twin.errors import DiagnosisError
@@ -86,10 +87,10 @@ class _Evidence:
 
     case: Case
     kind: str
-    workshop: Workshop
-    ideal: Structure
-    final: Structure
-    explanation: Explanation
+    fitter: SensorFitter
+    ideal: SensorStructure
+    final: SensorStructure
+    explanation: SensorExplanation
     left: tuple[Left, ...]
     runs: tuple[HeldOutRun, ...]
     ignored: tuple[str, ...]
@@ -114,28 +115,28 @@ def diagnose_sensor(case: Case, *, seed: int = 0, progress: Progress = lambda _:
         SensorError: the baseline is no sensor.
     """
     problem, ignored = problem_of(case)
-    workshop = Workshop(problem, seed)
+    fitter = SensorFitter(problem, seed)
     progress("re-fitting the ideal sensor")
-    ideal = workshop.baseline()
-    explanation = explain(workshop, ideal, progress)
+    ideal = fitter.baseline()
+    explanation = explain(fitter, ideal, progress)
     progress("judging on what was held out")
-    ideal, final = workshop.on_everything(ideal), explanation.best
+    ideal, final = fitter.on_everything(ideal), explanation.best
     evidence = _Evidence(
         case=case,
         kind=sensor_kind(case),
-        workshop=workshop,
+        fitter=fitter,
         ideal=ideal,
         final=final,
         explanation=explanation,
-        left=tuple(what_is_left(problem, _known(workshop, final))),
-        runs=held_out_runs(workshop, ideal, final),
+        left=tuple(what_is_left(problem, _known(fitter, final))),
+        runs=held_out_runs(fitter, ideal, final),
         ignored=ignored,
         seed=seed,
     )
     return SensorAnswer(_diagnosis(evidence), SensorModel(problem.to_config(final.values, final.ids)))
 
 
-def problem_of(case: Case) -> tuple[Problem, tuple[str, ...]]:
+def problem_of(case: Case) -> tuple[SensorProblem, tuple[str, ...]]:
     """A sensor case made ready, and the keys of its baseline that this tool does not know.
 
     Raises:
@@ -173,13 +174,13 @@ def _named_kind(case: Case) -> object:
     return load_plant_config(case.plant).get("kind") if isinstance(case.plant, str) else None
 
 
-def _known(workshop: Workshop, structure: Structure) -> Any:  # noqa: ANN401  # float array
+def _known(fitter: SensorFitter, structure: SensorStructure) -> Any:  # noqa: ANN401  # float array
     """The residuals of everything that is not held out; NaN elsewhere."""
-    return np.where(workshop.split.known, workshop.scores(structure.values), np.nan)
+    return np.where(fitter.split.known, fitter.scores(structure.values), np.nan)
 
 
 def _diagnosis(evidence: _Evidence) -> Diagnosis:
-    problem = evidence.workshop.problem
+    problem = evidence.fitter.problem
     verdict = _verdict(evidence)
     effects = tuple(_found_effects(evidence))
     fit = Fit(
@@ -187,7 +188,7 @@ def _diagnosis(evidence: _Evidence) -> Diagnosis:
         unit=problem.unit,
         baseline=overall(evidence.runs, lambda run: run.baseline),
         improved=overall(evidence.runs, lambda run: run.improved),
-        floor=noise_floor(evidence.workshop, evidence.final, evidence.seed),
+        floor=noise_floor(evidence.fitter, evidence.final, evidence.seed),
     )
     structured = [left for left in evidence.left if _is_structured(left)]
     learns = any(run.held_out for run in problem.runs) and any("@" in name for name in evidence.final.names)
@@ -221,7 +222,7 @@ def _verdict(evidence: _Evidence) -> Verdict:
     if not structured:
         return "explained"
     most = max(structured, key=lambda left: left.nats)
-    if most.along.removeprefix("spread of ") in evidence.workshop.problem.untouched:
+    if most.along.removeprefix("spread of ") in evidence.fitter.problem.untouched:
         return "unexplained"
     allowed = MOST_LEFT_IF_LARGE if most.size > LARGE_SIZE else MOST_LEFT
     return "unexplained" if most.nats > allowed * (most.nats + _gained(evidence)) else "explained"
@@ -229,8 +230,8 @@ def _verdict(evidence: _Evidence) -> Verdict:
 
 def _gained(evidence: _Evidence) -> float:
     """What the effects together gain, nats."""
-    each = [evidence.workshop.problem.log_each(s.values) for s in (evidence.final, evidence.ideal)]
-    return float(np.sum((each[0] - each[1])[evidence.workshop.split.known]))
+    each = [evidence.fitter.problem.log_each(s.values) for s in (evidence.final, evidence.ideal)]
+    return float(np.sum((each[0] - each[1])[evidence.fitter.split.known]))
 
 
 def _is_structured(left: Left) -> bool:
@@ -248,7 +249,7 @@ def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
                 id=effect.id,
                 name=effect.name,
                 equation=effect.equation,
-                params=_estimates(evidence.workshop, effect, final),
+                params=_estimates(evidence.fitter, effect, final),
                 probability=probability(0.0, behind),
                 confusable_with=tuple(
                     Confusion(rival.effect.id, words.why_confusable(effect, rival.effect, rival.behind))
@@ -260,17 +261,17 @@ def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
     return found
 
 
-def _estimates(workshop: Workshop, effect: SensorEffect, final: Structure) -> dict[str, Estimate]:
+def _estimates(fitter: SensorFitter, effect: SensorEffect, final: SensorStructure) -> dict[str, Estimate]:
     """The effect's parameters; where several laws would do, their mean, with the laws' disagreement in the doubt."""
     if effect.stepped:
-        walked, covariance = workshop.wandered(final)
-        return workshop.problem.estimates(effect, walked, final.names, covariance)
-    structures = [workshop.under_law(final, law) for law in effect.laws] or [(final, 0.0)]
+        walked, covariance = fitter.wandered(final)
+        return fitter.problem.estimates(effect, walked, final.names, covariance)
+    structures = [fitter.under_law(final, law) for law in effect.laws] or [(final, 0.0)]
     most = max(nats for _, nats in structures)
     weights = np.exp(np.array([nats - most for _, nats in structures]))
     weights /= weights.sum()
     each = [
-        workshop.problem.estimates(effect, structure.values, structure.names, workshop.covariance(structure))
+        fitter.problem.estimates(effect, structure.values, structure.names, fitter.covariance(structure))
         for structure, _ in structures
     ]
     averaged = {}
@@ -284,9 +285,9 @@ def _estimates(workshop: Workshop, effect: SensorEffect, final: Structure) -> di
 
 def _refit(evidence: _Evidence) -> dict[str, Moved]:
     """The ideal sensor's own parameters, from where they were given to where the final fit has them."""
-    final, workshop = evidence.final, evidence.workshop
-    stds = standard_errors(final.names, workshop.covariance(final))
-    start = workshop.problem.base_start()
+    final, fitter = evidence.final, evidence.fitter
+    stds = standard_errors(final.names, fitter.covariance(final))
+    start = fitter.problem.base_start()
     given = _given(evidence.case)
     return {
         part.name: Moved(
@@ -295,7 +296,7 @@ def _refit(evidence: _Evidence) -> dict[str, Moved]:
             stds[part.name],
             unit_of(part.name),
         )
-        for part in workshop.problem.base()
+        for part in fitter.problem.base()
         if part.name in stds
     }
 
@@ -306,15 +307,15 @@ def _given(case: Case) -> Mapping[str, Any]:
 
 def _mismatch(evidence: _Evidence, verdict: Verdict) -> Mismatch:
     """When and in which regime the re-fitted ideal sensor fails, measured by the noise of the improved one."""
-    problem = evidence.workshop.problem
+    problem = evidence.fitter.problem
     if verdict == "adequate":
         return Mismatch(problem.channel, (), (), None)
     noise = {name: value for name, value in evidence.final.values.items() if "noise" in name}
-    scores = evidence.workshop.scores({**evidence.ideal.values, **noise, **_off_noise(problem)})
+    scores = evidence.fitter.scores({**evidence.ideal.values, **noise, **_off_noise(problem)})
     return Mismatch(problem.channel, spells_of(problem, scores), regimes_of(problem, scores), "measurement")
 
 
-def _off_noise(problem: Problem) -> dict[str, float]:
+def _off_noise(problem: SensorProblem) -> dict[str, float]:
     """The values that switch off effects which are noise themselves."""
     fields_off = [problem.off(effect) for effect in problem.effects]
     return {name: value for off in fields_off for name, value in off.items() if "noise" in name}
@@ -325,9 +326,7 @@ def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
     rivals = [rival for near in evidence.explanation.rivals.values() for rival in near]
     listed = []
     for rival in sorted(rivals, key=lambda rival: rival.behind)[:3]:
-        runs = held_out_runs(
-            evidence.workshop, evidence.ideal, evidence.workshop.on_everything(rival.structure)
-        )
+        runs = held_out_runs(evidence.fitter, evidence.ideal, evidence.fitter.on_everything(rival.structure))
         behind = [0.0, *(other.behind for other in rivals if other is not rival)]
         error = overall(runs, lambda run: run.improved)
         listed.append(Alternative(rival.effect.id, probability(rival.behind, behind), error))

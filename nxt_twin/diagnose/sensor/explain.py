@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, log
+from math import log
 from typing import final
 
 import numpy as np
 
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
-from nxt_twin.diagnose.sensor.structure import Structure, Workshop
+from nxt_twin.diagnose.sensor.structure import SensorFitter, SensorStructure
 
 NEEDED_NATS = 6.0
 """What an effect must gain beyond its parameters' share (half a BIC) to come in, and to stay."""
@@ -31,17 +31,17 @@ _FAR_BEHIND_NATS = 60.0
 
 @final
 @dataclass(frozen=True)
-class Rival:
+class SensorRival:
     """An effect in another's place, and by how many nats it is behind."""
 
     effect: SensorEffect
-    structure: Structure
+    structure: SensorStructure
     behind: float
 
 
 @final
 @dataclass(frozen=True)
-class Explanation:
+class SensorExplanation:
     """What the search found.
 
     Attributes:
@@ -51,17 +51,19 @@ class Explanation:
         refused: the effect that came nearest where none was found, with its gain.
     """
 
-    best: Structure
+    best: SensorStructure
     gained: dict[str, float]
-    rivals: dict[str, tuple[Rival, ...]]
+    rivals: dict[str, tuple[SensorRival, ...]]
     refused: tuple[SensorEffect, float] | None
 
 
-def explain(workshop: Workshop, baseline: Structure, progress: Callable[[str], None]) -> Explanation:
+def explain(
+    fitter: SensorFitter, baseline: SensorStructure, progress: Callable[[str], None]
+) -> SensorExplanation:
     """Add effects while they pay, then drop those that no longer do, then look for rivals."""
     best, refused = baseline, None
     while len(best.active) < _MOST_EFFECTS:
-        tried = list(_tried(workshop, best, progress))
+        tried = list(_tried(fitter, best, progress))
         passing = [(gain, other) for gain, other in tried if _pays(best, other, gain)]
         if not passing:
             if not best.active and tried:
@@ -69,45 +71,45 @@ def explain(workshop: Workshop, baseline: Structure, progress: Callable[[str], N
                 refused = (other.active[-1], gain)
             break
         best = max(passing, key=lambda each: each[0])[1]
-    best, gained = _pruned(workshop, best)
-    rivals = {effect.id: _rivals(workshop, best, effect) for effect in best.active}
-    return Explanation(workshop.on_everything(best), gained, rivals, refused)
+    best, gained = _pruned(fitter, best)
+    rivals = {effect.id: _rivals(fitter, best, effect) for effect in best.active}
+    return SensorExplanation(fitter.on_everything(best), gained, rivals, refused)
 
 
 def _tried(
-    workshop: Workshop, best: Structure, progress: Callable[[str], None]
-) -> list[tuple[float, Structure]]:
+    fitter: SensorFitter, best: SensorStructure, progress: Callable[[str], None]
+) -> list[tuple[float, SensorStructure]]:
     found = []
-    for effect in workshop.problem.effects:
+    for effect in fitter.problem.effects:
         if effect.id in best.ids:
             continue
         progress(f"trying {effect.name}")
-        other = workshop.with_effect(best, effect, best.fit_nats + _PROMISING_NATS)
+        other = fitter.with_effect(best, effect, best.fit_nats + _PROMISING_NATS)
         if other is not None:
-            found.append((_gain(workshop, best, other), other))
+            found.append((_gain(fitter, best, other), other))
     return found
 
 
-def _gain(workshop: Workshop, fewer: Structure, more: Structure) -> float:
+def _gain(fitter: SensorFitter, fewer: SensorStructure, more: SensorStructure) -> float:
     """What `more` gains beyond the share of its parameters and of where they were looked for, nats."""
     nats = more.fit_nats - fewer.fit_nats + more.check_nats - fewer.check_nats
-    count = int(np.count_nonzero(workshop.split.known))
+    count = int(np.count_nonzero(fitter.split.known))
     share = 0.5 * (len(more.names) - len(fewer.names)) * log(max(count, 2))
     looked = sum(effect.prior_nats for effect in more.active) - sum(e.prior_nats for e in fewer.active)
     return nats * more.independent - share - looked
 
 
-def _pays(fewer: Structure, more: Structure, gain: float) -> bool:
+def _pays(fewer: SensorStructure, more: SensorStructure, gain: float) -> bool:
     checked = more.check_nats - fewer.check_nats
     bears_it_out = checked > _CHECK_NATS or (checked > -_CHECK_NATS and gain > _OBVIOUS_NATS)
     return gain > NEEDED_NATS and bears_it_out
 
 
-def _pruned(workshop: Workshop, best: Structure) -> tuple[Structure, dict[str, float]]:
+def _pruned(fitter: SensorFitter, best: SensorStructure) -> tuple[SensorStructure, dict[str, float]]:
     """The structure without effects that do not pay once the others are in, and what each of the rest gains."""
     while best.active:
-        rest = [(effect, workshop.without(best, effect)) for effect in best.active]
-        gains = {effect.id: _gain(workshop, fewer, best) for effect, fewer in rest}
+        rest = [(effect, fitter.without(best, effect)) for effect in best.active]
+        gains = {effect.id: _gain(fitter, fewer, best) for effect, fewer in rest}
         worst, fewer = min(rest, key=lambda each: gains[each[0].id])
         if gains[worst.id] > NEEDED_NATS:
             return best, gains
@@ -115,21 +117,14 @@ def _pruned(workshop: Workshop, best: Structure) -> tuple[Structure, dict[str, f
     return best, {}
 
 
-def _rivals(workshop: Workshop, best: Structure, effect: SensorEffect) -> tuple[Rival, ...]:
-    fewer = workshop.without(best, effect)
-    own = _gain(workshop, fewer, best)
+def _rivals(fitter: SensorFitter, best: SensorStructure, effect: SensorEffect) -> tuple[SensorRival, ...]:
+    fewer = fitter.without(best, effect)
+    own = _gain(fitter, fewer, best)
     found = []
-    for other in workshop.problem.effects:
+    for other in fitter.problem.effects:
         if other.id in best.ids:
             continue
-        changed = workshop.with_effect(fewer, other, best.fit_nats - _FAR_BEHIND_NATS)
+        changed = fitter.with_effect(fewer, other, best.fit_nats - _FAR_BEHIND_NATS)
         if changed is not None:
-            found.append(Rival(other, changed, own - _gain(workshop, fewer, changed)))
+            found.append(SensorRival(other, changed, own - _gain(fitter, fewer, changed)))
     return tuple(sorted(found, key=lambda rival: rival.behind))
-
-
-def probability(behind: float, all_behind: list[float]) -> float:
-    """The share of one structure among several, by their nats."""
-    least = min([behind, *all_behind])
-    own = exp(-min(behind - least, 700.0))
-    return own / (own + sum(exp(-min(other - least, 700.0)) for other in all_behind))

@@ -11,7 +11,7 @@ import numpy as np
 from nxt_twin.diagnose.sensor.engine import problem_of, sensor_kind
 from nxt_twin.diagnose.sensor.problem import standard_errors
 from nxt_twin.diagnose.sensor.runs import channel_of, has_truth, unit_of
-from nxt_twin.diagnose.sensor.structure import Workshop
+from nxt_twin.diagnose.sensor.structure import SensorFitter
 from nxt_twin.recording.case import Case
 from nxt_twin.sensors.sampling import sampling_of
 from nxt_twin.sensors.ultrasonic import NO_ECHO, UltrasonicParameters
@@ -46,9 +46,9 @@ def fit_sensor(case: Case) -> SensorFit:
     if not has_truth(case, sensor_kind(case)):
         return _without_truth(case)
     problem, _ = problem_of(case)
-    workshop = Workshop(problem, 0)
-    fitted = workshop.on_everything(workshop.baseline())
-    stds = standard_errors(fitted.names, workshop.covariance(fitted))
+    fitter = SensorFitter(problem, 0)
+    fitted = fitter.on_everything(fitter.baseline())
+    stds = standard_errors(fitted.names, fitter.covariance(fitted))
     values = [FittedValue(name, fitted.values[name], stds[name], unit_of(name)) for name in fitted.names]
     return SensorFit(tuple(values), problem.to_config(fitted.values, frozenset()))
 

@@ -10,19 +10,21 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.diagnose.sensor.problem import Mask, Values
-from nxt_twin.diagnose.sensor.structure import Structure, Workshop
+from nxt_twin.diagnose.sensor.structure import SensorFitter, SensorStructure
 
 _LEARNT_SHARE: Final = 0.2
 _DRAWS: Final = 8
 
 
-def held_out_runs(workshop: Workshop, baseline: Structure, final: Structure) -> tuple[HeldOutRun, ...]:
+def held_out_runs(
+    fitter: SensorFitter, baseline: SensorStructure, final: SensorStructure
+) -> tuple[HeldOutRun, ...]:
     """The held-out readings of each recording beside what the two structures expect there.
 
     A recording that is held out whole brings room light and mains phase of its own. A structure that has these
     learns them from the recording's first fifth, which then does not count.
     """
-    problem, split = workshop.problem, workshop.split
+    problem, split = fitter.problem, fitter.split
     found = []
     for index, run in enumerate(problem.runs):
         items = split.held_out & (problem.item_run == index)
@@ -32,7 +34,7 @@ def held_out_runs(workshop: Workshop, baseline: Structure, final: Structure) -> 
         learnt, judged = _divided(items) if learns else (np.zeros_like(items), items)
         rows = problem.rows_of_items(index, judged)
         guess = [
-            problem.predict(_values_for(workshop, structure, index, learnt), index)[rows]
+            problem.predict(_values_for(fitter, structure, index, learnt), index)[rows]
             for structure in (baseline, final)
         ]
         measured = run.readings[rows]
@@ -58,11 +60,11 @@ def overall(runs: Sequence[HeldOutRun], which: Callable[[HeldOutRun], FloatArray
     return _rms(np.concatenate([run.measured - which(run) for run in runs])) if runs else float("nan")
 
 
-def noise_floor(workshop: Workshop, final: Structure, seed: int) -> float:
+def noise_floor(fitter: SensorFitter, final: SensorStructure, seed: int) -> float:
     """The error that readings drawn from the final model itself show against its expectation."""
-    problem, rng, errors = workshop.problem, np.random.default_rng(seed), []
+    problem, rng, errors = fitter.problem, np.random.default_rng(seed), []
     for index in range(len(problem.runs)):
-        rows = problem.rows_of_items(index, workshop.split.held_out)
+        rows = problem.rows_of_items(index, fitter.split.held_out)
         if not rows.any():
             continue
         expected = problem.predict(final.values, index)
@@ -79,8 +81,8 @@ def _divided(items: Mask) -> tuple[Mask, Mask]:
     return learnt, items & ~learnt
 
 
-def _values_for(workshop: Workshop, structure: Structure, run: int, learnt: Mask) -> Values:
-    return workshop.learn_run(structure, run, learnt) if learnt.any() else structure.values
+def _values_for(fitter: SensorFitter, structure: SensorStructure, run: int, learnt: Mask) -> Values:
+    return fitter.learn_run(structure, run, learnt) if learnt.any() else structure.values
 
 
 def _is_run_bound(name: str) -> bool:

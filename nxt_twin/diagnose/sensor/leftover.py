@@ -14,7 +14,7 @@ from scipy.special import chdtrc
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
-from nxt_twin.diagnose.sensor.problem import Problem
+from nxt_twin.diagnose.sensor.problem import SensorProblem
 
 _BINS = 12
 _LEAST_IN_BIN = 5
@@ -44,7 +44,7 @@ class Left:
     p_value: float
 
 
-def what_is_left(problem: Problem, scores: FloatArray) -> list[Left]:
+def what_is_left(problem: SensorProblem, scores: FloatArray) -> list[Left]:
     """What is left along every covariate, most first."""
     clipped = np.clip(scores, -_CLIP, _CLIP)
     spread = (clipped**2 - 1.0) / np.sqrt(2.0)
@@ -85,7 +85,7 @@ def _far_out(count: int, of: int) -> Left:
     return Left("readings far out", nats, float(count / max(of, 1)) * _CLIP, float(np.exp(-nats)))
 
 
-def regimes_of(problem: Problem, scores: FloatArray) -> tuple[RegimeFinding, ...]:
+def regimes_of(problem: SensorProblem, scores: FloatArray) -> tuple[RegimeFinding, ...]:
     """How far mean and scatter of the residuals in each regime are from noise, strongest first."""
     found = []
     for name, inside in problem.regimes.items():
@@ -97,7 +97,7 @@ def regimes_of(problem: Problem, scores: FloatArray) -> tuple[RegimeFinding, ...
     return tuple(sorted(found, key=lambda finding: -finding.strength))
 
 
-def spells_of(problem: Problem, scores: FloatArray) -> tuple[Spell, ...]:
+def spells_of(problem: SensorProblem, scores: FloatArray) -> tuple[Spell, ...]:
     """The stretches of time whose residuals are far from noise, strongest first."""
     found = []
     for index, run in enumerate(problem.runs):

@@ -17,7 +17,7 @@ from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.light_effects import AMBIENT_OFFSET, EFFECTS, FLICKER, SATURATION
 from nxt_twin.diagnose.sensor.periods import MAINS_HZ, likeliest_frequencies
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates, standard_errors
-from nxt_twin.diagnose.sensor.runs import Run
+from nxt_twin.diagnose.sensor.runs import SensorRun
 from nxt_twin.sensors.converter import HIGHEST_RAW, interval_of
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.intervals import interval_probability
@@ -53,7 +53,7 @@ class LightProblem:
     unit = "raw"
     truth = _POSITION
 
-    def __init__(self, runs: tuple[Run, ...], channel: str, given: LightParameters) -> None:
+    def __init__(self, runs: tuple[SensorRun, ...], channel: str, given: LightParameters) -> None:
         self.runs, self.channel, self._given = runs, channel, given
         sizes = [run.readings.size for run in runs]
         self.item_run = np.repeat(np.arange(len(runs)), sizes)
@@ -237,10 +237,6 @@ class LightProblem:
         own = [name for name in names if name.startswith(_AMBIENT)]
         farthest = max(own, key=lambda name: abs(values[name]))
         return {"offset_raw": Estimate(values[farthest], stds[farthest], "")}
-
-    def ambient_of_runs(self, values: Values) -> dict[str, float]:
-        """Each recording's room light, counted from the first's."""
-        return {run.name: values[f"{_AMBIENT}{index}"] for index, run in enumerate(self.runs)}
 
     def to_config(self, values: Values, active: frozenset[str]) -> dict[str, Any]:
         """The sensor's own keys; of the room light and of the phase those of the last recording fitted."""

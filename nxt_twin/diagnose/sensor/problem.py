@@ -17,7 +17,7 @@ from numpy.random import Generator
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
-from nxt_twin.diagnose.sensor.runs import Run
+from nxt_twin.diagnose.sensor.runs import SensorRun
 from nxt_twin.sensors.fitting import Free
 
 Values = Mapping[str, float]
@@ -30,11 +30,11 @@ _HELD_OUT_BLOCK = 2
 _CHECK_BLOCK = 4
 
 
-class Problem(Protocol):
+class SensorProblem(Protocol):
     """A sensor case made ready."""
 
     @property
-    def runs(self) -> tuple[Run, ...]:
+    def runs(self) -> tuple[SensorRun, ...]:
         """The recordings."""
 
     @property
@@ -133,7 +133,7 @@ class Split:
         return ~self.held_out
 
 
-def split_of(problem: Problem) -> Split:
+def split_of(problem: SensorProblem) -> Split:
     """Hold out what the case says; else blocks of items all over the recordings, and others to check with.
 
     The blocks are short, so that a narrow range of the truth has its share of each kind.

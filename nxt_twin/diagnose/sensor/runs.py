@@ -36,7 +36,7 @@ _FEWEST_READINGS: Final = 12
 
 @final
 @dataclass(frozen=True)
-class Run:
+class SensorRun:
     """One recording's readings of the sensor, with the truth at each; arrays of shape (readings,).
 
     Attributes:
@@ -98,7 +98,7 @@ def unit_of(name: str) -> str:
     return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
 
 
-def runs_of(case: Case, kind: str) -> tuple[Run, ...]:
+def runs_of(case: Case, kind: str) -> tuple[SensorRun, ...]:
     """The case's recordings as runs; rows without a reading go, truths between rows are interpolated.
 
     Raises:
@@ -113,14 +113,14 @@ def runs_of(case: Case, kind: str) -> tuple[Run, ...]:
     return tuple(runs)
 
 
-def _run(recording: Recording, channel: str, truth: str, *, held_out: bool) -> Run:
+def _run(recording: Recording, channel: str, truth: str, *, held_out: bool) -> SensorRun:
     columns, time_s = recording.columns, recording.time_s
     rows = np.flatnonzero(np.isfinite(columns[channel]))
     truths = {truth: filled(time_s, columns[truth])[rows]}
     for name in _BESIDE:
         if name in columns and np.isfinite(columns[name]).any():
             truths[name] = filled(time_s, columns[name])[rows]
-    return Run(recording.name, time_s[rows], columns[channel][rows], truths, held_out)
+    return SensorRun(recording.name, time_s[rows], columns[channel][rows], truths, held_out)
 
 
 def filled(time_s: FloatArray, values: FloatArray) -> FloatArray:

@@ -56,7 +56,7 @@ def is_sensor_model(config: Mapping[str, Any]) -> bool:
 
 
 def expected_readings(config: Mapping[str, Any], recording: Recording) -> ExpectedReadings:
-    """Run a sensor model over the true values of a recording.
+    """SensorRun a sensor model over the true values of a recording.
 
     Args:
         config: the model's keys.

@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
-from nxt_twin.diagnose.sensor.problem import Mask, Problem, Split, Values, split_of
+from nxt_twin.diagnose.sensor.problem import Mask, SensorProblem, Split, Values, split_of
 from nxt_twin.diagnose.sensor.wander import wander
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
 
@@ -22,7 +22,7 @@ _MOST_CORRELATED = 0.9
 
 @final
 @dataclass(frozen=True)
-class Structure:
+class SensorStructure:
     """Effects and values, fitted.
 
     Attributes:
@@ -47,7 +47,7 @@ class Structure:
 
 
 @final
-class Workshop:
+class SensorFitter:
     """Fits structures of one problem.
 
     Args:
@@ -55,7 +55,7 @@ class Workshop:
         seed: of the tie-breaking in the residuals.
     """
 
-    def __init__(self, problem: Problem, seed: int) -> None:
+    def __init__(self, problem: SensorProblem, seed: int) -> None:
         self.problem = problem
         self._seed = seed
 
@@ -64,13 +64,13 @@ class Workshop:
         """What is fitted, what checks, what is held out."""
         return split_of(self.problem)
 
-    def baseline(self) -> Structure:
+    def baseline(self) -> SensorStructure:
         """The ideal sensor, re-fitted."""
         return self._finished((), self._fitted((), [self.problem.base_start()], self.split.fit))
 
     def with_effect(
-        self, structure: Structure, effect: SensorEffect, worth_nats: float = -np.inf
-    ) -> Structure | None:
+        self, structure: SensorStructure, effect: SensorEffect, worth_nats: float = -np.inf
+    ) -> SensorStructure | None:
         """The structure with one more effect; None if the data give no place to begin.
 
         Where gradient steps from the best starts do not bring the fitted items above `worth_nats`, they are left
@@ -83,26 +83,26 @@ class Workshop:
         starts = [{**structure.values, **start} for start in begin]
         return self._finished(active, self._fitted(active, starts, self.split.fit, worth_nats))
 
-    def without(self, structure: Structure, effect: SensorEffect) -> Structure:
+    def without(self, structure: SensorStructure, effect: SensorEffect) -> SensorStructure:
         """The structure without one of its effects, fitted anew."""
         active = tuple(other for other in structure.active if other.id != effect.id)
         noise = {name: value for name, value in self.problem.base_start().items() if "noise" in name}
         off = {**structure.values, **self.problem.off(effect)}
         return self._finished(active, self._fitted(active, [off, {**off, **noise}], self.split.fit))
 
-    def on_everything(self, structure: Structure) -> Structure:
+    def on_everything(self, structure: SensorStructure) -> SensorStructure:
         """The same structure fitted on all that is not held out."""
         values = self._fitted(structure.active, [structure.values], self.split.known)
         return self._finished(structure.active, values)
 
-    def under_law(self, structure: Structure, law: Values) -> tuple[Structure, float]:
+    def under_law(self, structure: SensorStructure, law: Values) -> tuple[SensorStructure, float]:
         """The structure under another of an effect's laws, and its nats on all that is not held out."""
         free = self._free(structure.active)
         values = self._best(free, [{**structure.values, **law}], self.split.known)
         nats = self._nats(values, free, np.array([values[part.name] for part in free]), self.split.known)
         return self._finished(structure.active, values), nats
 
-    def wandered(self, structure: Structure) -> tuple[Values, FloatArray]:
+    def wandered(self, structure: SensorStructure) -> tuple[Values, FloatArray]:
         """The mean of all likely values, and the covariance of the fitted ones, from a random walk among them."""
         free = self._free(structure.active)
         best = np.array([structure.values[part.name] for part in free])
@@ -114,14 +114,14 @@ class Workshop:
         mean, covariance = wander(objective, best, self.covariance(structure), free, rng)
         return _moved(structure.values, free, mean), covariance
 
-    def covariance(self, structure: Structure) -> FloatArray:
+    def covariance(self, structure: SensorStructure) -> FloatArray:
         """Of the fitted values on all that is not held out; shape (names, names)."""
         free = self._free(structure.active)
         x = np.array([structure.values[part.name] for part in free])
         plain = covariance_at(lambda y: self._nats(structure.values, free, y, self.split.known), x, free)
         return plain / structure.independent
 
-    def learn_run(self, structure: Structure, run: int, items: Mask) -> Values:
+    def learn_run(self, structure: SensorStructure, run: int, items: Mask) -> Values:
         """The values with what belongs to one run taken from `items` of it, all else left alone."""
         own = self.problem.run_bound(run)
         templates = [part for effect in structure.active for part in self.problem.free(effect)]
@@ -190,10 +190,10 @@ class Workshop:
         base = [part for part in self.problem.base() if part.name not in replaced]
         return [*base, *(part for effect in active for part in self.problem.free(effect))]
 
-    def _finished(self, active: Sequence[SensorEffect], values: Values) -> Structure:
+    def _finished(self, active: Sequence[SensorEffect], values: Values) -> SensorStructure:
         each = self.problem.log_each(values)
         names = tuple(part.name for part in self._free(active))
-        return Structure(
+        return SensorStructure(
             active=tuple(active),
             values=values,
             names=names,

@@ -14,7 +14,7 @@ from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates
-from nxt_twin.diagnose.sensor.runs import Run
+from nxt_twin.diagnose.sensor.runs import SensorRun
 from nxt_twin.diagnose.sensor.touch_effects import hysteresis
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.touch import Stroke as StrokeKind
@@ -46,7 +46,7 @@ class TouchProblem:
 
     unit = "pressed"
 
-    def __init__(self, runs: tuple[Run, ...], channel: str, given: TouchParameters, truth: str) -> None:
+    def __init__(self, runs: tuple[SensorRun, ...], channel: str, given: TouchParameters, truth: str) -> None:
         self.runs, self.channel, self.truth, self._given = runs, channel, truth, given
         self._stroke: StrokeKind = "force_g" if truth == "rig_force_g" else "travel_mm"
         self._strokes_of_runs = [strokes_of(run.readings, run.truth[truth]) for run in runs]

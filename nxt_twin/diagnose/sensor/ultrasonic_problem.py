@@ -16,7 +16,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Estimate
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, Values, free_of, plain_estimates
-from nxt_twin.diagnose.sensor.runs import Run
+from nxt_twin.diagnose.sensor.runs import SensorRun
 from nxt_twin.diagnose.sensor.ultrasonic_effects import DROPOUT, EFFECTS
 from nxt_twin.sensors.fitting import Free
 from nxt_twin.sensors.ultrasonic import (
@@ -36,7 +36,6 @@ _ZERO_STD_MM = 4.0
 _USUAL_BEND, _BEND_STD = 1.3, 0.7
 _RARE = 1e-3
 _MOST_THRESHOLDS = 100
-_SCALE_OF_READING_MM = 10.0
 _OBLIQUE_DEG = 10.0
 _LEAST_ANGLES_DEG = 3.0
 _NEAR_MM = 250.0
@@ -59,7 +58,7 @@ class UltrasonicProblem:
     unit = "cm"
     truth = _DISTANCE
 
-    def __init__(self, runs: tuple[Run, ...], channel: str, given: UltrasonicParameters) -> None:
+    def __init__(self, runs: tuple[SensorRun, ...], channel: str, given: UltrasonicParameters) -> None:
         self.runs, self.channel, self._given = runs, channel, given
         sizes = [run.readings.size for run in runs]
         self.item_run = np.repeat(np.arange(len(runs)), sizes)
@@ -254,5 +253,5 @@ def predicted_cm(sensor: UltrasonicParameters, distance_mm: FloatArray, angle_de
     return np.asarray(np.where(none > 0.5, NO_ECHO, np.clip(mean, 0.0, NO_ECHO)), dtype=np.float64)
 
 
-def _angles(run: Run) -> FloatArray:
+def _angles(run: SensorRun) -> FloatArray:
     return run.truth.get(_ANGLE, np.zeros(run.readings.size))

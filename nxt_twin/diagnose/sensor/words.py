@@ -8,6 +8,7 @@ from typing import Final
 from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, NextExperiment, Verdict
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.leftover import Left
+from nxt_twin.diagnose.telling.words import listed
 
 _EXPERIMENTS: Final = {
     "ultrasonic_sensor": "a flat wall square on, from contact to 1.5 m in steps of 1 cm with 20 readings at each, "
@@ -25,7 +26,7 @@ _ANY_SCALE: Final = (
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     """What is wrong, in one sentence."""
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on readings that were not fitted"
-    named = _listed([effect.name for effect in effects])
+    named = listed([effect.name for effect in effects])
     those = "these" if len(effects) > 1 else "it"
     if verdict == "adequate":
         return (
@@ -100,9 +101,3 @@ def notes(
     if left is not None:
         said.append(f"Most is left along: {left.along.replace('_', ' ')} ({left.nats:.0f} nats).")
     return tuple(said)
-
-
-def _listed(items: Sequence[str]) -> str:
-    if len(items) < 2:
-        return "".join(items)
-    return f"{', '.join(items[:-1])} and {items[-1]}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any, Final
 
-from nxt_twin.twin.records import Event, Innovation, MotorState, Tick
+from nxt_twin.twin.records import Event, Innovation, MotorBelief, Tick
 
 _TICK: Final = "t"
 _EVENT: Final = "e"
@@ -58,7 +58,7 @@ def read(line: bytes) -> Message:
             number=number,
             sent_s=sent_s,
             received_s=received_s,
-            motors=tuple(MotorState(*motor) for motor in motors),
+            motors=tuple(MotorBelief(*motor) for motor in motors),
             innovations=tuple(Innovation(*innovation) for innovation in innovations),
             battery_v=battery_v,
             link_up=link_up,
@@ -75,7 +75,7 @@ def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON does not know
     return value.item()
 
 
-def _motor_row(motor: MotorState) -> tuple[Any, ...]:
+def _motor_row(motor: MotorBelief) -> tuple[Any, ...]:
     return (
         motor.port,
         motor.power_pct,

@@ -25,7 +25,6 @@ BRICK: Final[Colour] = (205, 208, 212, 255)
 BRICK_DARK: Final[Colour] = (92, 98, 106, 255)
 SCREEN: Final[Colour] = (148, 168, 140, 255)
 ORANGE: Final[Colour] = (226, 120, 40, 255)
-CABLE: Final[Colour] = (40, 42, 46, 255)
 GHOST: Final[Colour] = (86, 180, 233, 90)
 
 EFFECTS: Final[tuple[Colour, ...]] = (

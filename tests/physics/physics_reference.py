@@ -1,4 +1,4 @@
-"""The same step in plain Python, straight from the declarations: the oracle for the compiled kernel.
+"""The step in plain Python, straight from the declarations: the oracle for the compiled kernel.
 
 It interprets what `assemble` writes out. It is slow, and shares neither source nor compiler with the kernel.
 """
@@ -220,7 +220,7 @@ class _Axis:
     def _calls(self, stage: Stage) -> Iterator[Call]:
         return (c for c in calls(self._plant.layout, stage) if c.effect.id in self._plant.active)
 
-    def _value(self, call: Call, scope: Mapping[str, float]) -> Any:  # noqa: ANN401  # as the term
+    def _value(self, call: Call, scope: Mapping[str, float]) -> Any:  # as the term
         return call.term(*self._arguments(call.effect.id, call.arguments, scope))
 
     def _arguments(self, owner: str, names: tuple[str, ...], scope: Mapping[str, float]) -> list[float]:
@@ -249,5 +249,5 @@ def _braked(before: float, free: float, direction: float, bite: float) -> float:
     return -direction * push * (1.0 - reached) if push > 0.0 else 0.0
 
 
-def _call(function: Callable[..., Any], scope: Mapping[str, float]) -> Any:  # noqa: ANN401  # as the function
+def _call(function: Callable[..., Any], scope: Mapping[str, float]) -> Any:  # as the function
     return function(*(scope[name] for name in inspect.signature(function).parameters))
