@@ -15,10 +15,11 @@ from numba import njit
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.observer import Noise, carried, corrected
 from nxt_twin.physics.simulate import Job
 
 _STANDING_SHARE = 1e-3
+_VAGUE_SPEED = 1e2  # variance of the first speed per second squared, over that of a reading
 
 
 @final
@@ -162,45 +163,22 @@ def _cost(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba in
     slip_per_s,  # noqa: ANN001
 ):
     state = np.zeros(3)
-    p00, p01, p02, p11, p12 = reading_var[0], 0.0, 0.0, 1e2 * reading_var[0], 0.0
-    p22 = torque_var[0]
+    covariance = (reading_var[0], 0.0, 0.0, _VAGUE_SPEED * reading_var[0], 0.0, torque_var[0])
     total = 0.0
     for k in range(1, time_s.shape[0]):
         dt = time_s[k] - time_s[k - 1]
         _propagate(state, dt, damping_per_s, leak_per_s)
-        hold = math.exp(-damping_per_s * dt)
-        a = (1.0 - hold) / damping_per_s if damping_per_s > 1e-9 else dt
-        h = 0.5 * dt * dt
-        f = math.exp(-leak_per_s * dt)
-        fresh = torque_var[k] * (1.0 - f * f)
-        q00 = p00 + 2.0 * (a * p01 + h * p02) + a * a * p11 + 2.0 * a * h * p12 + h * h * p22
-        q01 = hold * (p01 + a * p11 + h * p12) + a * (p02 + a * p12 + h * p22)
-        q02 = f * (p02 + a * p12 + h * p22)
-        q11 = hold * hold * p11 + 2.0 * hold * a * p12 + a * a * p22
-        q12 = f * (hold * p12 + a * p22)
-        q22 = f * f * p22
-        p00 = q00 + slip_per_s[k] * dt
-        p01 = q01
-        p02 = q02
-        p11 = q11 + fresh * dt * dt / 3.0
-        p12 = q12 + 0.5 * fresh * dt
-        p22 = q22 + fresh
+        aa, av, ad, vv, vd, dd = carried(covariance, dt, damping_per_s, leak_per_s, torque_var[k])
+        covariance = (aa + slip_per_s[k] * dt, av, ad, vv, vd, dd)
         seen = deviations[k]
         if seen != seen:  # not a number: nothing was read
             continue
-        c0, c1, c2 = (p01, p11, p12) if read == 1 else (p00, p01, p02)
-        variance = (p11 if read == 1 else p00) + reading_var[k]
+        covariance, gain, variance = corrected(covariance, read == 1, reading_var[k])
         e = seen - state[read]
         total += 0.5 * (e * e / variance + math.log(6.283185307179586 * variance))
-        state[0] += c0 / variance * e
-        state[1] += c1 / variance * e
-        state[2] += c2 / variance * e
-        p00 -= c0 * c0 / variance
-        p01 -= c0 * c1 / variance
-        p02 -= c0 * c2 / variance
-        p11 -= c1 * c1 / variance
-        p12 -= c1 * c2 / variance
-        p22 -= c2 * c2 / variance
+        state[0] += gain[0] * e
+        state[1] += gain[1] * e
+        state[2] += gain[2] * e
     return total
 
 
