@@ -14,6 +14,11 @@ The text of each is one line: what is wrong, where, and what to do.
 
 from __future__ import annotations
 
+from typing import Final
+
+LONGEST_LINE: Final = 280
+"""What the text of a failure holds at most: files and arguments that others made are quoted in it."""
+
 
 class NxtTwinError(Exception):
     """Something the user can mend.
@@ -28,9 +33,25 @@ class NxtTwinError(Exception):
         self.what = what
         self.where = where
         self.mend = mend
-        place = f"{where}: " if where else ""
-        remedy = f" ({mend})" if mend else ""
-        super().__init__(" ".join(f"{place}{what}{remedy}".split()))
+        place, wrong, remedy = _within(
+            LONGEST_LINE, *(" ".join(part.split()) for part in (where, what, mend))
+        )
+        super().__init__(f"{place}: " * bool(place) + wrong + f" ({remedy})" * bool(remedy))
+
+
+def _within(longest: int, where: str, what: str, mend: str) -> tuple[str, str, str]:
+    """The three, each cut no more than it must be so that all fit; of a place the end is kept, which names the row."""
+    lengths = [len(where), len(what), len(mend)]
+    room = longest - len(": ") - len(" ()")
+    for waiting, index in zip((3, 2, 1), sorted(range(3), key=lengths.__getitem__), strict=True):
+        lengths[index] = min(lengths[index], room // waiting)
+        room -= lengths[index]
+    at, wrong, mended = lengths
+    return (
+        where if len(where) <= at else f"…{where[len(where) - at + 1 :]}",
+        what if len(what) <= wrong else f"{what[: wrong - 1]}…",
+        mend if len(mend) <= mended else f"{mend[: mended - 1]}…",
+    )
 
 
 class RecordingError(NxtTwinError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from nxt_twin.recording.yaml_file import read_model
 ONLY_IN_RECORDINGS: Final = ("clock_skew", "stale_samples", "amplifier_memory")
 """They are made of a whole recording's stamps or commands, which a brick that runs does not have."""
 
+_SEED: Final = re.compile(r"[0-9]{1,18}")
 _ABOUT_S: Final = 60.0
 """The time that a person watches: what comes on, warms up or drains does so within it."""
 _REACH_DEG: Final = 720.0
@@ -128,7 +130,7 @@ def secret_of(text: str) -> Secret:
     Raises:
         CaseError: as with `concealed` and `read_secret`.
     """
-    return concealed(int(text)) if text.isdecimal() else read_secret(Path(text))
+    return concealed(int(text)) if _SEED.fullmatch(text) else read_secret(Path(text))
 
 
 def _lacking(effect: ConcealedEffect) -> bool:

@@ -11,6 +11,7 @@ from nxt_twin.brick.errors import LinkUrlError
 _BLUETOOTH_ADDRESS: Final = re.compile(r"[0-9A-F]{2}(:[0-9A-F]{2}){5}")
 _USB_SERIAL: Final = re.compile(r"[0-9A-F]{12}")
 _PORT_MAX: Final = 0xFFFF
+_PORT_DIGITS: Final = 5
 
 
 class LinkUrl(NamedTuple):
@@ -80,7 +81,7 @@ def host_and_port(address: str) -> tuple[str, int]:
     """
     host, colon, port = address.rpartition(":")
     host = host.removeprefix("[").removesuffix("]")
-    is_port = port.isascii() and port.isdigit() and 0 < int(port) <= _PORT_MAX
+    is_port = port.isascii() and port.isdigit() and len(port) <= _PORT_DIGITS and 0 < int(port) <= _PORT_MAX
     if not (colon and host and is_port) or "/" in host:  # a web address is none
         raise LinkUrlError("is not HOST:PORT", where=f"tcp:{address}", mend="such as tcp:localhost:7000")
     return host, int(port)

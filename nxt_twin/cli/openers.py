@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,9 @@ from nxt_twin.mock.serve.profile import PROFILES
 
 if TYPE_CHECKING:
     from nxt_twin.mock.body.body import Body
+
+
+_SEED: Final = re.compile(r"[0-9]{1,18}")
 
 
 def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
@@ -83,7 +87,7 @@ def mock_options(address: str) -> dict[str, str]:
         options = {address: ""}
     if (
         not options.keys() <= {"world", "seed", "profile", "conceal"}
-        or not options.get("seed", "0").isdecimal()
+        or not _SEED.fullmatch(options.get("seed", "0"))
         or options.get("profile", "none") not in PROFILES
     ):
         raise LinkUrlError(

@@ -115,6 +115,6 @@ def parse_address(text: str) -> tuple[str, int]:
     """
     name, colon, port = text.rpartition(":")
     name = name.removeprefix("[").removesuffix("]")
-    if not (colon and name and port.isascii() and port.isdigit() and int(port) <= 0xFFFF):
+    if not (colon and name and port.isascii() and port.isdigit() and len(port) <= 5 and int(port) <= 0xFFFF):
         raise ServeError("is not HOST:PORT", where=repr(text), mend="such as 127.0.0.1:7000")
     return name, int(port)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -105,9 +106,8 @@ def _check_lists(file: CaseFile, path: Path) -> None:
     if not file.recordings:
         where = f"{path}, key recordings"
         raise CaseError("lists no recording", where=where, mend="list at least one file")
-    listed = [*file.recordings, *file.holdout]
-    for name in listed:
-        if listed.count(name) > 1:
+    for name, count in Counter([*file.recordings, *file.holdout]).items():
+        if count > 1:
             mend = "list each file once, to be fitted or held out"
             raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
 

@@ -17,6 +17,7 @@ import yaml
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.pulses import PULSE_STEPS, PULSES_KEY
+from nxt_twin.recording.yaml_file import read_yaml
 
 _KEY: Final = "row_lags"
 _READ: Final = "read_before_s"
@@ -110,16 +111,14 @@ class RowLags:
 
 def _is_ours(sidecar: Path) -> bool:
     """Whether there is none, or one that an earlier recording of that name left."""
-    try:
-        keys = yaml.safe_load(sidecar.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not sidecar.exists():
         return True
-    except (yaml.YAMLError, UnicodeDecodeError):
+    try:
+        keys = read_yaml(sidecar, RecordingError)
+    except RecordingError:
         return False
     return (
-        isinstance(keys, dict)
-        and keys.keys() <= {_KEY, PULSES_KEY}
-        and keys.get(PULSES_KEY, PULSE_STEPS) == PULSE_STEPS
+        bool(keys) and keys.keys() <= {_KEY, PULSES_KEY} and keys.get(PULSES_KEY, PULSE_STEPS) == PULSE_STEPS
     )
 
 

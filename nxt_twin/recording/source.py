@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import reprlib
 import stat
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 
 from nxt_twin.errors import NxtTwinError
@@ -13,6 +15,10 @@ LARGEST_TABLE_BYTES = 512 * 2**20
 _HEAD_BYTES = 64 * 1024
 _MIB = 2**20
 _QUOTED_CHARACTERS = 60
+_NAME_CHARACTERS = 100
+_NAMES_MOST = 1000
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 4 * _QUOTED_CHARACTERS
 
 
 def read_head(path: Path, error: type[NxtTwinError], *, largest_bytes: int, advice: str) -> bytes:
@@ -58,11 +64,12 @@ def read_table_head(path: Path, error: type[NxtTwinError]) -> bytes:
 
 def quoted(found: object) -> str:
     """What was found, as an error message may show it: on one line and not at full length."""
-    text = repr(found)
+    text = repr(found[: 2 * _QUOTED_CHARACTERS]) if isinstance(found, str) else _BRIEF.repr(found)
     return text if len(text) <= _QUOTED_CHARACTERS else f"{text[:_QUOTED_CHARACTERS]}…"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """The known name that is spelled most like `name`; empty if none is known."""
-    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.0)
-    return matches[0] if matches else ""
+    spelled = {each[:_NAME_CHARACTERS]: each for each in islice(known, _NAMES_MOST)}
+    matches = difflib.get_close_matches(name[:_NAME_CHARACTERS], list(spelled), n=1, cutoff=0.0)
+    return spelled[matches[0]] if matches else ""

@@ -10,6 +10,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.recording.bounded_yaml import parse_yaml
 from nxt_twin.recording.source import nearest, quoted, read_head
 
 LARGEST_YAML_BYTES = 2**20
@@ -26,7 +27,7 @@ def read_yaml(path: Path, error: type[NxtTwinError]) -> dict[str, Any]:
     advice = "check that it is the YAML file you mean"
     read_head(path, error, largest_bytes=LARGEST_YAML_BYTES, advice=advice)
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8-sig"))
+        document = parse_yaml(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError:
         raise error("is not UTF-8 text", where=str(path), mend="save it as UTF-8") from None
     except yaml.MarkedYAMLError as failure:
@@ -34,7 +35,7 @@ def read_yaml(path: Path, error: type[NxtTwinError]) -> dict[str, Any]:
         line = f", line {mark.line + 1}" if mark else ""
         what = f"is no valid YAML: {failure.problem}"
         raise error(what, where=f"{path}{line}", mend="check indentation, colons and brackets") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as failure:
+    except (yaml.YAMLError, ValueError) as failure:
         raise error(f"is no valid YAML: {failure}", where=str(path)) from None
     if document is None:
         return {}

@@ -4,12 +4,15 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from nxt_twin.errors import NxtTwinError, RecordingError
+from nxt_twin.errors import LONGEST_LINE, CaseError, MappingError, NxtTwinError, RecordingError
+from nxt_twin.recording.case import read_case
 from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
 
@@ -76,14 +79,101 @@ def test_any_yaml_is_read_or_refused(text):
     _read_or_refuse(read_mapping, "mapping.yaml", text.encode())
 
 
-@settings(max_examples=60, deadline=None)
-@given(length=st.integers(0, 700))
-def test_a_mat_file_that_was_cut_short_is_read_or_refused(length):
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.mat"
-        savemat(path, {name: np.arange(10.0) for name in "tuy"})
-        content = path.read_bytes()[:length]
+def _mat(folder, values, **options):
+    path = folder / "run.mat"
+    savemat(path, dict.fromkeys("tuy", values), **options)
+    return path
+
+
+@pytest.mark.parametrize("length", [0, 100, 130, 300, 600])
+def test_a_mat_file_that_was_cut_short_is_read_or_refused(tmp_path, length):
+    content = _mat(tmp_path, np.arange(10.0)).read_bytes()[:length]
     _read_or_refuse(lambda path: read_mapped(path, MAT_MAPPING), "run.mat", content)
+
+
+def test_a_mat_file_that_ends_its_reader_by_a_signal_is_refused(tmp_path, refusal):
+    path = _mat(tmp_path, np.arange(10.0))
+    content = bytearray(path.read_bytes())
+    content[176] = 249  # scipy 1.17 reads beyond its memory there
+    path.write_bytes(content)
+    assert "is no readable MAT file" in refusal(RecordingError, read_mapped, path, MAT_MAPPING)
+
+
+def test_a_mat_file_that_unfolds_to_the_whole_memory_is_refused(tmp_path, refusal):
+    path = _mat(tmp_path, np.zeros(2_000_000, dtype=np.int8), do_compression=True)
+    assert "unfolds to 6000000 cells" in refusal(RecordingError, read_mapped, path, MAT_MAPPING)
+
+
+def test_a_parquet_file_that_says_one_long_word_in_every_row_is_refused(tmp_path, refusal):
+    path = tmp_path / "run.parquet"
+    modes = pa.DictionaryArray.from_arrays(np.zeros(100, np.int32), ["x" * 30_000_000])
+    table = pa.table({"time_s": np.arange(100.0), "a_mode": modes})
+    pyarrow.parquet.write_table(table, path, compression="zstd")
+    assert path.stat().st_size < 14_000
+    assert "unfolds to" in refusal(RecordingError, read_recording, path)
+
+
+def test_a_parquet_file_that_repeats_one_row_for_ever_is_refused(tmp_path, refusal):
+    path = tmp_path / "run.parquet"
+    pyarrow.parquet.write_table(pa.table({"time_s": np.zeros(2_000_000)}), path)
+    assert path.stat().st_size < 10_000
+    assert "unfolds to 2000000 cells" in refusal(RecordingError, read_recording, path)
+
+
+LAUGHS = "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
+    f"a{n}: &a{n} [{','.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 9)
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (LAUGHS + "input: *a8\n", "unfold to more than 100000 values"),
+        ("a: &a {x: 1}\nb: &b {<<: [*a,*a,*a,*a]}\ninput: &c [*c]", "refers to itself"),
+        ("input: " + "[" * 65 + "]" * 65, "nested more than 64 deep"),
+        ("- " * 5000, "nested more than 64 deep"),
+        ("input: " + "9" * 500, "a number has 500 characters"),
+        ("input: 0x" + "f" * 100, "a whole number is beyond"),
+        ("input: {kind: " + "9" * 60 + "}", "a whole number is beyond"),
+        ("input: " + "1:" * 300 + "1", "a number has 601 characters"),
+    ],
+)
+def test_yaml_that_unfolds_or_nests_without_end_is_refused(put, refusal, text, why):
+    assert why in refusal(MappingError, read_mapping, put("mapping.yaml", text))
+
+
+def test_yaml_may_say_a_thing_once_and_mean_it_twice(put):
+    text = "time: &t {column: t, unit: s}\ninput: {column: u, kind: torque_nm}\n"
+    path = put("mapping.yaml", text + "output: {column: y, kind: position_rad}\nsupply: null\n")
+    assert read_mapping(path).time.column == "t"
+    path = put("merged.yaml", text + "output: {<<: {column: y, kind: position_rad}}\n")
+    assert read_mapping(path).output.column == "y"
+
+
+def test_what_is_quoted_in_an_error_is_quoted_in_part(put, refusal):
+    nested = "{a: [1, 2, {b: " + "[" * 40 + "]" * 40 + "}]}"
+    for content in (f"time: {nested}", f"{'k' * 900_000}: 1", f"time: {{unit: {'m' * 900_000}}}"):
+        assert len(refusal(MappingError, read_mapping, put("mapping.yaml", content))) <= LONGEST_LINE
+
+
+@given(st.text(max_size=2000), st.text(max_size=2000), st.text(max_size=2000))
+def test_an_error_is_one_line_of_bounded_length(where, what, mend):
+    line = str(NxtTwinError(what, where=where, mend=mend))
+    assert len(line) <= LONGEST_LINE
+    assert not set(line) & {"\n", "\r", "\t"}
+
+
+def test_of_a_long_place_the_end_is_told_and_short_parts_are_whole():
+    line = str(NxtTwinError("is empty", where="/folder" * 100 + ", row 7", mend="look"))
+    assert line.startswith("…")
+    assert line.endswith("/folder, row 7: is empty (look)")
+    assert len(line) == LONGEST_LINE
+
+
+def test_a_case_that_lists_a_hundred_thousand_files_is_refused_at_once(put, refusal):
+    names = "".join(f"- r{n}\n" for n in range(100_000))
+    path = put("case/case.yaml", f"plant: nxt_motor\nrecordings:\n{names}- r7\n")
+    assert "lists r7 twice" in refusal(CaseError, read_case, path.parent)
 
 
 @pytest.mark.parametrize(

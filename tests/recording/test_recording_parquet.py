@@ -72,4 +72,4 @@ def test_refuses_a_small_file_that_unfolds_to_too_much(tmp_path, refusal):
     rows = pa.chunked_array([pa.nulls(2**20, pa.float64())] * 65)
     pyarrow.parquet.write_table(pa.table({"time_s": rows}), path)
     assert path.stat().st_size < 2**20
-    assert "has 68157440 rows" in refusal(RecordingError, read_recording, path)
+    assert "unfolds to 68157440 cells" in refusal(RecordingError, read_recording, path)

@@ -36,6 +36,8 @@ def open_tcp(address: str, clock: Clock, *, timeout_s: float = CONNECT_TIMEOUT_S
             where=url,
             mend=f"start one: nxt-twin mock --tcp {address}",
         ) from error
+    except UnicodeError as error:  # a name that the Internet's rules forbid, such as two dots in a row
+        raise LinkRefusedError("is no host's name", cause=Refusal.UNREACHABLE, where=url) from error
     except OSError as error:
         raise LinkRefusedError(
             f"cannot be reached: {error.strerror or error}", cause=Refusal.UNREACHABLE, where=url

@@ -33,6 +33,8 @@ class TcpEndpoint(Endpoint):
         name, port = address
         try:
             self._listener = socket.create_server((name, port), family=_family(name))
+        except UnicodeError:
+            raise ServeError("is no host's name", where=f"tcp:{name}:{port}") from None
         except OSError as error:
             busy = error.errno == errno.EADDRINUSE
             what = "another program listens there" if busy else f"cannot listen: {error.strerror or error}"

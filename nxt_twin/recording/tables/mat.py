@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from math import prod
 from pathlib import Path
-from typing import Any
+from subprocess import DEVNULL, PIPE, Popen
+from typing import IO, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.errors import NxtTwinError, RecordingError
+from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
-from nxt_twin.recording.tables.table import LARGEST_CELLS, Choose, Table
+from nxt_twin.recording.tables.table import Choose, Table, cells_allowed, check_unfolded
 
+_READER: Final = Path(__file__).with_name("mat_reader.py")
+_CELL_BYTES: Final = 8
 _HDF5_SIGNATURE = b"\x89HDF\r\n"
 _HDF5_OFFSETS = (0, 512)
 
@@ -39,22 +46,63 @@ def read_mat(path: Path, choose: Choose) -> Table:
     return Table(numbers, {}, lambda index, name: f"{path}, row {index + 1}, column {name}")
 
 
-def _load(path: Path, choose: Choose) -> Mapping[str, Any]:
-    from scipy.io import loadmat, whosmat  # only here: importing it takes longer than reading most recordings
+def _load(path: Path, choose: Choose) -> Mapping[str, NDArray[Any]]:
+    """The chosen variables, read by a program of its own: a damaged byte can end scipy's reader, and who runs it."""
+    most_bytes = 3 * _CELL_BYTES * cells_allowed(path)
+    command = [sys.executable, "-P", str(_READER), str(path), str(most_bytes)]
+    with subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL) as reader:  # noqa: S603 - our own
+        try:
+            shapes = _told(reader, path)["shapes"]
+            wanted = list(choose(list(shapes)))
+            check_unfolded(sum(prod(shapes[name]) for name in wanted), path)
+            return {name: _variable(reader, wanted, path, name) for name in wanted}
+        finally:
+            reader.kill()
 
+
+def _variable(reader: Popen[bytes], wanted: Sequence[str], path: Path, name: str) -> NDArray[Any]:
+    """The next variable that the reader sends, once it knows which are wanted."""
+    if name == wanted[0]:
+        _ask(reader, wanted)
+    told = _told(reader, path)
+    if "kind" in told:
+        raise RecordingError(
+            f"is {told['kind']}, not a vector of numbers", where=f"{path}, column {name}", mend="map a vector"
+        )
+    shape, kind = tuple(told["shape"]), np.dtype(told["dtype"])
+    data = _output(reader).read(prod(shape) * kind.itemsize)
+    if len(data) < prod(shape) * kind.itemsize:
+        raise _unreadable(path, "its reader came to an end")
+    return np.frombuffer(data, dtype=kind).reshape(shape)
+
+
+def _ask(reader: Popen[bytes], wanted: Sequence[str]) -> None:
+    if reader.stdin is not None:
+        with suppress(OSError):  # a reader that has ended is told of when it is listened to
+            reader.stdin.write(json.dumps(wanted).encode() + b"\n")
+            reader.stdin.flush()
+
+
+def _told(reader: Popen[bytes], path: Path) -> dict[str, Any]:
+    """The reader's next line."""
     try:
-        shapes = {name: shape for name, shape, _ in whosmat(path, appendmat=False)}
-        wanted = choose(list(shapes))
-        if sum(prod(shapes[name]) for name in wanted) > LARGEST_CELLS:
-            mend = "split it into shorter recordings"
-            raise RecordingError("its variables are too large", where=str(path), mend=mend)
-        variables = loadmat(path, appendmat=False, variable_names=list(wanted))
-        return {name: variables[name] for name in wanted}
-    except NxtTwinError:
-        raise
-    except Exception as failure:  # a damaged file makes the parser fail in any way it can
-        mend = "check that the file is whole"
-        raise RecordingError(f"is no readable MAT file: {failure}", where=str(path), mend=mend) from None
+        told = json.loads(_output(reader).readline())
+    except ValueError:
+        raise _unreadable(path, "its reader came to an end") from None
+    if "error" in told:
+        raise _unreadable(path, str(told["error"]))
+    return dict(told)
+
+
+def _output(reader: Popen[bytes]) -> IO[bytes]:
+    if reader.stdout is None:
+        raise ValueError("the reader was opened without an output")
+    return reader.stdout
+
+
+def _unreadable(path: Path, why: str) -> RecordingError:
+    mend = "check that the file is whole"
+    return RecordingError(f"is no readable MAT file: {why}", where=str(path), mend=mend)
 
 
 def _vector(values: NDArray[Any], path: Path, name: str) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pyarrow.parquet
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
-from nxt_twin.recording.tables.table import LARGEST_CELLS, Choose, Table
+from nxt_twin.recording.tables.table import CellKind, Choose, Table, check_unfolded
 
 
 def read_parquet(path: Path, choose: Choose) -> Table:
@@ -25,9 +26,10 @@ def read_parquet(path: Path, choose: Choose) -> Table:
     try:
         with pyarrow.parquet.ParquetFile(path) as file:
             wanted = choose(file.schema_arrow.names)
-            if file.metadata.num_rows * len(wanted) > LARGEST_CELLS:
-                mend = "split it into shorter recordings"
-                raise RecordingError(f"has {file.metadata.num_rows} rows", where=str(path), mend=mend)
+            check_unfolded(_cells(file.metadata, wanted), path)
+        words = [name for name, kind in wanted.items() if kind == "word"]
+        # Each word once: a file may say one that is as long as itself in every row.
+        with pyarrow.parquet.ParquetFile(path, read_dictionary=words) as file:
             columns = file.read(columns=list(wanted))
     except (pa.ArrowException, OSError, ValueError) as failure:
         mend = "check that the file is whole; a text table is named .csv"
@@ -37,6 +39,20 @@ def read_parquet(path: Path, choose: Choose) -> Table:
         words={n: _words(columns[n], path, n) for n, kind in wanted.items() if kind == "word"},
         place=lambda index, name: f"{path}, row {index + 1}, column {name}",
     )
+
+
+def _cells(metadata: pyarrow.parquet.FileMetaData, wanted: Mapping[str, CellKind]) -> int:
+    """To how many cells the chosen columns unfold; of a column's bytes eight are one."""
+    groups = [metadata.row_group(index) for index in range(metadata.num_row_groups)]
+    chunks = [group.column(index) for group in groups for index in range(group.num_columns)]
+    sizes = [int(chunk.total_uncompressed_size) for chunk in chunks if _is_of(chunk.path_in_schema, wanted)]
+    cells: int = metadata.num_rows * len(wanted)
+    return max(cells, sum(sizes) // 8)
+
+
+def _is_of(place: str, wanted: Mapping[str, CellKind]) -> bool:
+    """Whether a stored column is one of the wanted, or a part of one."""
+    return any(place == name or place.startswith(f"{name}.") for name in wanted)
 
 
 def _numbers(column: pa.ChunkedArray, path: Path, name: str) -> FloatArray:
@@ -55,4 +71,10 @@ def _words(column: pa.ChunkedArray, path: Path, name: str) -> tuple[str, ...]:
     if not (pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_null(kind)):
         where = f"{path}, column {name}"
         raise RecordingError(f"holds {column.type}, not words", where=where, mend="store it as text")
-    return tuple(word or "" for word in column.to_pylist())
+    texts: list[str] = []
+    for chunk in (column if pa.types.is_dictionary(column.type) else column.dictionary_encode()).chunks:
+        known = ["", *(word or "" for word in chunk.dictionary.to_pylist())]
+        texts += [
+            known[index] for index in (chunk.indices.cast(pa.int64()).fill_null(-1).to_numpy() + 1).tolist()
+        ]
+    return tuple(texts)

@@ -1,0 +1,66 @@
+"""A program of its own that reads one MAT file for `mat`: what ends it by a signal ends nobody else.
+
+It imports nothing of this project. It writes one line of JSON with the variables' shapes, reads one with the names that
+are wanted, and answers each with a line and, where it is an array of real numbers, with the array's bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import loadmat, whosmat
+
+_REAL = "biuf"
+_CPU_MOST_S = 60
+
+
+def main(path: str, most_bytes: int) -> None:
+    """Read `path` in the two steps, in no more than so much memory beyond what the libraries take."""
+    _bound(most_bytes)
+    try:
+        _tell({"shapes": {name: shape for name, shape, _ in whosmat(path, appendmat=False)}})
+        wanted = json.loads(sys.stdin.readline())
+        variables = loadmat(path, appendmat=False, variable_names=wanted)
+        for name in wanted:
+            _send(variables[name])
+    except Exception as failure:  # a damaged file makes the parser fail in any way it can
+        _tell({"error": f"{failure}" or type(failure).__name__})
+
+
+def _send(values: object) -> None:
+    array: NDArray[Any] = np.asarray(values)
+    if array.dtype.kind not in _REAL:
+        _tell({"kind": f"{array.dtype} of shape {array.shape}"[:200]})
+        return
+    _tell({"dtype": array.dtype.str, "shape": array.shape})
+    sys.stdout.buffer.write(array.tobytes())
+    sys.stdout.buffer.flush()
+
+
+def _tell(line: dict[str, Any]) -> None:
+    sys.stdout.buffer.write(json.dumps(line).encode() + b"\n")
+    sys.stdout.buffer.flush()
+
+
+def _bound(most_bytes: int) -> None:
+    """A file that was made to be large runs into the limits of this process, where the system has such."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    with suppress(OSError, ValueError):
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        most = pages * resource.getpagesize() + most_bytes
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    with suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_CPU, (_CPU_MOST_S, _CPU_MOST_S))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]))
