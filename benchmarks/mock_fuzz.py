@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from random import Random
-from typing import Final
+from typing import Any, Final
 
 import firmware_protocol as fp
 from firmware_protocol import Status, TelegramType
@@ -15,6 +15,7 @@ from nxt_twin.mock.firmware.firmware import Firmware, Power
 TELEGRAM_COUNT: Final = 200_000
 _NO_REPLY: Final = 0x80
 _REPLY_TICKS: Final = 2
+_HEAD_SIZE: Final = 3
 _FRESH_EVERY: Final = 2_000
 """A brick that was told to boot or sleep, or whose motors run wild, is replaced now and then."""
 
@@ -40,7 +41,14 @@ def fuzz(count: int, seed: int) -> Counter[str]:
         firmware.receive(transport, telegram if transport is Transport.USB else fp.frame(telegram))
         for _ in range(_REPLY_TICKS):
             firmware.tick()
-        seen[_judge(telegram, _reply(firmware, transport), transport)] += 1
+        reading = firmware.radio.reading
+        while firmware.radio.reading:
+            firmware.tick()
+        reply = _reply(firmware, transport)
+        if reading or (reply is None and transport is Transport.BLUETOOTH and firmware.radio.busy):
+            seen[_judge_long_read(telegram, reply)] += 1
+        else:
+            seen[_judge(telegram, reply, transport)] += 1
     return seen
 
 
@@ -85,7 +93,22 @@ def _reply(firmware: Firmware, transport: Transport) -> bytes | None:
     replies = firmware.transmit(transport)
     if not replies:
         return None
-    return b"".join(replies) if transport is Transport.USB else replies[0][2:]
+    whole = b"".join(replies)
+    return whole if transport is Transport.USB else whole[2:]
+
+
+def _judge_long_read(telegram: bytes, reply: bytes | None) -> str:
+    """A READ that the radio carries: answered unasked, in as many bytes as there are; forgotten while it is busy."""
+    kind = telegram[0] & ~_NO_REPLY
+    if reply is None and (telegram[0] & _NO_REPLY or kind not in (TelegramType.DIRECT, TelegramType.SYSTEM)):
+        return "silence"
+    assert kind == TelegramType.SYSTEM, (telegram, reply)
+    if len(telegram) > 1:
+        assert telegram[1] == fp.ReadFile.OPCODE, (telegram, reply)
+    if reply is None:
+        return "busy radio"
+    assert reply[:2] == bytes((TelegramType.REPLY, fp.ReadFile.OPCODE)), (telegram, reply)
+    return "long read"
 
 
 def _judge(telegram: bytes, reply: bytes | None, transport: Transport) -> str:
@@ -108,8 +131,15 @@ def _judge(telegram: bytes, reply: bytes | None, transport: Transport) -> str:
     answer = fp.decode_answer(command, reply)
     assert not answer.status.name.startswith("UNKNOWN_") or answer.status is Status.UNKNOWN_OPCODE, reply
     assert answer.status is not Status.INSANE_PACKET, reply
-    assert len(reply) == 3 or answer.reply is not None, (telegram, reply)
+    whole = len(reply) == _HEAD_SIZE or answer.reply is not None
+    assert whole or _is_short_i2c_read(command, reply), (telegram, reply)
     return answer.status.name
+
+
+def _is_short_i2c_read(command: type[fp.Command[Any]], reply: bytes) -> bool:
+    """An LS_READ with an error is shorter by the bytes that wait."""
+    full = _HEAD_SIZE + 1 + fp.limits.LOW_SPEED_BUFFER_SIZE
+    return command is fp.LowSpeedRead and len(reply) == full - reply[_HEAD_SIZE]
 
 
 def _judge_unknown(telegram: bytes, reply: bytes, kind: int) -> str:

@@ -178,7 +178,7 @@ class SoundMap(IoMap, module_id=ModuleId.SOUND):
 @final
 @dataclass(frozen=True)
 class UiMap(IoMap, module_id=ModuleId.UI):
-    """The head of the user interface module: battery, buttons, sleep, volume."""
+    """The user interface module: battery, buttons, sleep, volume."""
 
     menu_pointer: U32
     battery_voltage_mv: U16
@@ -197,7 +197,6 @@ class UiMap(IoMap, module_id=ModuleId.UI):
     error: U8
     on_brick_program_step: U8
     force_off: U8
-    abort_flag: Bool8
 
 
 @final

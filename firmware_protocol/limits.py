@@ -48,7 +48,7 @@ READ_SIZE_BLUETOOTH: Final = 122
 IO_MAP_SIZE_USB: Final = 55
 IO_MAP_SIZE_BLUETOOTH: Final = 119
 """IO map bytes in one IOMAP_READ reply."""
-POLL_SIZE_USB: Final = 57
+POLL_SIZE_USB: Final = 59
 POLL_SIZE_BLUETOOTH: Final = 121
 """Buffer bytes in one POLL reply; more is refused."""
 
@@ -60,5 +60,8 @@ IO_MAP_SIZES: Final = {
     ModuleId.OUTPUT: 100,
     ModuleId.SOUND: 30,
     ModuleId.IO_CTRL: 2,
+    ModuleId.COMM: 1896,
+    ModuleId.COMMAND: 32828,
+    ModuleId.UI: 40,
 }
 """Bytes of the modules' IO maps, where known."""

@@ -31,13 +31,17 @@ class Rig:
         return self.stream(framed, transport)
 
     def stream(self, data: bytes, transport: Transport) -> bytes | None:
+        """The first reply that comes, over Bluetooth as much of it as comes."""
         self.firmware.receive(transport, data)
+        got = b""
         for _ in range(REPLY_TICKS):
             self.firmware.tick()
-            replies = self.firmware.transmit(transport)
-            if replies:
-                return b"".join(replies) if transport is USB else replies[0][2:]
-        return None
+            got += b"".join(self.firmware.transmit(transport))
+            if got and transport is USB:
+                return got
+            if got and len(got) >= 2 + int.from_bytes(got[:2], "little"):
+                return got[2 : 2 + int.from_bytes(got[:2], "little")]
+        return got[2:] or None
 
     def ask(self, request: fp.Command[Any], transport: Transport = USB) -> fp.Answer[Any]:
         reply = self.raw(fp.encode_request(request), transport)
@@ -88,7 +92,7 @@ class Rig:
     def start_program(self, name: str = "main.rxe") -> None:
         self.upload(name, PROGRAM)
         self.get(fp.StartProgram(name))
-        self.run(5)
+        self.run(15)
 
     def free_flash(self) -> int:
         free: int = self.get(fp.GetDeviceInfo()).free_flash

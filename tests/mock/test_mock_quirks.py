@@ -39,7 +39,7 @@ def test_quirk_03_a_single_zero_over_bluetooth_starts_the_program_named_in_the_b
     rig.upload("main.rxe", PROGRAM)
     rig.raw(bytes((0x80, 0x0B)) + b"main.rxe".ljust(20, b"\0"), BLUETOOTH)
     assert rig.raw(b"\0", BLUETOOTH) == bytes((0x02, 0x00, 0x00))
-    rig.run(5)
+    rig.run(10)
     assert rig.get(fp.GetCurrentProgram()).name == "main.rxe"
 
 

@@ -112,6 +112,11 @@ class Channel:
             length = len(telegram) & FRAME_SIZE_MAX
             self._replies.append(length.to_bytes(LENGTH_PREFIX_SIZE, "little") + telegram)
 
+    def send(self, data: bytes) -> None:
+        """Send bytes as they are: a piece of a long reply."""
+        if data:
+            self._replies.append(data)
+
     def fetch(self) -> list[bytes]:
         """All replies that wait; each is to be written in one piece."""
         if not self._replies:

@@ -7,16 +7,18 @@ from __future__ import annotations
 
 from typing import Final, final
 
-from firmware_protocol import Status, TelegramType, WriteFile, encode_reply
+from firmware_protocol import ReadFile, Status, TelegramType, WriteFile, encode_reply
 from nxt_twin.mock.firmware.channel import Channel, ExtendedWrite, Piece, Transport
 from nxt_twin.mock.firmware.direct import DirectCommands
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
+from nxt_twin.mock.firmware.long_read import LongRead
 from nxt_twin.mock.firmware.radio import Radio
 from nxt_twin.mock.firmware.system import SystemCommands
 
 _NO_REPLY: Final = 0x80
 _HEADER_SIZE: Final = 2
 _WRITE_OVERHEAD: Final = 3
+_READ_LENGTH: Final = slice(3, 5)
 
 
 @final
@@ -42,15 +44,17 @@ class Comm:
         self._direct = direct
         self._system = system
         self._lossy = lossy
+        self._long_read = LongRead(loader, self._bluetooth, radio)
 
     def tick(self) -> None:
         """One pass."""
         piece = self._bluetooth.take()
         if piece is not None:
-            if not (self._lossy and self._radio.busy):
+            if not (self._lossy and self._radio.away):
                 self._execute(self._bluetooth, piece)
             # The firmware clears the place where the radio's own commands stand, in every pass.
             self._bluetooth.buffer[1] = 0
+        self._long_read.tick()
         piece = self._usb.take()
         if piece is not None:
             self._execute(self._usb, piece)
@@ -64,16 +68,22 @@ class Comm:
         reply_wanted = not channel.buffer[0] & _NO_REPLY
         reply: bytes | None = None
         if kind == TelegramType.DIRECT:
-            reply = self._direct.execute(bytes(channel.buffer), len(piece.data), reply_wanted=reply_wanted)
+            reply = self._direct.execute(channel, len(piece.data), reply_wanted=reply_wanted)
         elif kind == TelegramType.SYSTEM:
             if channel.buffer[1] == WriteFile.OPCODE:
                 reply = self._write(channel, piece, reply_wanted=reply_wanted)
+            elif self._is_long_read(channel):
+                self._long_read.start(channel.buffer[_HEADER_SIZE], _read_length(channel))
             else:
                 reply = self._system.execute(channel, len(piece.data))
         elif kind == TelegramType.REPLY:
             self._direct.take_reply(bytes(channel.buffer), len(piece.data))
         if reply is not None and reply_wanted:
             channel.reply(reply)
+
+    def _is_long_read(self, channel: Channel) -> bool:
+        over_bluetooth = channel is self._bluetooth and channel.buffer[1] == ReadFile.OPCODE
+        return over_bluetooth and _read_length(channel) > channel.sizes.read
 
     def _write(self, channel: Channel, piece: Piece, *, reply_wanted: bool) -> bytes | None:
         """WRITE, or its first piece; the firmware takes a rest of the same length for a whole telegram."""
@@ -112,3 +122,8 @@ class Comm:
     def disconnect_bluetooth(self) -> None:
         """The Bluetooth connection ends: file handles stay open."""
         self._bluetooth.hang_up()
+        self._long_read.cancel()
+
+
+def _read_length(channel: Channel) -> int:
+    return int.from_bytes(channel.buffer[_READ_LENGTH], "little")

@@ -10,6 +10,7 @@ from typing import Any, Final, final
 
 import firmware_protocol as fp
 from firmware_protocol import OpcodeError, ReplyData, Status, limits
+from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.input import InputModule, InputPort
 from nxt_twin.mock.firmware.loader import Loader
 from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
@@ -18,10 +19,13 @@ from nxt_twin.mock.firmware.program import ProgramModule
 from nxt_twin.mock.firmware.radio import Contact, Radio
 from nxt_twin.mock.firmware.refusal import Refusal
 from nxt_twin.mock.firmware.sound import SoundModule
-from nxt_twin.mock.firmware.ui import MINUTE_MS, UiModule
+from nxt_twin.mock.firmware.ui import FLAG_EXECUTE_FILE, MINUTE_MS, UiModule
 
 _MESSAGE_OFFSET: Final = 5
 """Where the message stands in a MESSAGE_READ reply that the brick receives."""
+
+_NEGATIVE: Final = 0x80
+"""In a status: an error, as the firmware sees it; pending and empty are none."""
 
 _READERS: Final = frozenset(
     {
@@ -41,6 +45,16 @@ _READERS: Final = frozenset(
     }
 )
 """Commands that are not even looked at when no reply is wanted."""
+
+
+_NAME_OFFSET: Final = 4
+_NAME_SIZE: Final = 17
+"""Where the name stands in the reply to BT_GET_CONNECTION_NAME."""
+
+
+@final
+class _NoConnection(Exception):  # noqa: N818 - a refusal is what it is
+    """There is no such connection: the reply says OK and repeats what an earlier one left in the name's place."""
 
 
 @final
@@ -97,8 +111,9 @@ class DirectCommands:
             fp.ResetTachoCount: self._reset_count,
         }
 
-    def execute(self, buffer: bytes, length: int, *, reply_wanted: bool) -> bytes | None:
-        """Execute the telegram in the receive buffer and give its reply, if one is wanted."""
+    def execute(self, channel: Channel, length: int, *, reply_wanted: bool) -> bytes | None:
+        """Execute the telegram in the channel's buffer and give its reply, if one is wanted."""
+        buffer = bytes(channel.buffer)
         opcode = buffer[1]
         try:
             request, _ = fp.decode_request_from_buffer(buffer, length)
@@ -110,14 +125,17 @@ class DirectCommands:
             data = self._handlers[type(request)](request)
             return fp.encode_reply(type(request), data)
         except Refusal as refusal:
-            return fp.encode_reply(type(request), refusal.data, status=refusal.status)
+            return fp.encode_reply(type(request), refusal.data, status=refusal.status)[: -refusal.cut or None]
+        except _NoConnection:
+            stale = bytes(channel.stale[_NAME_OFFSET : _NAME_OFFSET + _NAME_SIZE])
+            return fp.encode_status(opcode, Status.OK) + b"\0" + stale
 
     def take_reply(self, buffer: bytes, length: int) -> None:
         """Act on a reply that another brick sent: the message in it goes to a mailbox."""
         del length
         kind, opcode, status, mailbox, size = buffer[:_MESSAGE_OFFSET]
         del kind
-        if opcode != fp.MessageRead.OPCODE or status != Status.OK:
+        if opcode != fp.MessageRead.OPCODE or status & _NEGATIVE:
             return
         data = buffer[_MESSAGE_OFFSET : _MESSAGE_OFFSET + size]
         self._store(mailbox, data.ljust(size, b"\0"))
@@ -125,7 +143,8 @@ class DirectCommands:
     def _start_program(self, request: fp.StartProgram) -> None:
         if self._loader.find(request.name) is None:
             raise Refusal(Status.VALUE_OUT_OF_RANGE)
-        self._program.start(request.name)
+        self._ui.file_name = request.name
+        self._ui.flags |= FLAG_EXECUTE_FILE
 
     def _stop_program(self, request: fp.StopProgram) -> None:
         del request
@@ -134,10 +153,9 @@ class DirectCommands:
         self._program.stop()
 
     def _play_sound_file(self, request: fp.PlaySoundFile) -> None:
-        file = self._loader.find(request.name)
-        if file is None:
+        if self._loader.find(request.name) is None:
             raise Refusal(Status.VALUE_OUT_OF_RANGE)
-        self._sound.play_file(file.name, len(file.data), loop=request.loop)
+        self._sound.play_file(request.name, loop=request.loop)
 
     def _set_output_state(self, request: fp.SetOutputState) -> None:
         every = request.port == fp.OutputPort.ALL
@@ -219,9 +237,11 @@ class DirectCommands:
         port = self._digital_port(request.port)
         status = self._low_speed.status(port)
         channel = self._low_speed.channels[port]
-        if status in (Status.OK, Status.PENDING):
-            return _with_status(fp.LowSpeedRead.Reply.of(channel.take_received()), status)
-        raise Refusal(status, fp.LowSpeedRead.Reply(channel.bytes_ready, bytes(limits.LOW_SPEED_BUFFER_SIZE)))
+        waiting = channel.bytes_ready
+        if status & _NEGATIVE:
+            nothing = fp.LowSpeedRead.Reply(waiting, bytes(limits.LOW_SPEED_BUFFER_SIZE))
+            raise Refusal(status, nothing, cut=waiting)
+        return _with_status(fp.LowSpeedRead.Reply.of(channel.take_received()), Status.OK if waiting else status)
 
     def _current_program(self, request: fp.GetCurrentProgram) -> ReplyData:
         del request
@@ -277,12 +297,14 @@ class DirectCommands:
         return fp.BluetoothConnectionCount.Reply(len(self._radio.connections))
 
     def _contact_name(self, request: fp.BluetoothContactName) -> ReplyData:
-        contact = _entry(self._radio.contacts, request.index, fp.blank_reply(fp.BluetoothContactName))
+        contacts = self._radio.contacts
+        contact = contacts[request.index] if request.index < len(contacts) else Contact()
         return fp.BluetoothContactName.Reply(contact.device_type, contact.name)
 
     def _connection_name(self, request: fp.BluetoothConnectionName) -> ReplyData:
-        blank = fp.blank_reply(fp.BluetoothConnectionName)
-        connection = _entry(self._radio.connections, request.index, blank)
+        if request.index >= len(self._radio.connections):
+            raise _NoConnection
+        connection = self._radio.connections[request.index]
         return fp.BluetoothConnectionName.Reply(connection.device_type, connection.name)
 
     def _set_property(self, request: fp.SetProperty) -> None:
@@ -290,7 +312,7 @@ class DirectCommands:
             case fp.PropertyId.BLUETOOTH_ON:
                 self._ui.bluetooth_on = bool(request.value)
             case fp.PropertyId.VOLUME:
-                self._ui.volume = min(request.value, limits.VOLUME_MAX)
+                self._ui.volume = self._sound.volume = min(request.value, limits.VOLUME_MAX)
             case fp.PropertyId.SLEEP_TIMEOUT:
                 self._ui.sleep_timeout_min = request.value // MINUTE_MS & 0xFF
             case _:
@@ -299,7 +321,7 @@ class DirectCommands:
     def _get_property(self, request: fp.GetProperty) -> ReplyData:
         values = {
             fp.PropertyId.BLUETOOTH_ON: int(self._ui.bluetooth_on),
-            fp.PropertyId.VOLUME: self._ui.volume,
+            fp.PropertyId.VOLUME: self._sound.volume,
             fp.PropertyId.SLEEP_TIMEOUT: self._ui.sleep_timeout_min * MINUTE_MS,
         }
         if request.property_id not in values:
@@ -326,8 +348,3 @@ def _with_status(reply: ReplyData, status: Status) -> ReplyData:
         raise Refusal(status, reply)
     return reply
 
-
-def _entry(table: list[Contact], index: int, blank: ReplyData) -> Contact:
-    if index >= len(table):
-        raise Refusal(Status.VALUE_OUT_OF_RANGE, blank)
-    return table[index]

@@ -10,16 +10,13 @@ from typing import Final, TypeVar, final
 
 import firmware_protocol as fp
 from firmware_protocol import ReplyData, Status
-from nxt_twin.mock.firmware.channel import Channel, Transport
+from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.flash import StoredFile
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
 from nxt_twin.mock.firmware.refusal import Refusal
 
 _REPLY_DATA_OFFSET: Final = 6
 """Where the data start in a READ reply."""
-_LONG_READ_FIRST: Final = 120
-"""Data bytes in the first piece of a long READ reply, which alone decides its status."""
-
 
 Found = TypeVar("Found")
 
@@ -57,17 +54,14 @@ class FileCommands:
         return fp.FileOpened(handle, room)
 
     def read(self, request: fp.ReadFile, channel: Channel) -> ReplyData:
-        """READ: the length is repeated as requested, and the data are filled up with zeros."""
-        over_usb = channel.transport is Transport.USB
-        fitting = min(request.length, channel.sizes.read) if over_usb else request.length
+        """READ of what fits: the length is repeated as requested, and the data are filled up with zeros."""
+        fitting = min(request.length, channel.sizes.read)
         try:
             data, status = self._loader.read(request.handle, fitting)
         except LoaderRefusal as refusal:
             stale = bytes(channel.stale[_REPLY_DATA_OFFSET : _REPLY_DATA_OFFSET + fitting])
             reply = fp.ReadFile.Reply(request.handle, request.length, stale.ljust(fitting, b"\0"))
             raise Refusal(refusal.status, reply) from None
-        if fitting > channel.sizes.read and len(data) >= _LONG_READ_FIRST:
-            status = Status.OK
         reply = fp.ReadFile.Reply(request.handle, request.length, data.ljust(fitting, b"\0"))
         if status != Status.OK:
             raise Refusal(status, reply)

@@ -18,6 +18,7 @@ from nxt_twin.mock.firmware.direct import DirectCommands
 from nxt_twin.mock.firmware.flash import StoredFile
 from nxt_twin.mock.firmware.hardware import Hardware
 from nxt_twin.mock.firmware.input import InputModule
+from nxt_twin.mock.firmware.launcher import Launcher
 from nxt_twin.mock.firmware.loader import Loader
 from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
 from nxt_twin.mock.firmware.module import MemoryModule
@@ -25,6 +26,7 @@ from nxt_twin.mock.firmware.modules import ModuleCommands
 from nxt_twin.mock.firmware.output import OutputModule
 from nxt_twin.mock.firmware.program import ProgramModule
 from nxt_twin.mock.firmware.radio import Radio
+from nxt_twin.mock.firmware.settings import restore_settings
 from nxt_twin.mock.firmware.sound import SoundModule
 from nxt_twin.mock.firmware.system import SystemCommands
 from nxt_twin.mock.firmware.ui import UiModule
@@ -82,9 +84,12 @@ class Firmware:
         self.loader = Loader(files)
         self.outputs = OutputModule(hardware)
         self.low_speed = LowSpeedModule(hardware, self.inputs)
-        self.sound = SoundModule()
-        self.program = ProgramModule(self.loader, self.outputs, self.inputs)
+        self.sound = SoundModule(self.loader)
         self.ui = UiModule(hardware, sleep_timeout_min=identity.sleep_timeout_min)
+        self.program = ProgramModule(
+            self.loader, self.outputs, self.inputs, self.low_speed, self.sound, self.ui
+        )
+        self._launcher = Launcher(self.ui, self.program, self.sound)
         self._system = SystemCommands(self.loader, self.radio, self._modules())
         direct = DirectCommands(
             self.outputs,
@@ -98,6 +103,8 @@ class Firmware:
         )
         lossy = identity.rename_loses_telegrams
         self._comm = Comm(self.loader, self.radio, direct, self._system, lossy=lossy)
+        volume = restore_settings(self.loader, sleep_timeout_min=identity.sleep_timeout_min)
+        self.ui.volume = self.sound.volume = volume
 
     def _modules(self) -> ModuleCommands:
         return ModuleCommands(
@@ -143,6 +150,7 @@ class Firmware:
         self.outputs.tick()
         self.sound.tick()
         self.program.tick()
+        self._launcher.tick()
         self.ui.tick()
 
     def receive(self, transport: Transport, data: bytes) -> None:

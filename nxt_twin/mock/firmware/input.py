@@ -20,7 +20,7 @@ from firmware_protocol import (
 from nxt_twin.mock.firmware.hardware import Hardware
 from nxt_twin.mock.firmware.integers import s16
 from nxt_twin.mock.firmware.module import Module
-from nxt_twin.mock.firmware.scaling import FULL_SCALE, Range, normalised
+from nxt_twin.mock.firmware.scaling import FULL_SCALE, Range, fahrenheit_tenths, normalised
 
 INVALID_MS: Final = 20
 INVALID_SOUND_MS: Final = 300
@@ -191,7 +191,7 @@ class InputPort:
             case SensorMode.CELSIUS:
                 self.sensor_value = reading * 900 // FULL_SCALE - 200
             case SensorMode.FAHRENHEIT:
-                self.sensor_value = (reading * 900 // FULL_SCALE - 200) * 180 // 100 + 320
+                self.sensor_value = fahrenheit_tenths(reading * 900 // FULL_SCALE - 200)
             case SensorMode.ANGLE_STEPS:
                 self._count_quadrants(reading)
 

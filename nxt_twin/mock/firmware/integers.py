@@ -33,6 +33,21 @@ def s16(value: int) -> int:
     return (value + 0x8000 & 0xFFFF) - 0x8000
 
 
+def s32(value: int) -> int:
+    """The value as a signed 32-bit word holds it."""
+    return (value + 0x80000000 & 0xFFFFFFFF) - 0x80000000
+
+
+def u16(value: int) -> int:
+    """The value as an unsigned 16-bit word holds it."""
+    return value & 0xFFFF
+
+
+def u32(value: int) -> int:
+    """The value as an unsigned 32-bit word holds it."""
+    return value & 0xFFFFFFFF
+
+
 def sign_of(value: int) -> int:
     """1 for a positive value, else -1."""
     return 1 if value > 0 else -1

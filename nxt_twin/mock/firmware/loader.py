@@ -51,13 +51,16 @@ class Use(Enum):
 
 @final
 class Handle:
-    """One of the sixteen handles; what a closed one knew stays until it is used again."""
+    """One of the sixteen handles; what a closed one knew stays until it is used again.
+
+    A handle that never was used stands on the first file, and its pattern of None finds all.
+    """
 
     __slots__ = ("buffered", "failed", "file", "index", "pattern", "position", "remaining", "use")
 
     def __init__(self) -> None:
         self.use = Use.FREE
-        self.pattern = ""
+        self.pattern: str | None = None
         self.index = 0
         self.file: StoredFile | None = None
         self.position = 0
@@ -100,6 +103,14 @@ class Loader(Module):
         handle.file = file
         handle.position = 0
         return number, len(file.data)
+
+    def open_linear(self, name: str) -> tuple[int, StoredFile]:
+        """A handle for a file that lies in one piece, as a program's does while it runs."""
+        number, file = self._find_by_name(name)
+        if not file.linear:
+            self.close(number)
+            raise LoaderRefusal(Status.NOT_A_LINEAR_FILE, number)
+        return number, file
 
     def open_write(self, name: str, size: int, *, linear: bool = False, appendable: bool = False) -> int:
         """A handle for writing a new file of `size` bytes."""
@@ -166,6 +177,11 @@ class Loader(Module):
         data = bytes(handle.file.data[handle.position : handle.position + length])
         handle.position += len(data)
         return data, Status.OK if len(data) == length else Status.END_OF_FILE
+
+    def rest(self, number: int) -> bytes:
+        """What is left to read, without reading it."""
+        handle = self._handle_for(number, Use.READING)
+        return b"" if handle.file is None else bytes(handle.file.data[handle.position :])
 
     def write(self, number: int, data: bytes) -> tuple[int, Status]:
         """Append to a file that is being written: how many bytes fitted, and whether all ever did."""
@@ -290,14 +306,14 @@ class Loader(Module):
 
     def _search(self, handle: Handle) -> StoredFile | None:
         for index in range(handle.index + 1, len(self.files)):
-            if pattern_matches(handle.pattern, self.files[index].name):
+            if handle.pattern is None or pattern_matches(handle.pattern, self.files[index].name):
                 handle.index = index
                 return self.files[index]
         return None
 
     def _is_downloading(self, name: str) -> bool:
         wanted = fold_case(name)
-        return any(h.use is Use.WRITING and fold_case(h.pattern) == wanted for h in self.handles)
+        return any(h.use is Use.WRITING and fold_case(h.pattern or "") == wanted for h in self.handles)
 
     def _take_buffer(self, number: int) -> None:
         if sum(handle.buffered for handle in self.handles) >= limits.WRITE_BUFFER_COUNT:

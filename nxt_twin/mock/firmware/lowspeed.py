@@ -141,6 +141,15 @@ class LowSpeedModule(Module):
         self.active |= 1 << port
         return Status.OK
 
+    def reset(self) -> None:
+        """What the start and stop of a program do: what was received is forgotten, what is under way ends."""
+        for port, channel in enumerate(self.channels):
+            channel.receive_in = channel.receive_out = channel.receive_length = 0
+            channel.send_in = channel.send_out = 0
+            if channel.state != LowSpeedState.IDLE:
+                channel.state = LowSpeedState.DONE
+                self.active |= 1 << port
+
     def tick(self) -> None:
         """One pass."""
         if not self.active:

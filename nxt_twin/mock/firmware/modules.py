@@ -19,6 +19,9 @@ from nxt_twin.mock.firmware.refusal import Refusal
 class ModuleCommands:
     """Executes module commands; one search at a time, taken until it is closed.
 
+    Only its start asks whether a search is on: FIND_NEXT_MODULE without one goes on where the last one stopped,
+    and lists all modules if there was none.
+
     Args:
         modules: in the order in which a search lists them.
     """
@@ -27,7 +30,7 @@ class ModuleCommands:
         self._modules = modules
         self._by_id = {int(module.module_id): module for module in modules}
         self._searching = False
-        self._pattern = ""
+        self._pattern: str | None = None
         self._next = 0
 
     def find_first(self, request: fp.FindFirstModule, channel: Channel) -> ReplyData:
@@ -75,7 +78,7 @@ class ModuleCommands:
     def _find(self) -> ReplyData:
         for index in range(self._next, len(self._modules)):
             module = self._modules[index]
-            if fp.pattern_matches(self._pattern, module.name):
+            if self._pattern is None or fp.pattern_matches(self._pattern, module.name):
                 self._next = index + 1
                 return fp.ModuleFound(0, module.name, module.module_id, 0, len(module.export()))
         raise Refusal(Status.MODULE_NOT_FOUND, fp.blank_reply(fp.FindFirstModule))

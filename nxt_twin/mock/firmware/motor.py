@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final, final
 
 from firmware_protocol import RegulationMode, RunState
-from nxt_twin.mock.firmware.integers import s8, sign_of
+from nxt_twin.mock.firmware.integers import s8, s32, sign_of
 
 COUNT_MAX: Final = 10_000_000
 """Beyond this a motor that runs for ever starts counting from 0 again."""
@@ -159,16 +159,17 @@ class MotorControl:
     def limit(self, distance: int) -> None:
         """End the run after `distance` counts from where the last one was to end; 0 lets it run for ever.
 
-        In position regulation the distance is the absolute count to go to.
+        In position regulation the distance is the absolute count to go to. The sum wraps at 32 bits, so that a
+        distance of more than 2³¹ can lie behind the motor.
         """
         if self.regulation & RegulationMode.POSITION:
             self.run_forever = False
-            self.limit_count = distance - (1 << 32) if distance & 0x80000000 else distance
+            self.limit_count = s32(distance)
         elif distance == 0:
             self.run_forever = True
         else:
             self.run_forever = False
-            self.limit_count += sign_of(self.set_speed or self.target_speed) * distance
+            self.limit_count = s32(self.limit_count + sign_of(self.set_speed or self.target_speed) * distance)
 
     def clear_count(self) -> None:
         """Start counting from 0, with no target left."""

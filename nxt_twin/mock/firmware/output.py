@@ -126,7 +126,7 @@ class OutputModule(Module):
             settings.mode = settings.speed = settings.sync_turn = 0
             settings.regulation = settings.run_state = 0
             settings.tacho_limit = 0
-            settings.flags |= (
+            settings.flags = int(
                 _COMMAND_FLAGS
                 | OutputFlags.RESET_COUNT
                 | OutputFlags.RESET_BLOCK_COUNT

@@ -1,56 +1,93 @@
 """The command module: the program that runs, its mailboxes and its datalog. Programs are not interpreted.
 
-Source: LEGO NXT firmware 1.29, c_cmd.c.
+Source: LEGO NXT firmware 1.29, c_cmd.c cCmdCtrl, cCmdActivateProgram and cCmdResetDevices.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from enum import Enum, IntEnum
 from typing import Final, final
 
-from firmware_protocol import CommandMap, ModuleId, Status, decode_io_map, encode_io_map
+from firmware_protocol import CommandMap, ModuleId, Status, decode_io_map, encode_io_map, limits
 from firmware_protocol.layout import fixed_size_of
 from nxt_twin.mock.firmware.input import InputModule
-from nxt_twin.mock.firmware.loader import Loader
+from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
+from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
 from nxt_twin.mock.firmware.mailboxes import Mailboxes
 from nxt_twin.mock.firmware.module import Module, overlay
 from nxt_twin.mock.firmware.output import OutputModule
+from nxt_twin.mock.firmware.sound import SoundModule
+from nxt_twin.mock.firmware.ui import UiModule
 
 FORMAT_STRING: Final = b"MindstormsNXT\0"
 """What a program file starts with."""
-IO_MAP_SIZE: Final = 32828
-"""Head, 32 KiB of memory pool, and the clock behind it."""
 
-_IDLE, _OK, _RUNNING, _ERROR = range(4)
+
+class ProgramStatus(IntEnum):
+    """How the last program does, or did, as the IO map says."""
+
+    IDLE = 0
+    OK = 1
+    RUNNING = 2
+    ERROR = 3
+    ABORT = 4
+    RESET = 5
+    """The user interface has shown the end long enough."""
+
+
+class _State(Enum):
+    IDLE = "idle"
+    RUNNING = "running"
+    ENDING = "ending"
+    SHOWN = "its end is shown"
 
 
 @final
 class ProgramModule(Module):
-    """Runs a program, in that it is running until it is stopped."""
+    """Runs a program, in that it is running until it is stopped.
+
+    Attributes:
+        running: the name of the program, from the pass that opens its file to the one that closes it.
+        status: what the IO map says about it; the user interface sets RESET.
+    """
 
     module_id = ModuleId.COMMAND
     name = "Command.mod"
 
-    def __init__(self, loader: Loader, outputs: OutputModule, inputs: InputModule) -> None:
+    def __init__(
+        self,
+        loader: Loader,
+        outputs: OutputModule,
+        inputs: InputModule,
+        low_speed: LowSpeedModule,
+        sound: SoundModule,
+        ui: UiModule,
+    ) -> None:
         self.running: str | None = None
+        self.status = ProgramStatus.IDLE
         self.mailboxes = Mailboxes()
         self.datalog: deque[bytes] = deque()
         self.sync_time = 0
-        self._status = _IDLE
+        self._state = _State.IDLE
         self._tick_ms = 0
+        self._file_name = ""
+        self._start_wanted = False
         self._stop_wanted = False
-        self._start_wanted = ""
+        self._handle = 0
         self._loader = loader
-        self._outputs = outputs
-        self._inputs = inputs
-        self._memory = overlay(bytes(IO_MAP_SIZE), 0, FORMAT_STRING)
+        self._devices = (outputs, inputs, low_speed)
+        self._sound = sound
+        self._ui = ui
+        self._memory = overlay(bytes(limits.IO_MAP_SIZES[ModuleId.COMMAND]), 0, FORMAT_STRING)
 
     def start(self, name: str) -> None:
-        """Start a program in the module's next pass; a running one ends first."""
-        self._start_wanted = name
+        """Start a program in the module's next pass, if none runs then."""
+        self._file_name = name
+        self._start_wanted = True
 
     def stop(self) -> None:
-        """Stop the program in the module's next pass."""
+        """Stop the program: it counts as aborted after the module's next pass, and is gone after the one behind."""
         self._stop_wanted = True
 
     def store(self, mailbox: int, message: bytes) -> Status:
@@ -63,35 +100,61 @@ class ProgramModule(Module):
     def tick(self) -> None:
         """One pass."""
         self._tick_ms += 1
-        if self._stop_wanted:
-            self._stop_wanted = False
-            self._end()
-        if self._start_wanted:
-            name, self._start_wanted = self._start_wanted, ""
-            self._end()
-            self._begin(name)
+        match self._state:
+            case _State.RUNNING if self._stop_wanted:
+                self._stop_wanted = False
+                self.status = ProgramStatus.ABORT
+                self._state = _State.ENDING
+            case _State.IDLE if self._start_wanted:
+                self._start_wanted = False
+                self._begin()
+            case _State.ENDING:
+                self._end()
+            case _State.SHOWN if self.status is ProgramStatus.RESET:
+                self._reset_devices()
+                self.status = ProgramStatus.IDLE
+                self._state = _State.IDLE
+            case _:
+                pass
 
-    def _begin(self, name: str) -> None:
-        file = self._loader.find(name)
-        if file is None or not file.linear or not file.data.startswith(FORMAT_STRING):
-            self._status = _ERROR
+    def _begin(self) -> None:
+        if not self._activate():
+            self.status = ProgramStatus.ERROR
+            self._state = _State.ENDING
             return
+        self.status = ProgramStatus.RUNNING
+        self._state = _State.RUNNING
         self._reset_devices()
+        self._ui.lock_buttons(locked=True)
+
+    def _activate(self) -> bool:
+        """Open the program's file; an empty one keeps its handle for ever, any other until its end."""
+        try:
+            handle, file = self._loader.open_linear(self._file_name)
+        except LoaderRefusal:
+            return False
+        if not file.data:
+            return False
+        self._handle = handle
+        self.running = self._file_name
         self.mailboxes.clear()
         self.datalog.clear()
-        self.running = file.name
-        self._status = _RUNNING
+        return file.data.startswith(FORMAT_STRING)
 
     def _end(self) -> None:
-        if self.running is None:
-            return
-        self.running = None
-        self._status = _OK
-        self._reset_devices()
+        if self.status is ProgramStatus.ABORT:
+            self._reset_devices()
+        self._ui.lock_buttons(locked=False)
+        if self.running is not None:
+            self._loader.close(self._handle)
+            self.running = None
+        self._sound.stop()
+        self._sound.volume = self._ui.volume
+        self._state = _State.SHOWN
 
     def _reset_devices(self) -> None:
-        self._outputs.reset()
-        self._inputs.reset()
+        for device in self._devices:
+            device.reset()
 
     def export(self) -> bytes:
         """The IO map."""
@@ -101,18 +164,19 @@ class ProgramModule(Module):
             tick_ms=self._tick_ms & 0xFFFFFFFF,
             data_space_offset=0xFFFF,
             dope_vector_offset=0xFFFF,
-            program_status=self._status,
+            program_status=self.status,
             awake=True,
-            activate_flag=0,
-            deactivate_flag=0,
-            file_name=self.running or "",
+            activate_flag=self._start_wanted,
+            deactivate_flag=self._stop_wanted,
+            file_name=self._file_name,
         )
         return overlay(self._memory, 0, encode_io_map(head))
 
     def adopt(self, data: bytes) -> None:
-        """Take over the memory pool, and a wish to stop; the rest of the head is the module's own."""
+        """Take over the memory pool, and wishes to start and stop; the rest of the head is the module's own."""
         size = fixed_size_of(CommandMap) or 0
         head = decode_io_map(CommandMap, data[:size])
         self._memory = data
-        if head.deactivate_flag:
-            self._stop_wanted = self.running is not None
+        self._file_name = head.file_name
+        self._start_wanted = bool(head.activate_flag)
+        self._stop_wanted = bool(head.deactivate_flag)

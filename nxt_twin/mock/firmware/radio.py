@@ -1,6 +1,6 @@
 """The comm module's memory: who the brick is, whom it knows by Bluetooth, and how long its radio is busy.
 
-Source: LEGO NXT firmware 1.29, c_comm.c and c_comm.iom; offsets as published with the NXC language.
+Source: LEGO NXT firmware 1.29, c_comm.c and c_comm.iom.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from nxt_twin.mock.firmware.module import Module, overlay
 
 RENAME_MS: Final = 1000
 """How long the radio is busy with a new name, out of stream mode."""
-IO_MAP_SIZE: Final = 1900
 
 _CONTACT_OFFSET: Final = 8
 _CONTACT_STRIDE: Final = 31
@@ -24,6 +23,10 @@ _NAME_OFFSET: Final = 1126
 _ADDRESS_OFFSET: Final = 1144
 _NAME_FIELD: Final = 16
 _ADDRESS_FIELD: Final = 7
+_PIN_FIELD: Final = 16
+_KNOWN: Final = 2
+_CLASSES: Final = {1: 0x0804, 2: 0x0200, 3: 0x0100}
+"""Bluetooth's class for each device type: NXT, phone, PC."""
 
 
 @final
@@ -35,10 +38,18 @@ class Contact:
     name: str = ""
     address: bytes = bytes(_ADDRESS_FIELD)
 
-    def as_bytes(self) -> bytes:
-        """The entry as it starts in either table: address, name, class."""
-        name = self.name.encode("latin-1", "replace")[:15]
-        return self.address + name.ljust(_NAME_FIELD, b"\0") + bytes(4) + bytes((self.device_type,))
+    def in_contacts(self) -> bytes:
+        """The entry as the table of contacts holds it: name, class, address, status."""
+        status = _KNOWN if self.name else 0
+        return self._head() + self.address + bytes((status,))
+
+    def in_connections(self) -> bytes:
+        """The entry as the table of connections starts it: name, class, PIN (blank), address."""
+        return self._head() + bytes(_PIN_FIELD) + self.address
+
+    def _head(self) -> bytes:
+        name = self.name.encode("latin-1", "replace")[: _NAME_FIELD - 1]
+        return name.ljust(_NAME_FIELD, b"\0") + _CLASSES.get(self.device_type, 0).to_bytes(4, "big")
 
 
 @final
@@ -54,13 +65,20 @@ class Radio(Module):
         self.contacts = [Contact()] * limits.BLUETOOTH_CONTACT_COUNT
         self.connections = [Contact()] * limits.BLUETOOTH_CONNECTION_COUNT
         self.link_quality = bytes(limits.BLUETOOTH_CONNECTION_COUNT)
+        self.reading = False
+        """Whether it carries a long READ."""
         self._busy_ms = 0
-        self._memory = bytes(IO_MAP_SIZE)
+        self._memory = bytes(limits.IO_MAP_SIZES[ModuleId.COMM])
+
+    @property
+    def away(self) -> bool:
+        """Whether the radio is out of stream mode."""
+        return self._busy_ms > 0
 
     @property
     def busy(self) -> bool:
-        """Whether the radio is out of stream mode."""
-        return self._busy_ms > 0
+        """Whether the radio takes no other job."""
+        return self.away or self.reading
 
     def rename(self, name: str) -> bool:
         """Take a new name, of which 15 characters are kept; False while the radio is busy."""
@@ -87,10 +105,10 @@ class Radio(Module):
         """The IO map, with the tables and the identity in their places."""
         memory = self._memory
         for index, contact in enumerate(self.contacts):
-            memory = overlay(memory, _CONTACT_OFFSET + index * _CONTACT_STRIDE, contact.as_bytes())
+            memory = overlay(memory, _CONTACT_OFFSET + index * _CONTACT_STRIDE, contact.in_contacts())
         for index, connection in enumerate(self.connections):
             at = _CONNECTION_OFFSET + index * _CONNECTION_STRIDE
-            memory = overlay(memory, at, connection.as_bytes())
+            memory = overlay(memory, at, connection.in_connections())
             memory = overlay(memory, at + _CONNECTION_QUALITY, self.link_quality[index : index + 1])
         name = self.brick_name.encode("latin-1", "replace").ljust(_NAME_FIELD, b"\0")
         memory = overlay(memory, _NAME_OFFSET, name)
