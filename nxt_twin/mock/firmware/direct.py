@@ -241,7 +241,9 @@ class DirectCommands:
         if status & _NEGATIVE:
             nothing = fp.LowSpeedRead.Reply(waiting, bytes(limits.LOW_SPEED_BUFFER_SIZE))
             raise Refusal(status, nothing, cut=waiting)
-        return _with_status(fp.LowSpeedRead.Reply.of(channel.take_received()), Status.OK if waiting else status)
+        return _with_status(
+            fp.LowSpeedRead.Reply.of(channel.take_received()), Status.OK if waiting else status
+        )
 
     def _current_program(self, request: fp.GetCurrentProgram) -> ReplyData:
         del request
@@ -347,4 +349,3 @@ def _with_status(reply: ReplyData, status: Status) -> ReplyData:
     if status != Status.OK:
         raise Refusal(status, reply)
     return reply
-

@@ -75,7 +75,9 @@ class LongRead:
         self._first = False
         _, status = self._read(_HEADER_SIZE, _FIRST_SIZE)
         length = self._remaining.to_bytes(2, "little")
-        self._buffer[:_HEADER_SIZE] = bytes((TelegramType.REPLY, ReadFile.OPCODE, status, self._handle)) + length
+        self._buffer[:_HEADER_SIZE] = (
+            bytes((TelegramType.REPLY, ReadFile.OPCODE, status, self._handle)) + length
+        )
         promised = (self._remaining + _HEADER_SIZE) & FRAME_SIZE_MAX
         self._remaining -= _FIRST_SIZE
         piece = bytes(self._buffer[: _HEADER_SIZE + _FIRST_SIZE])

@@ -67,7 +67,12 @@ class SoundModule(Module):
 
     def play_tone(self, frequency_hz: int, duration_ms: int) -> None:
         """Play a tone from the next pass on, instead of whatever plays."""
-        self._set(mode=MODE_TONE, frequency_hz=frequency_hz, duration_ms=duration_ms, flags=self._map.flags | _UPDATE)
+        self._set(
+            mode=MODE_TONE,
+            frequency_hz=frequency_hz,
+            duration_ms=duration_ms,
+            flags=self._map.flags | _UPDATE,
+        )
 
     def play_file(self, name: str, *, loop: bool) -> None:
         """Play a file from the next pass on, once or for ever."""
