@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 from nxt_twin.recording.recording import Recording
@@ -34,9 +34,11 @@ class ConcealedCase:
         recordings: in the order of `content`, held-out ones last.
         answer: what `<name>.json` of the answers holds: effects with their true parameters, the true base
             parameters, and the true angle at each stamp.
+        sidecar: what stands beside each recording; nothing where the defaults hold.
     """
 
     name: str
     content: Mapping[str, Any]
     recordings: tuple[Recording, ...]
     answer: Mapping[str, Any]
+    sidecar: Mapping[str, Any] = field(default_factory=dict)

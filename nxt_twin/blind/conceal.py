@@ -9,8 +9,9 @@ from typing import Any, final
 from numpy.random import Generator
 
 from nxt_twin.blind.bench import draw_motor
-from nxt_twin.blind.effects.concealed import SIZES, ConcealedEffect, Draw, Situation, Size
+from nxt_twin.blind.effects.concealed import ConcealedEffect, Draw, Situation
 from nxt_twin.blind.effects.library import EFFECTS, compatible
+from nxt_twin.blind.kinds import SIZES, Size
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands, true_run
 from nxt_twin.blind.truth.sensing import Sensing

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, final
 
-from nxt_twin.blind.effects.concealed import Equation
 from nxt_twin.blind.effects.library import EFFECTS
+from nxt_twin.blind.kinds import Equation
 
 ALARM_P: Final = 0.01
 
@@ -103,7 +103,7 @@ def parse_place(mismatch: Mapping[str, Any]) -> Place:
 def locate(answer: Mapping[str, Any], place: Place) -> Located:
     """Compare what is said of where with the answer."""
     effects = answer["effects"]
-    truth = EFFECTS[effects[0]["id"]].equation if len(effects) == 1 else None
+    truth = _equation(effects[0]) if len(effects) == 1 else None
     event = _event(effects[0]["params"]) if len(effects) == 1 else None
     onsets = [onset for onset in place.onsets if event is None or onset.recording == event.recording]
     return Located(
@@ -114,6 +114,12 @@ def locate(answer: Mapping[str, Any], place: Place) -> Located:
         event=event,
         onset=onsets[0] if onsets else None,
     )
+
+
+def _equation(effect: Mapping[str, Any]) -> Equation:
+    """The equation that an effect changes, as its answer says or, in answers that do not, the library."""
+    told: Equation | None = effect.get("equation")
+    return told or EFFECTS[effect["id"]].equation
 
 
 def _of_four(equation: Equation) -> str:

@@ -8,7 +8,7 @@ from statistics import median
 from typing import Any, Final, final, get_args
 
 from nxt_twin.blind.aims import detectable
-from nxt_twin.blind.effects.concealed import Equation
+from nxt_twin.blind.kinds import Equation
 from nxt_twin.blind.located import ALARM_P
 from nxt_twin.blind.share import Share, share_of
 from nxt_twin.blind.verdict import Judged

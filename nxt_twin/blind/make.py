@@ -14,8 +14,9 @@ from nxt_twin.blind.answer import ANSWER_SCHEMA, encoded, seal, true_parameters,
 from nxt_twin.blind.bench import draw_commands, draw_families, draw_starts_deg
 from nxt_twin.blind.case import NOMINAL, SEAL_FILE, ConcealedCase
 from nxt_twin.blind.conceal import conceal, look_up
-from nxt_twin.blind.effects.concealed import ConcealedEffect, Size
+from nxt_twin.blind.effects.concealed import ConcealedEffect
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
+from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.record import take
 from nxt_twin.blind.sets import CasePlan
@@ -102,6 +103,9 @@ def write_case(case: ConcealedCase, cases_dir: Path, answers_dir: Path) -> Path:
     answers_dir.mkdir(parents=True, exist_ok=True)
     for recording in case.recordings:
         write_recording(recording, folder / recording.name)
+        if case.sidecar:
+            beside = (folder / recording.name).with_suffix(".yaml")
+            beside.write_text(yaml.safe_dump(dict(case.sidecar)), encoding="utf-8")
     content = yaml.safe_dump(dict(case.content), sort_keys=False)
     (folder / "case.yaml").write_text(content, encoding="utf-8")
     answer = encoded(case.answer)

@@ -161,7 +161,23 @@ def tabulate(cases: Sequence[Judged]) -> ScoreTable:
         groups.append((f"single, effect {low:g}–{high:g}°", inside))
     for effect in sorted({case.hidden[0] for case in singles}):
         groups.append((effect, [case for case in singles if case.hidden[0] == effect]))
+    groups += _by_family(cases)
     return ScoreTable(tuple(_row(name, group) for name, group in groups if group), tuple(cases))
+
+
+def _by_family(cases: Sequence[Judged]) -> list[tuple[str, list[Judged]]]:
+    """Each kind of case of each family; nothing where there is one family only."""
+    families = sorted({case.family for case in cases})
+    if len(families) < 2:
+        return []
+    kinds = ("clean", "single", "pair", "triple", "unknown")
+    groups = []
+    for family in families:
+        own = [case for case in cases if case.family == family]
+        groups += [(f"{family}: {kind}", [case for case in own if case.kind == kind]) for kind in kinds]
+        seen = [case for case in own if case.kind == "single" and detectable(case)]
+        groups.append((f"{family}: single, detectable", seen))
+    return groups
 
 
 def _row(group: str, cases: Sequence[Judged]) -> Row:
@@ -227,6 +243,7 @@ def _row_cells(row: Row) -> tuple[str, ...]:
 def _case_dict(case: Judged) -> dict[str, Any]:
     return {
         "case": case.name,
+        "family": case.family,
         "kind": case.kind,
         "hidden": list(case.hidden),
         "sizes": list(case.sizes),

@@ -12,8 +12,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from nxt_twin.blind.conceal import Hidden, look_up
-from nxt_twin.blind.effects.concealed import SIZES, ConcealedEffect, Situation, Size
+from nxt_twin.blind.effects.concealed import ConcealedEffect, Situation
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
+from nxt_twin.blind.kinds import SIZES, Size
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.errors import CaseError

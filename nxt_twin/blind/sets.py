@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.random import Generator
 
-from nxt_twin.blind.effects.concealed import SIZES, Size
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS, UNKNOWN_EFFECTS, compatible
+from nxt_twin.blind.kinds import SIZES, Size
 
 LARGEST_SEED = 2**53
 
@@ -34,32 +35,38 @@ def plan_set(
     pairs: int = 30,
     triples: int = 10,
     unknown: int = 10,
+    strangers: tuple[str, ...] = tuple(UNKNOWN_EFFECTS),
+    together: Callable[[tuple[str, ...]], bool] = compatible,
+    prefix: str = "case",
 ) -> tuple[CasePlan, ...]:
     """Plan a set: each effect alone in each size, and so many clean, double, triple and unknown cases.
 
-    Pairs and triples are drawn from `effects`, unknown ones in turn from those that no library holds. The
-    order is shuffled and the names are numbers, so that neither tells what is in a case.
+    Pairs and triples are drawn from `effects` that may stand `together`, unknown ones in turn from `strangers`,
+    which no library holds. The order is shuffled and the names are numbers behind `prefix`, so that neither tells
+    what is in a case.
     """
     rng = np.random.default_rng(seed)
     contents: list[tuple[tuple[str, ...], Size | None]] = [
         ((effect,), size) for effect in effects for size in sizes
     ]
     contents += [((), None)] * clean
-    contents += [(_together(rng, effects, 2), None) for _ in range(pairs)]
-    contents += [(_together(rng, effects, 3), None) for _ in range(triples)]
-    strangers = [str(name) for name in rng.permutation(list(UNKNOWN_EFFECTS))]
-    contents += [((strangers[index % len(strangers)],), None) for index in range(unknown)]
+    contents += [(_together(rng, effects, 2, together), None) for _ in range(pairs)]
+    contents += [(_together(rng, effects, 3, together), None) for _ in range(triples)]
+    in_turn = [str(name) for name in rng.permutation(list(strangers))]
+    contents += [((in_turn[index % len(in_turn)],), None) for index in range(unknown)]
     order = rng.permutation(len(contents))
     return tuple(
-        CasePlan(f"case-{number:04d}", int(rng.integers(LARGEST_SEED)), *contents[index])
+        CasePlan(f"{prefix}-{number:04d}", int(rng.integers(LARGEST_SEED)), *contents[index])
         for number, index in enumerate(order, start=1)
     )
 
 
-def _together(rng: Generator, effects: tuple[str, ...], count: int) -> tuple[str, ...]:
+def _together(
+    rng: Generator, effects: tuple[str, ...], count: int, together: Callable[[tuple[str, ...]], bool]
+) -> tuple[str, ...]:
     """Draw effects that can stand in one case."""
     chosen: tuple[str, ...] = ()
     for effect in rng.permutation(list(effects)):
-        if len(chosen) < count and compatible((*chosen, str(effect))):
+        if len(chosen) < count and together((*chosen, str(effect))):
             chosen = (*chosen, str(effect))
     return chosen

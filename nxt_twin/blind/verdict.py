@@ -18,6 +18,8 @@ from nxt_twin.errors import CaseError
 Kind = Literal["clean", "single", "pair", "triple", "unknown"]
 
 NO_ANSWER: Final = "none"
+HOME: Final = "bristle"
+"""The family of an answer that names none."""
 _KINDS: Final[dict[int, Kind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
 _RIGHT_VERDICT: Final[dict[Kind, str]] = {
     "clean": "adequate",
@@ -56,6 +58,7 @@ class Judged:
         improved: that error, in the diagnosis's unit.
         reach: what the true structure reaches, where that was computed.
         located: whether it is said where the baseline fails.
+        family: which simulator made its truth.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Judged:
     improved: float | None
     reach: Reach | None = None
     located: Located = UNPLACED
+    family: str = HOME
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -178,6 +182,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         improved=given.improved,
         reach=reach,
         located=locate(answer, given.place),
+        family=str(answer.get("family", HOME)),
     )
 
 

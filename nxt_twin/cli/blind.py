@@ -9,14 +9,12 @@ from typing import Annotated
 
 import typer
 
-from nxt_twin.blind.case import SEAL_FILE
-from nxt_twin.blind.effects.library import KNOWN_EFFECTS
-from nxt_twin.blind.make import make_set
+from nxt_twin.blind.families.orders import Amounts, Outcome, families_of, make_orders, plan_orders
+from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.score import score as score_answers
 from nxt_twin.blind.secret import secret_of
-from nxt_twin.blind.sets import plan_set
-from nxt_twin.blind.solve import Outcome, case_folders, reach_all, solve_all
+from nxt_twin.blind.solve import case_folders, reach_all, solve_all
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 
 _LINKS: dict[str, tuple[Link, ...]] = {
@@ -26,6 +24,13 @@ _LINKS: dict[str, tuple[Link, ...]] = {
 }
 
 EffectsOption = Annotated[str | None, typer.Option(help="Only these ids, comma-separated.")]
+FamilyOption = Annotated[str, typer.Option(help=f"Truth families, comma-separated: {', '.join(FAMILIES)}.")]
+CleanOption = Annotated[int, typer.Option(min=0, help="Cases of each family in which nothing is missing.")]
+PairsOption = Annotated[int, typer.Option(min=0, help="Cases of each family with two effects.")]
+TriplesOption = Annotated[int, typer.Option(min=0, help="Cases of each family with three effects.")]
+UnknownOption = Annotated[
+    int, typer.Option(min=0, help="Cases of each family with an effect that no library holds.")
+]
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that share the work.")]
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
@@ -36,23 +41,39 @@ def make(
     cases: Annotated[Path, typer.Argument(help="Folder for the cases.")],
     answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
     seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
+    family: FamilyOption = BRISTLE,
     effects: EffectsOption = None,
-    clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 40,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 30,
-    triples: Annotated[int, typer.Option(min=0, help="Cases with three effects.")] = 10,
-    unknown: Annotated[int, typer.Option(min=0, help="Cases with an effect that no library holds.")] = 10,
-    link: Annotated[str, typer.Option(help="usb, bluetooth, or both in turn.")] = "both",
-    duration: Annotated[float, typer.Option(min=5.0, help="Length of a recording, s.")] = 15.0,
+    clean: CleanOption = 40,
+    pairs: PairsOption = 30,
+    triples: TriplesOption = 10,
+    unknown: UnknownOption = 10,
+    link: Annotated[str, typer.Option(help="usb, bluetooth, or both in turn, for bristle.")] = "both",
+    duration: Annotated[
+        float | None, typer.Option(min=5.0, help="Length of a recording, s; by default the family's.")
+    ] = None,
+    jobs: JobsOption = 1,
 ) -> None:
-    """Make a set of cases: every effect in three sizes, clean ones, combinations, and unknown ones."""
+    """Make a set of each family: every effect in three sizes, clean ones, combinations, and unknown ones."""
     if link not in _LINKS:
         raise typer.BadParameter(f"'{link}' is none of {', '.join(_LINKS)}", param_hint="--link")
-    plans = plan_set(
-        seed, effects=_chosen(effects), clean=clean, pairs=pairs, triples=triples, unknown=unknown
-    )
-    making = make_set(plans, cases, answers, links=_LINKS[link], duration_s=duration)
-    _follow("making cases", ((folder.name, "") for folder in making), len(plans))
-    print(f"{len(plans)} cases in {cases}, answers in {answers}")
+    amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
+    families = families_of(family.split(","))
+    orders = plan_orders(families, seed, amounts, links=_LINKS[link], duration_s=duration)
+    _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
+    print(f"{len(orders)} cases in {cases}, answers in {answers}")
+
+
+@blind.command()
+def families() -> None:
+    """List the truth families: what simulates each, and which effects it can hide."""
+    every = sorted({effect for family in FAMILIES.values() for effect in family.known})
+    for family in FAMILIES.values():
+        lacking = [effect for effect in every if effect not in family.known]
+        print(f"{family.name}: {family.simulator}")
+        print(
+            f"  hides {len(family.known)} of {len(every)} effects; left out: {', '.join(lacking) or 'none'}"
+        )
+        print(f"  in nobody's library: {', '.join(family.unknown)}")
 
 
 @blind.command()
@@ -122,11 +143,12 @@ def reveal(
 def bench(
     folder: Annotated[Path, typer.Argument(help="Where everything goes; what is there already is kept.")],
     seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
+    family: FamilyOption = BRISTLE,
     effects: EffectsOption = None,
-    clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 40,
-    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 30,
-    triples: Annotated[int, typer.Option(min=0, help="Cases with three effects.")] = 10,
-    unknown: Annotated[int, typer.Option(min=0, help="Cases with an effect that no library holds.")] = 10,
+    clean: CleanOption = 40,
+    pairs: PairsOption = 30,
+    triples: TriplesOption = 10,
+    unknown: UnknownOption = 10,
     jobs: JobsOption = 1,
     json: JsonOption = None,
 ) -> None:
@@ -134,24 +156,17 @@ def bench(
     cases, answers, diagnoses, reached = (
         folder / name for name in ("cases", "answers", "diagnoses", "reached")
     )
-    plans = plan_set(
-        seed, effects=_chosen(effects), clean=clean, pairs=pairs, triples=triples, unknown=unknown
-    )
-    made = {path.parent.name for path in cases.glob(f"*/{SEAL_FILE}")}
-    if {plan.name for plan in plans} != made:
-        _follow(
-            "making cases",
-            ((path.name, "") for path in make_set(plans, cases, answers, links=_LINKS["both"])),
-            len(plans),
-        )
+    amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
+    orders = plan_orders(families_of(family.split(",")), seed, amounts)
+    _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
     folders = case_folders(cases)
     _follow("solving", solve_all(folders, diagnoses, seed=0, jobs=jobs), len(folders))
     _follow("reaching", reach_all(folders, answers, reached, jobs=jobs), len(folders))
     score(cases, answers, diagnoses, reached, json)
 
 
-def _chosen(effects: str | None) -> tuple[str, ...]:
-    return tuple(effects.split(",")) if effects else tuple(KNOWN_EFFECTS)
+def _chosen(effects: str | None) -> tuple[str, ...] | None:
+    return tuple(effects.split(",")) if effects else None
 
 
 def _follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal, final
+from typing import final
 
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.blind.kinds import Equation, Size
 from nxt_twin.blind.truth.motor import Motor
-
-Size = Literal["small", "medium", "large"]
-SIZES: Final[tuple[Size, ...]] = ("small", "medium", "large")
-
-Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
 
 Range = tuple[float, float]
 

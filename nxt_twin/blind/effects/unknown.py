@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from nxt_twin.blind.effects.concealed import ConcealedEffect, Draw, Equation, Situation
+from nxt_twin.blind.effects.concealed import ConcealedEffect, Draw, Situation
+from nxt_twin.blind.kinds import Equation
 from nxt_twin.blind.truth import surprises
 
 Sampler = Callable[[Situation], Draw]

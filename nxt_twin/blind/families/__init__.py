@@ -1,0 +1,1 @@
+"""Truth families: simulators of motors that share nothing with the fit, nor with one another."""

@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from nxt_twin.blind.case import SEAL_FILE
+from nxt_twin.blind.families.family import Order
+from nxt_twin.blind.families.orders import Amounts, families_of, make_orders, plan_orders
+from nxt_twin.blind.families.table import BRISTLE, FAMILIES
+from nxt_twin.blind.sets import CasePlan, plan_set
+from nxt_twin.errors import CaseError
+from nxt_twin.recording.case import read_case
+from nxt_twin.recording.files import read_sidecar
+
+FOREIGN = [name for name in FAMILIES if name != BRISTLE]
+STRONG = ("stiction", "backlash", "gravity_load", "current_limit", "command_delay", "end_stop")
+CONTRACT = set(FAMILIES[BRISTLE].known) | {"hanging_payload", "sample_hold"}
+
+
+def case_of(family, effects=(), size="large", seed=5, duration_s=5.0):
+    plan = CasePlan("case", seed, effects, size)
+    return FAMILIES[family].make(Order(family, plan, "usb", duration_s))
+
+
+def same(one, other) -> bool:
+    return all(
+        np.array_equal(a.columns[name], b.columns[name], equal_nan=True)
+        for a, b in zip(one.recordings, other.recordings, strict=True)
+        for name in a.columns
+    )
+
+
+@pytest.mark.parametrize("family", FOREIGN)
+def test_a_seed_makes_the_same_case_again_and_another_seed_another(family):
+    first, again, other = (case_of(family, ("stiction",), seed=seed) for seed in (3, 3, 4))
+    assert first.answer == again.answer
+    assert same(first, again)
+    assert first.answer["base"] != other.answer["base"]
+
+
+@pytest.mark.parametrize("family", FOREIGN)
+def test_effects_of_a_foreign_family_are_the_contracts_or_said_to_be_in_nobodys_library(family):
+    assert set(FAMILIES[family].known) <= CONTRACT
+    assert set(FAMILIES[family].unknown).isdisjoint(CONTRACT)
+    assert len(FAMILIES[family].unknown) >= 3
+
+
+def test_ten_kinds_of_unknown_physics_and_no_two_of_a_name():
+    unknown = [name for family in FAMILIES.values() for name in family.unknown]
+    assert len(set(unknown)) == len(unknown)
+    assert len(unknown) >= 10
+
+
+@pytest.mark.parametrize("effect", STRONG)
+@pytest.mark.parametrize("family", FOREIGN)
+def test_a_large_effect_moves_the_reading_and_the_answer_is_in_the_contracts_terms(family, effect):
+    if effect not in FAMILIES[family].known:
+        pytest.skip("left out of this family")
+    answer = case_of(family, (effect,)).answer
+    assert answer["family"] == family
+    assert answer["effect_rms_deg"] > 0.5
+    home = case_of(BRISTLE, (effect,)).answer["effects"][0]
+    assert set(home["params"]) - {"from_s"} <= set(answer["effects"][0]["params"])
+
+
+@pytest.mark.parametrize("family", FOREIGN)
+def test_a_clean_case_shows_the_true_angle_below_one_step_of_its_encoder(family):
+    case = case_of(family)
+    assert case.answer["effects"] == []
+    for recording in case.recordings:
+        true_deg = np.array(case.answer["recordings"][recording.name]["hub_deg"])
+        below_deg = true_deg - recording.columns["a_tacho_deg"]
+        assert below_deg.min() >= -1e-3
+        assert below_deg.max() <= case.answer["step_deg"] + 1e-3
+        assert np.all(np.diff(recording.time_s) > 0.0)
+        assert np.ptp(true_deg) > 20.0
+
+
+@pytest.mark.parametrize("family", FOREIGN)
+def test_the_baseline_is_off_by_a_fifth_at_most(family):
+    answer = case_of(family).answer
+    off = [abs(answer["baseline"][key] / value - 1.0) for key, value in answer["base"].items()]
+    assert 0.02 < max(off) < 0.2001
+
+
+def test_a_logger_that_writes_the_last_command_puts_it_a_row_late():
+    late = next(
+        case
+        for seed in range(30)
+        if (case := case_of("workshop", ("command_delay",), seed=seed)).answer["effects"][0]["params"][
+            "delay_s"
+        ]
+        < 0.0
+        and case.answer["rate_hz"] < 60.0
+    )
+    recording = late.recordings[0]
+    moved = np.flatnonzero(np.abs(np.diff(recording.columns["a_tacho_deg"])) > 0.0)[0] + 1
+    commanded = np.flatnonzero(recording.columns["a_power_pct"])[0]
+    assert moved <= commanded
+
+
+def test_families_are_planned_together_and_that_at_home_stays_as_it_was():
+    orders = plan_orders(
+        families_of(("bristle", "workshop")), 7, Amounts(clean=2, pairs=2, triples=1, unknown=1)
+    )
+    home = [order.plan for order in orders if order.family == BRISTLE]
+    assert home == list(plan_set(7, clean=2, pairs=2, triples=1, unknown=1))
+    assert len({order.plan.name for order in orders}) == len(orders)
+
+
+def test_a_family_or_an_effect_that_is_none_is_refused():
+    with pytest.raises(CaseError, match=r"no family 'attic'.*workshop"):
+        families_of(("attic",))
+    with pytest.raises(CaseError, match="no effect 'gremlins'"):
+        plan_orders(families_of(("workshop",)), 1, Amounts(("gremlins",)))
+
+
+def test_cases_are_written_sealed_with_the_encoders_step_beside_and_made_once(tmp_path):
+    amounts = Amounts(("cogging",), clean=1, pairs=0, triples=0, unknown=0)
+    orders = plan_orders(families_of(("workshop",)), 2, amounts, duration_s=5.0)
+    cases, answers = tmp_path / "cases", tmp_path / "answers"
+    assert sorted(make_orders(orders, cases, answers)) == sorted((order.plan.name, "") for order in orders)
+    assert list(make_orders(orders, cases, answers)) == []
+    for order in orders:
+        folder = cases / order.plan.name
+        assert (folder / SEAL_FILE).exists()
+        answer = json.loads((answers / f"{order.plan.name}.json").read_text())
+        assert read_case(folder).recordings
+        assert read_sidecar(folder / "r1.csv").get("tacho_step_deg", 1.0) == answer["step_deg"]
