@@ -41,7 +41,7 @@ def draw_motor(rng: Generator) -> Numbers:
 
 
 def true_parameters(motor: Numbers) -> dict[str, float]:
-    """The true values of the baseline's keys (contract 2)."""
+    """The true values of the keys of a `dc_motor` baseline."""
     return {
         "resistance_ohm": motor.resistance_ohm,
         "inductance_h": motor.inductance_h,
