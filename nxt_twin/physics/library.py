@@ -34,6 +34,12 @@ def library() -> dict[str, Effect]:
     return {effect.id: _mutual(effect, effects) for effect in effects.values()}
 
 
+def name_of(effect_id: str) -> str:
+    """The name of an effect in words; of one that this installation does not know, its id in words."""
+    effect = library().get(effect_id)
+    return effect.name if effect else effect_id.replace("_", " ")
+
+
 def _mutual(effect: Effect, effects: Mapping[str, Effect]) -> Effect:
     """The effect with the confusions that others declare with it."""
     others = {

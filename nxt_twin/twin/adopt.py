@@ -140,10 +140,6 @@ def battery_is_another(refit: Mapping[str, Moved]) -> bool:
     return not low <= moved.before <= high
 
 
-def _plain(effect_id: str) -> str:
-    return effect_id.replace("_", " ")
-
-
 def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
     """What a diagnosis says, as events."""
     diagnosis, channel = answer.diagnosis, tacho_column(port)
@@ -152,15 +148,15 @@ def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
         Event(
             time_s,
             "effect_named",
-            f"{where} {_plain(effect.id)} (probability {effect.probability:.2f})",
+            f"{where} {effect.name} (probability {effect.probability:.2f})",
             port,
             channel,
             strength=effect.probability,
         )
         for effect in diagnosis.effects
     ]
-    ids = ", ".join(_plain(effect.id) for effect in diagnosis.effects)
-    what = f"the model now has {ids}" if ids else "the model's numbers were off and are re-fitted"
+    names = ", ".join(effect.name for effect in diagnosis.effects)
+    what = f"the model now has {names}" if names else "the model's numbers were off and are re-fitted"
     if diagnosis.verdict == "unexplained":
         what += "; more is missing that no known effect accounts for"
     fit = diagnosis.fit

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.library import name_of
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.twin.records import Event, Innovation, Tick
 from nxt_twin.view import palette
@@ -211,7 +212,7 @@ def _draw_effects(axes: Axes, port: Port, ticks: Sequence[Tick]) -> None:
     told = sorted(peaks, key=lambda name: (name != "nothing", -peaks[name]))[: len(_EFFECTS)]
     for name, colour in zip(told, _EFFECTS, strict=False):
         curve = np.array([(at, effects[name]) for at, effects in rows if name in effects])
-        words = "the model as it is" if name == "nothing" else name.replace("_", " ")
+        words = "the model as it is" if name == "nothing" else name_of(name)
         axes.plot(*envelope(curve[:, 0], curve[:, 1], _COLUMNS), color=colour, linewidth=1.4, label=words)
     axes.set_ylim(-0.03, 1.03)
     if told:

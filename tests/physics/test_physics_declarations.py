@@ -56,6 +56,12 @@ def test_the_library_has_every_promised_effect_under_its_names():
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.id)
+def test_the_name_in_words_holds_the_id(effect):
+    """The terminal, the report and a plant file call an effect alike."""
+    assert effect.id.replace("_", "") in "".join(c for c in effect.name.lower() if c.isalnum())
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.id)
 def test_a_declaration_is_whole(effect):
     assert effect.name
     assert effect.equation

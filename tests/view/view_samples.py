@@ -125,7 +125,7 @@ STICTION = FoundEffect(
 
 GRAVITY = FoundEffect(
     id="gravity_load",
-    name="unbalanced arm",
+    name="gravity load of an unbalanced arm",
     equation="τ = -τg·sin(θ + φ)",
     params={"gravity_torque_nm": Estimate(0.0171, 0.0006, "N·m"), "phase_deg": Estimate(-3.2, 2.4, "deg")},
     probability=0.93,

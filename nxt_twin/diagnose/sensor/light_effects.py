@@ -9,7 +9,7 @@ from nxt_twin.diagnose.sensor.declaration import SensorEffect, SensorParameter
 
 AMBIENT_OFFSET = SensorEffect(
     id="light_ambient_offset",
-    name="room light",
+    name="ambient offset from room light",
     equation="y = slope·x + zero + o, another o in other room light, the slope the same (Gonçalves et al. III.A)",
     shows=("recording", "elapsed_time"),
     parameters=(SensorParameter("offset_raw", "ambient_offset_raw", "", -1023.0, 1023.0, 3.0, 0.0),),

@@ -29,7 +29,7 @@ BLIND_ZONE = SensorEffect(
 
 NEAR_OFFSET = SensorEffect(
     id="ultrasonic_near_offset",
-    name="constant error at short range",
+    name="near offset at short range",
     equation=f"y = d + o where d < d_near, for most of the readings there ({PAPER})",
     shows=("near",),
     parameters=(
@@ -46,7 +46,7 @@ NEAR_OFFSET = SensorEffect(
 
 RANGE_NOISE = SensorEffect(
     id="ultrasonic_range_noise",
-    name="noise that grows with distance",
+    name="range noise that grows with distance",
     equation=f"σ = σ0 + k·d, or σ² = σ0² + (k·d)² ({PAPER}: noise grows with distance; the law is ours)",
     shows=("far",),
     parameters=(SensorParameter("noise_per_distance", "noise_per_distance", "", 0.0, 0.5, 0.004, 0.0),),
@@ -58,7 +58,7 @@ RANGE_NOISE = SensorEffect(
 
 DROPOUT = SensorEffect(
     id="ultrasonic_dropout",
-    name="echo lost at oblique incidence",
+    name="dropout of echoes at oblique incidence",
     equation=f"255 where |φ| > φ_max(d), widest at d_best and narrowing on both sides of it ({PAPER})",
     shows=("oblique", "no_echo"),
     parameters=(
@@ -78,7 +78,7 @@ DROPOUT = SensorEffect(
 
 SOUND_SPEED = SensorEffect(
     id="ultrasonic_sound_speed",
-    name="speed of sound in air of another temperature",
+    name="sound speed in air of another temperature",
     equation="y = d·c(20 °C)/c(T), c = 331.3 m/s·√(1 + T/273.15 °C), the speed of sound in dry air",
     shows=("far",),
     parameters=(SensorParameter("air_temperature_c", "air_temperature_c", "°C", -40.0, 80.0, 2.0, 20.0),),

@@ -11,7 +11,7 @@ from nxt_twin.physics.parameter import ANGLE, NUMBER, TORQUE, Parameter
 
 PRESLIDING = Effect(
     id="presliding",
-    name="presliding (Dahl's bristles)",
+    name="presliding",
     equation="τ = -|τ sliding|·z, r·dz/dt = ω - |ω|·z, in the place of sticking; r the displacement, |z| ≤ 1",
     source="Dahl 1968; the bristles of Canudas de Wit et al. 1995 without their damping",
     equation_of="torque_balance",
@@ -50,7 +50,7 @@ def _binding(
 
 ANGLE_DEPENDENT_FRICTION = Effect(
     id="angle_dependent_friction",
-    name="binding at places of the turn",
+    name="angle-dependent friction",
     equation="|τ| = Tc + Tb·((1 + cos(n·θ + φ))/2)^p, n tight places a turn",
     source="our own: the simplest periodic bump with a free width",
     equation_of="torque_balance",

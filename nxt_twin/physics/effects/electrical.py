@@ -79,7 +79,7 @@ def _power_law(duty: float, exponent: float) -> float:
 
 POWER_CURVE = Effect(
     id="power_curve",
-    name="nonlinear duty",
+    name="nonlinear power curve",
     equation="U = Ub·sign(u)·|u|^n",
     source="our own: the simplest curve through 0 and full power",
     equation_of="electrical",
@@ -173,7 +173,7 @@ def _warmer(
 
 WINDING_HEATING = Effect(
     id="winding_heating",
-    name="winding that heats up",
+    name="winding heating",
     equation="R = R0·(1 + w), dw/dt = r·R·i² - w/T",
     source="one thermal mass; copper gains 0.393 % of its resistance a kelvin (IEC 60028)",
     equation_of="electrical",

@@ -86,7 +86,7 @@ def _asymmetric(direction: float, level: float, forward: float, reverse: float) 
 
 ASYMMETRIC_FRICTION = Effect(
     id="asymmetric_friction",
-    name="direction-dependent Coulomb friction",
+    name="asymmetric friction",
     equation="τ = -T₊ for ω > 0, +T₋ for ω < 0",
     source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, a survey",
     equation_of="torque_balance",
@@ -127,7 +127,7 @@ def _asymmetric_viscous(speed: float, viscous_forward: float, viscous_reverse: f
 
 ASYMMETRIC_VISCOUS_FRICTION = Effect(
     id="asymmetric_viscous_friction",
-    name="direction-dependent viscous friction",
+    name="asymmetric viscous friction",
     equation="τ = -B₊·ω for ω > 0, -B₋·ω for ω < 0",
     source="the same survey; a slope of its own for each direction",
     equation_of="torque_balance",
@@ -229,7 +229,7 @@ def _load_dependent(level: float, drive_torque: float, load_torque: float, per_t
 
 LOAD_DEPENDENT_FRICTION = Effect(
     id="load_dependent_friction",
-    name="load-dependent gear friction",
+    name="load-dependent friction",
     equation="|τ| = Tc + k·|τ carried|, the larger of drive and load",
     source="Duclusaud et al. 2024, models M3 to M6",
     equation_of="torque_balance",
@@ -289,7 +289,7 @@ def _warmup(level: float, elapsed_s: float, cold_extra: float, time_constant: fl
 
 FRICTION_WARMUP = Effect(
     id="friction_warmup",
-    name="friction that runs in",
+    name="friction warm-up",
     equation="|τ| = Tc + Tw·exp(-t/tw), t since the recording began",
     source="Bittencourt et al. 2010 on how gear friction falls as it warms; one time constant",
     equation_of="torque_balance",

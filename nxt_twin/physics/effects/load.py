@@ -50,7 +50,7 @@ def _gravity(angle: float, gravity: float, phase: float) -> float:
 
 GRAVITY_LOAD = Effect(
     id="gravity_load",
-    name="unbalanced arm",
+    name="gravity load of an unbalanced arm",
     equation="τ = -τg·sin(θ + φ)",
     source="the pendulum: m·g·l·sin",
     equation_of="torque_balance",
@@ -77,7 +77,7 @@ def _carried(payload_inertia: float) -> float:
 
 HANGING_PAYLOAD = Effect(
     id="hanging_payload",
-    name="payload on an arm",
+    name="hanging payload",
     equation="τ = -τg·sin(θ + φ), J = J0 + Ja",
     source="the physical pendulum: m·g·l·sin, and m·l² with what the payload has about its own middle",
     equation_of="torque_balance",
@@ -112,7 +112,7 @@ def _spring(angle: float, stiffness: float, rest: float) -> float:
 
 SPRING_LOAD = Effect(
     id="spring_load",
-    name="elastic load",
+    name="spring load",
     equation="τ = -k·(θ - θ0)",
     source="Hooke's law; a rubber band about its rest",
     equation_of="torque_balance",
@@ -207,7 +207,7 @@ def _onsets(recordings: Sequence[Signals]) -> list[float]:
 
 PAYLOAD_INERTIA = Effect(
     id="payload_inertia",
-    name="payload from some time on",
+    name="payload inertia",
     equation="J = J0 + Ja from t0 on; t0 from the beginning of the first recording, all laid end to end",
     source="rigid bodies: inertias on one axis add",
     equation_of="torque_balance",

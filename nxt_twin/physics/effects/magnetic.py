@@ -16,7 +16,7 @@ def _yielded(drive_torque: float, current: float, saturation: float) -> float:
 
 TORQUE_SATURATION = Effect(
     id="torque_saturation",
-    name="torque that yields with current",
+    name="torque saturation",
     equation="τ = Kt·i/(1 + y·|i|)",
     source="Fröhlich's curve of iron that saturates, in the torque constant",
     equation_of="torque_balance",

@@ -70,7 +70,7 @@ def _strayed(speed: float, refresh_period: float) -> float:
 
 SAMPLE_HOLD = Effect(
     id="sample_hold",
-    name="reading refreshed at another rate",
+    name="sample hold",
     equation="y(t) = θ(t - a), a anywhere from 0 to T: a lag of T/2 and a scatter of T·|ω|/√12",
     source="uniform quantisation, Bennett 1948, in time; the phase is unknown in every recording",
     equation_of="timing",

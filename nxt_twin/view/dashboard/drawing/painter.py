@@ -9,6 +9,7 @@ from typing import Any, Final, final
 import rerun as rr
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.library import name_of
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, EventKind, Tick
 from nxt_twin.view.dashboard.cloud import Cloud, CloudPicture
@@ -143,7 +144,7 @@ class Painter:
             self._effects.append(effect)
         place = -1 if effect == "nothing" else self._effects.index(effect)
         colour = colours.MEASURED if place < 0 else colours.EFFECTS[place % len(colours.EFFECTS)]
-        words = "the model as it is" if place < 0 else effect.replace("_", " ")
+        words = "the model as it is" if place < 0 else name_of(effect)
         self._style(path, [(words, colour, 2.0)])
 
     def _send(self, path: str, time_s: FloatArray, columns: Iterable[Any]) -> None:
