@@ -53,18 +53,23 @@ class Result:
 
 @final
 class Simulator:
-    """Runs plants of one layout on all cores. A context manager: it owns its threads."""
+    """Runs plants of one layout on all cores. A context manager: it owns its threads.
+
+    Runs go on in these threads alone, so that an interrupt reaches whoever waits; leaving ends them at their next row.
+    """
 
     def __init__(self, plan: Layout, workers: int | None = None) -> None:
         self._kernel = kernel(plan)
         self._workers = workers or os.cpu_count() or 1
         self._pool = ThreadPoolExecutor(self._workers)
+        self._stop = np.zeros(1, dtype=np.uint8)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown()
+        self._stop[0] = 1
+        self._pool.shutdown(cancel_futures=True)
 
     def run(self, values: FloatArray, active: BoolArray, jobs: Sequence[Job]) -> list[Result]:
         """Run every parameter set over every job.
@@ -93,7 +98,7 @@ class Simulator:
         values, active = plant.vectors()
         result = _empty_result(1, job)
         trace = np.empty((job.signals.time_s.size, len(TRACE)))
-        self._call(values[None], active[None], job, result, trace)
+        self._pool.submit(self._call, values[None], active[None], job, result, trace).result()
         inside = dict(zip(TRACE, trace.T, strict=True))
         return {
             **inside,
@@ -107,7 +112,8 @@ class Simulator:
         values, active = plant.vectors()
         states = 1 + sum(len(effect.states) for effect in plant.layout.effects)
         trace = np.empty((job.signals.time_s.size, len(TRACE) + states))
-        self._call(values[None], active[None], job, _empty_result(1, job), trace)
+        result = _empty_result(1, job)
+        self._pool.submit(self._call, values[None], active[None], job, result, trace).result()
         angle, speed = trace[:, TRACE.index("angle")], trace[:, TRACE.index("speed")]
         given = job.start.at
         return Start(
@@ -152,6 +158,7 @@ class Simulator:
             result.weight,
             result.cost,
             trace,
+            self._stop,
         )
 
 

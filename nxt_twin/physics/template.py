@@ -75,7 +75,7 @@ def _schedule(
 def run(
     values, active, span, steps, first,
     measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
-    observe_speed, session_s, predicted, weight, cost, trace,
+    observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
 {unpack}
     rows = measured.shape[0]
@@ -91,6 +91,8 @@ def run(
     inertia = base__inertia
 {states_zero_outer}
     for k in range(rows):
+        if stop[0]:
+            return
         for n in range(first[k], first[k + 1]):
             piece_s = span[n, 0]
             step_s = span[n, 1]
@@ -180,7 +182,7 @@ def run(
 def run_many(
     values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s, others_load,
     out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
-    disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace,
+    disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
     rows = out_time_s.shape[0]
     target_s = np.empty(rows)
@@ -204,7 +206,7 @@ def run_many(
         run(
             values[i], active[i], span, steps, first,
             measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
-            observe_speed, session_s, predicted[i], weight[i], cost[i], trace,
+            observe_speed, session_s, predicted[i], weight[i], cost[i], trace, stop,
         )
 '''
 

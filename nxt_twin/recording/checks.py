@@ -13,6 +13,8 @@ from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.table import Table
 
 _FEWEST_ROWS = 2
+LONGEST_GAP_S = 3600.0
+"""Slow polls are minutes apart; more than an hour between two rows is a clock that was set, or another unit."""
 
 
 def checked_columns(table: Table, path: Path) -> dict[str, FloatArray]:
@@ -23,11 +25,12 @@ def checked_columns(table: Table, path: Path) -> dict[str, FloatArray]:
         that only readings hold NaN.
 
     Raises:
-        RecordingError: for too few rows, stamps that are missing or run backwards, infinite values, values
-            outside a column's range, and unknown words.
+        RecordingError: for too few rows, stamps that are missing, run backwards or leap ahead, infinite values,
+            values outside a column's range, and unknown words.
     """
     check_row_count(table.numbers[TIME].size, path)
     check_stamps(table, TIME)
+    check_gaps(table, TIME, table.numbers[TIME])
     indices = {name: _indices(table, name, CATALOGUE[name]) for name in table.words}
     columns = {}
     for name, values in {**table.numbers, **indices}.items():
@@ -65,6 +68,25 @@ def check_stamps(table: Table, name: str) -> None:
         row = int(backwards.argmax()) + 1
         what = f"time runs backwards, from {stamps[row - 1]:.10g} to {stamps[row]:.10g}"
         mend = "split the recording where its clock was set anew, or sort its rows"
+        raise RecordingError(what, where=table.place(row, name), mend=mend)
+
+
+def check_gaps(table: Table, name: str, time_s: FloatArray) -> None:
+    """Refuse two rows that are further apart than any recording's: what is run over it would run for ever.
+
+    Args:
+        table: where `name` is a column.
+        name: of the column of stamps.
+        time_s: the stamps, s.
+
+    Raises:
+        RecordingError: naming the first row that is too far from the one before.
+    """
+    gaps = np.diff(time_s)
+    if gaps.size and gaps.max() > LONGEST_GAP_S:
+        row = int((gaps > LONGEST_GAP_S).argmax()) + 1
+        what = f"time leaps by {gaps[row - 1]:.6g} s, more than {LONGEST_GAP_S:g} s"
+        mend = "check the unit of the stamps, or split the recording there"
         raise RecordingError(what, where=table.place(row, name), mend=mend)
 
 

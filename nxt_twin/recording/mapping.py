@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import MappingError, RecordingError
-from nxt_twin.recording.checks import check_finite, check_range, check_row_count, check_stamps, hold
+from nxt_twin.recording.checks import LONGEST_GAP_S, check_finite, check_gaps, check_range, check_row_count, check_stamps, hold
 from nxt_twin.recording.recording import InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
@@ -74,7 +74,7 @@ class TimeSource(BaseModel):
 
     column: str | None = None
     unit: Literal["s", "ms", "us"] = "s"
-    period_s: float | None = Field(default=None, gt=0.0)
+    period_s: float | None = Field(default=None, gt=0.0, le=LONGEST_GAP_S)
 
     @model_validator(mode="after")
     def _column_or_period(self) -> Self:
@@ -228,7 +228,9 @@ def _time_s(table: Table, source: TimeSource, rows: int) -> FloatArray:
     if source.column is None:
         return np.arange(rows, dtype=np.float64) * (source.period_s or 0.0)
     check_stamps(table, source.column)
-    return table.numbers[source.column] * _SECONDS[source.unit]
+    time_s: FloatArray = table.numbers[source.column] * _SECONDS[source.unit]
+    check_gaps(table, source.column, time_s)
+    return time_s
 
 
 def _input(table: Table, source: InputSource, rows: int) -> FloatArray:

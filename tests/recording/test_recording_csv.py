@@ -190,3 +190,11 @@ def test_refuses_a_sidecar_that_is_none(put, refusal, sidecar, part):
     line = refusal(RecordingError, read_recording, path)
     assert "run.yaml" in line
     assert part in line
+
+
+def test_a_leap_of_the_clock_is_refused_with_its_row(put, refusal):
+    path = put("run.csv", "time_s,a_power_pct,a_tacho_deg\n0,1,0\n0.01,1,0\n1e9,1,0\n")
+    line = refusal(RecordingError, read_recording, path)
+    assert "row 4, column time_s: time leaps by 1e+09 s, more than 3600 s" in line
+    slow = put("slow.csv", "time_s,a_power_pct,a_tacho_deg\n1.7e9,1,0\n1700003600,1,0\n")
+    assert read_recording(slow).duration_s == 3600.0

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from nxt_twin.errors import MappingError, RecordingError
-from nxt_twin.recording.mapping import read_mapped, read_mapping
+from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
 from nxt_twin.recording.recording import SignalKinds
 
 BASE = {
@@ -260,3 +260,13 @@ TRANSPOSED = {
 )
 def test_refuses_a_wrong_transposed_table(put, mapping, refusal, text, part):
     assert part in refusal(RecordingError, read_mapped, put("t.txt", text), mapping(**TRANSPOSED))
+
+
+def test_a_leap_of_the_clock_is_measured_in_seconds(put, refusal):
+    table = put("run.csv", "t,u,y\n0,1,0\n3600000,1,1\n7300000,1,2\n")
+    stamps = {"column": "t", "unit": "ms"}
+    parts = {"input": {"column": "u", "kind": "torque_nm"}, "output": {"column": "y", "kind": "position_rad"}}
+    in_ms = Mapping.model_validate({"time": stamps, **parts})
+    assert "row 4, column t: time leaps by 3700 s" in refusal(RecordingError, read_mapped, table, in_ms)
+    in_us = Mapping.model_validate({"time": {**stamps, "unit": "us"}, **parts})
+    assert read_mapped(table, in_us).rows == 3
