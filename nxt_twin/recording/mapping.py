@@ -14,7 +14,15 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import MappingError, RecordingError
-from nxt_twin.recording.checks import LONGEST_GAP_S, check_finite, check_gaps, check_range, check_row_count, check_stamps, hold
+from nxt_twin.recording.checks import (
+    LONGEST_GAP_S,
+    check_finite,
+    check_gaps,
+    check_range,
+    check_row_count,
+    check_stamps,
+    hold,
+)
 from nxt_twin.recording.recording import InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
