@@ -12,8 +12,15 @@ from nxt_twin.physics.start import at_rest
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no process can be sent an interrupt alone")
-@pytest.mark.parametrize("way", ["trace", "run"])
-def test_an_interrupt_ends_a_run_that_would_take_an_hour(way, monkeypatch):
+@pytest.mark.parametrize(
+    "go",
+    [
+        lambda simulator, plant, job: simulator.trace(plant, job),
+        lambda simulator, plant, job: simulator.run(*(each[None] for each in plant.vectors()), [job]),
+    ],
+    ids=["trace", "run"],
+)
+def test_an_interrupt_ends_a_run_that_would_take_an_hour(go, monkeypatch):
     plant = nxt()
     endless = commanded([(0.0, 40.0)], seconds=0.0, stamps=np.arange(1_000_000) * 100.0)
     job = free_job(endless, at_rest(endless))
@@ -24,9 +31,5 @@ def test_an_interrupt_ends_a_run_that_would_take_an_hour(way, monkeypatch):
         call(self, *arguments)
 
     monkeypatch.setattr(Simulator, "_call", interrupted)
-    values, active = plant.vectors()
     with pytest.raises(KeyboardInterrupt), Simulator(plant.layout, workers=1) as simulator:
-        if way == "trace":
-            simulator.trace(plant, job)
-        else:
-            simulator.run(values[None], active[None], [job])
+        go(simulator, plant, job)
