@@ -6,6 +6,7 @@ import pytest
 from mock_rig import USB, Rig
 
 import firmware_protocol as fp
+from benchmarks.mock_tacho_limit import LIMIT, overrun
 from firmware_protocol import RegulationMode, RunState, Status
 from nxt_twin.mock.body.motors import Motors
 from nxt_twin.mock.body.world import World
@@ -172,3 +173,13 @@ def test_a_bridge_draws_what_its_winding_takes_while_it_is_connected(brake, wind
         drawn_a = motors.step(8.0, 1e-3)
     current_a = (winding_v - 0.4908 * abs(stepper.speed[0])) / 7.6
     assert drawn_a == pytest.approx(0.496 * current_a, rel=1e-3)
+
+
+def test_a_limit_is_overrun_by_the_motors_coasting_and_the_ramp_down_alone():
+    seen = overrun(load_plant_config("nxt_motor"))
+    whole = seen.at_rest - LIMIT
+    assert seen.at_limit == LIMIT
+    assert 0.6 < (seen.let_go - LIMIT) / whole < 0.8
+    assert seen.braked - LIMIT < 30
+    smooth = overrun(load_plant_config("nxt_motor_as_printed"))
+    assert smooth.let_go > seen.let_go + 100
