@@ -33,7 +33,15 @@ def mock(
         typer.Option(
             metavar="HOST:PORT",
             callback=_place,
-            help="Listen here; without, and without --pty: localhost:7000, where connect looks.",
+            help="Listen here; with no place at all: localhost:7000, where connect looks.",
+        ),
+    ] = None,
+    tcp_raw: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HOST:PORT",
+            callback=_place,
+            help="Listen here for nxt-python's socket backend, unframed.",
         ),
     ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
@@ -67,6 +75,7 @@ def mock(
             clock=SystemClock(),
             announce=announce,
             tcp=tcp,
+            tcp_raw=tcp_raw,
             pty=pty,
             world=world,
             seed=seed,

@@ -10,6 +10,7 @@ from typing import final
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.search.tcp import LOCAL_ADDRESS
 from nxt_twin.mock.errors import ServeError
+from nxt_twin.mock.serve.dialect import Unframed
 from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
@@ -36,6 +37,7 @@ def serve(
     clock: Clock,
     announce: Callable[[Served], None],
     tcp: str | None = None,
+    tcp_raw: str | None = None,
     pty: Path | None = None,
     world: Path | None = None,
     seed: int = 0,
@@ -50,7 +52,8 @@ def serve(
     Args:
         clock: the machine's clock.
         announce: told once where the brick is reached.
-        tcp: HOST:PORT to listen at; with neither `tcp` nor `pty`, where the search for bricks looks.
+        tcp: HOST:PORT to listen at; with no place at all, where the search for bricks looks.
+        tcp_raw: HOST:PORT to listen at for nxt-python's socket backend.
         pty: where to put the symbolic link to a pseudo-terminal.
         world: a world file; without it the brick is as LEGO ships it.
         seed: of noise, jitter and faults.
@@ -67,8 +70,10 @@ def serve(
     host = Host(switch_on(world, seed, change=change), clock)
     endpoints: list[Endpoint] = []
     try:
-        if tcp is not None or pty is None:
+        if tcp is not None or (pty is None and tcp_raw is None):
             endpoints.append(TcpEndpoint(host, parse_address(tcp or LOCAL_ADDRESS), link, seed))
+        if tcp_raw is not None:
+            endpoints.append(TcpEndpoint(host, parse_address(tcp_raw), link, seed + 2, Unframed()))
         if pty is not None:
             endpoints.append(_pty(host, pty, link, seed + 1))
         announce(Served(host.firmware.radio.brick_name, tuple(endpoint.url for endpoint in endpoints)))

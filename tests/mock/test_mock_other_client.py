@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import nxt.backend.devfile
+import nxt.backend.socket
 import nxt.backend.usb
 import nxt.brick
 import nxt.error
@@ -20,10 +21,12 @@ import nxt.sensor.generic
 import pytest
 import usb.backend.libusb1
 
+import firmware_protocol as fp
 from nxt_twin.mock.body.world import World
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.run import Served, serve
 from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.mock.serve.dialect import Heard, Unframed
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
 from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
@@ -116,8 +119,20 @@ def over_usb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[nxt.br
         yield brick
 
 
+@contextlib.contextmanager
+def over_raw_tcp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[nxt.brick.Brick]:
+    """nxt-python's own socket backend, which sends telegrams without frames."""
+    del tmp_path, monkeypatch
+    with serving(tcp_raw="127.0.0.1:0") as (url,):
+        _, host, port = url.split(":")
+        (brick,) = nxt.backend.socket.Backend().find(server_host=host, server_port=port)
+        with brick:
+            yield brick
+
+
 WAYS: dict[str, Callable[..., contextlib.AbstractContextManager[nxt.brick.Brick]]] = {
     "tcp": over_tcp,
+    "raw tcp": over_raw_tcp,
     "pty": over_pty,
     "usb": over_usb,
 }
@@ -257,3 +272,21 @@ def test_other_client_reads_and_writes_io_maps_and_its_name(brick):
     wait_until(lambda: brick.get_device_info()[0] == "Rover")
     brick.play_tone(440, 100)
     brick.stop_sound_playback()
+
+
+def test_telegrams_without_frames_that_arrive_at_once_are_told_apart():
+    drive = fp.encode_request(fp.SetOutputState(1, 40, 3, 0, 0, 0x20, 0), reply_required=False)
+    ask = fp.encode_request(fp.GetOutputState(1))
+    heard = Unframed().hear(b"\x98" + drive + ask + b"\x99", first=True)
+    assert heard == Heard((drive, ask), answer=b"usb", bye=True)
+    write = fp.encode_request(fp.WriteFile(0, bytes(30)))
+    assert Unframed().hear(write, first=False).parts == (write,)
+
+
+def test_an_unframed_greeting_at_a_framed_place_is_turned_away():
+    with serving(tcp="127.0.0.1:0") as (url,):
+        _, host, port = url.split(":")
+        with socket.create_connection((host, int(port)), timeout=5) as client:
+            client.sendall(b"\x98")
+            said = b"".join(iter(lambda: client.recv(100), b""))
+    assert b"--tcp-raw" in said

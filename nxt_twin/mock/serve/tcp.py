@@ -1,4 +1,4 @@
-"""The mock brick over TCP, framed as on Bluetooth; one client after another."""
+"""The mock brick over TCP, one client after another; framed as on Bluetooth, or as nxt-python's server is not."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import socket
 from typing import Final, final
 
 from nxt_twin.mock.errors import ServeError
-from nxt_twin.mock.firmware.channel import Transport
+from nxt_twin.mock.serve.dialect import Dialect, Framed
 from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
@@ -24,13 +24,22 @@ class TcpEndpoint(Endpoint):
         address: host and port to listen at; port 0 takes any free one.
         profile: delays and faults.
         seed: of the jitter and the faults.
+        dialect: how telegrams are told apart.
 
     Raises:
         ServeError: the address cannot be listened at.
     """
 
-    def __init__(self, host: Host, address: tuple[str, int], profile: Profile, seed: int = 0) -> None:
+    def __init__(
+        self,
+        host: Host,
+        address: tuple[str, int],
+        profile: Profile,
+        seed: int = 0,
+        dialect: Dialect | None = None,
+    ) -> None:
         name, port = address
+        self._dialect = dialect or Framed()
         try:
             self._listener = socket.create_server((name, port), family=_family(name))
         except UnicodeError:
@@ -42,9 +51,10 @@ class TcpEndpoint(Endpoint):
             raise ServeError(what, where=f"tcp:{name}:{port}", mend=mend) from None
         self._host = host
         self._listener.setblocking(False)  # noqa: FBT003 - the library's interface
-        self._line = host.connect(Transport.BLUETOOTH, profile, seed)
+        self._line = host.connect(self._dialect.transport, profile, seed)
         self._client: socket.socket | None = None
         self._unsent = b""
+        self._first = True
 
     @property
     def address(self) -> tuple[str, int]:
@@ -56,7 +66,8 @@ class TcpEndpoint(Endpoint):
     def url(self) -> str:
         """Such as ``tcp:127.0.0.1:7000``."""
         name, port = self.address
-        return f"tcp:[{name}]:{port}" if ":" in name else f"tcp:{name}:{port}"
+        scheme = self._dialect.scheme
+        return f"{scheme}:[{name}]:{port}" if ":" in name else f"{scheme}:{name}:{port}"
 
     def take_in(self) -> None:
         """Accept a client, notice that one has gone, and read what it has sent."""
@@ -71,15 +82,27 @@ class TcpEndpoint(Endpoint):
         except OSError:
             data = b""
         if data:
-            self._line.write(data)
+            self._hear(data)
         else:
+            self._drop()
+
+    def _hear(self, data: bytes) -> None:
+        heard = self._dialect.hear(data, first=self._first)
+        self._first = False
+        self._unsent += heard.answer
+        for part in heard.parts:
+            self._line.write(part)
+        if heard.bye:
+            self._say()
             self._drop()
 
     def hand_out(self) -> None:
         """Write what the brick has to say."""
-        if self._client is None:
-            return
-        while waiting := self._unsent or self._line.read() or b"":
+        if self._client is not None:
+            self._say()
+
+    def _say(self) -> None:
+        while self._client is not None and (waiting := self._unsent or self._line.read() or b""):
             try:
                 sent = self._client.send(waiting)
             except BlockingIOError:
@@ -117,6 +140,7 @@ class TcpEndpoint(Endpoint):
             self._client.close()
         self._client = None
         self._unsent = b""
+        self._first = True
         self._line.hang_up()
         self._host.release(self._line)
 
