@@ -21,8 +21,8 @@ import numpy as np
 import yaml
 from playwright.sync_api import Error, Page, sync_playwright
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.open import open_brick
-from nxt_twin.cli.openers import OPENERS
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import Port

@@ -11,13 +11,13 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.api.openers import LOOKING_OPENERS
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.discovery import SEARCH_TIMEOUT_S, default_ways, search
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
 from nxt_twin.brick.search.finding import WayReport
-from nxt_twin.cli.openers import LOOKING_OPENERS
 from nxt_twin.cli.output import JsonOption, emit_json
 
 

@@ -10,9 +10,9 @@ from typing import Annotated, final
 
 import typer
 
+from nxt_twin.api.openers import concealing, mock_options
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.errors import LinkUrlError
-from nxt_twin.cli.openers import concealing, mock_options
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.cli.record import opened
 from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end

@@ -12,9 +12,9 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
-from nxt_twin.cli.openers import OPENERS
 from nxt_twin.cli.output import JsonOption, fail
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, wanted_ports, wanted_sensors
 from nxt_twin.cli.watching import View, audience, conclude, get_ready, watch

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.api.openers import concealing
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.cli.openers import concealing
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.run import Served, parse_address, serve

@@ -10,11 +10,11 @@ from typing import Annotated, TypedDict, final
 
 import typer
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock, SystemClock
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
-from nxt_twin.cli.openers import OPENERS
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, tidy_end, wanted_ports, wanted_sensors
 from nxt_twin.recording.columns import Port

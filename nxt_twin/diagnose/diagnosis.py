@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, final
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Final, Literal, final
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.program import MotorProgram
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_PICTURES: Final = "nxt_twin.view.figures"
+"""What draws a diagnosis, named rather than imported: this room knows nothing of those above it."""
 
 Verdict = Literal["adequate", "explained", "unexplained"]
 Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
@@ -289,7 +297,7 @@ class Leftover:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis:
     """The whole answer for one case.
 
@@ -304,6 +312,7 @@ class Diagnosis:
         excitation: what the recordings could not have shown, or None where it was not asked.
         false_alarm_rate: of the whole search on recordings like these.
         nearest: to what is left, where something is.
+        plant: the improved model, where the case is about a plant and it was asked for.
     """
 
     name: str
@@ -322,3 +331,22 @@ class Diagnosis:
     excitation: Excitation | None = None
     false_alarm_rate: FalseAlarmRate | None = None
     nearest: Nearest | None = None
+    plant: Plant | None = field(default=None, compare=False)
+
+    def __repr__(self) -> str:
+        """Short: name, verdict and effects."""
+        effects = ", ".join(effect.id for effect in self.effects)
+        return f"<Diagnosis {self.name}: {self.verdict}{f' by {effects}' if effects else ''}>"
+
+    def plot(self, run: int = 0) -> Figure:
+        """Draw a held-out run: measured and predicted, the command, and the errors over time.
+
+        Args:
+            run: which one; 0 is the run that tells most.
+
+        Returns:
+            A Matplotlib figure.
+        """
+        draw = getattr(import_module(_PICTURES), "diagnosis_figure")  # noqa: B009 - mypy knows no such module
+        figure: Figure = draw(self, run)
+        return figure

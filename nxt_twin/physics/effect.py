@@ -51,7 +51,7 @@ Term = Callable[..., float | tuple[float, ...]]
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Effect:
     """A piece of physics that a model may have or lack.
 
@@ -95,3 +95,7 @@ class Effect:
     plain: bool = False
     fault: bool = False
     counted: bool = False
+
+    def __repr__(self) -> str:
+        """Short: id and name."""
+        return f"<Effect {self.id}: {self.name}>"

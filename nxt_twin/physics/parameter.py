@@ -54,7 +54,7 @@ NXT_SCALE = Scale(torque=0.3, speed=10.0)
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Parameter:
     """One parameter of a base model or of an effect.
 
@@ -99,6 +99,10 @@ class Parameter:
     least: Callable[[Sequence[Signals]], float] | None = None
     lowest: Callable[[Sequence[Signals]], float] | None = None
     above: tuple[str, str] | None = None
+
+    def __repr__(self) -> str:
+        """Short: name and unit."""
+        return f"<Parameter {self.name}, {self.unit}>"
 
     @property
     def likeness(self) -> float:

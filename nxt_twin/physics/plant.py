@@ -24,10 +24,11 @@ _FRAME_OF_INPUT: dict[InputKind, Frame] = {
     "torque_nm": "rotary",
     "force_n": "linear",
 }
+_INPUT_OF_FRAME: dict[Frame, InputKind] = {"motor": "power_pct", "rotary": "torque_nm", "linear": "force_n"}
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plant:
     """A model of one axis.
 
@@ -40,6 +41,11 @@ class Plant:
     layout: Layout
     active: frozenset[str]
     values: Mapping[Slot, float]
+
+    def __repr__(self) -> str:
+        """Short: the kind and the effects."""
+        effects = ", ".join(effect.id for effect in self.effects)
+        return f"<Plant {self.layout.base.kind}: {effects or 'no effects'}>"
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -65,6 +71,27 @@ class Plant:
         bare = self.without(effect.supersedes)
         added = {Slot(effect_id, symbol): value for symbol, value in values.items()}
         return Plant(self.layout, bare.active | {effect_id}, {**bare.values, **added})
+
+    def adding(self, effect_id: str, **parameters: float) -> Plant:
+        """The plant with one more effect.
+
+        Args:
+            effect_id: such as `backlash` (docs/effects.md).
+            parameters: under the names and in the units of a plant file.
+
+        Raises:
+            PlantError: there is no such effect for this kind of plant, or a parameter is wrong or missing.
+
+        >>> import nxt_twin as nt
+        >>> nt.load_plant("nxt_motor").adding("constant_load", load_torque_nm=0.02)
+        <Plant dc_motor: coulomb_friction, viscous_friction, inductance, constant_load>
+        """
+        config = self.to_config()
+        if self.layout.effect(effect_id).plain:
+            config |= parameters
+        else:
+            config["effects"] = {**config.get("effects", {}), effect_id: parameters}
+        return plant_from_config(config, _INPUT_OF_FRAME[self.layout.frame])
 
     def without(self, effect_ids: Iterable[str]) -> Plant:
         """The plant without these effects."""

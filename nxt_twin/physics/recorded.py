@@ -23,24 +23,35 @@ _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no ne
 _TACHO_QUANTUM_RAD = math.radians(1.0)
 
 
-def signals_of(recording: Recording, port: str | None) -> Signals:
+def signals_of(recording: Recording, port: str | None, fewest_readings: int = _FEWEST_READINGS) -> Signals:
     """The signals of one axis of a recording.
 
     Args:
         recording: a brick's recording or a mapped one.
         port: `a`, `b` or `c` for a brick's; ignored for a mapped one.
+        fewest_readings: that it has to hold; 0 for commands alone.
 
     Raises:
         RecordingError: the port was not driven or not read, or nothing was read at all.
     """
+    if fewest_readings == 0:
+        recording = _with_empty_output(recording, port or "a")
     found = _mapped(recording) if recording.kinds else _beside_others(recording, port or "a")
-    if np.isfinite(found.measured).sum() < _FEWEST_READINGS:
+    if np.isfinite(found.measured).sum() < fewest_readings:
         raise RecordingError(
-            f"fewer than {_FEWEST_READINGS} readings",
+            f"fewer than {fewest_readings} readings",
             where=f"{recording.name}, column {found.channel}",
             mend="record for longer",
         )
     return found
+
+
+def _with_empty_output(recording: Recording, port: str) -> Recording:
+    """The recording, with a column of the output where it has none."""
+    output = "output" if recording.kinds else f"{port}_tacho_deg"
+    if output in recording.columns:
+        return recording
+    return replace(recording, columns={**recording.columns, output: np.full(recording.rows, np.nan)})
 
 
 def _beside_others(recording: Recording, port: str) -> Signals:

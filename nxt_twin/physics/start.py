@@ -37,9 +37,10 @@ class Start:
 
 
 def at_rest(signals: Signals) -> Start:
-    """Start once, at the first reading, standing still."""
+    """Start once, at the first reading, standing still; at 0 where nothing was read."""
     rows = signals.time_s.size
-    first = signals.measured[np.isfinite(signals.measured)][0]
+    read = signals.measured[np.isfinite(signals.measured)]
+    first = read[0] if read.size else 0.0
     at = np.zeros(rows, dtype=bool)
     at[0] = True
     return Start(

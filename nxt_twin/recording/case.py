@@ -27,7 +27,7 @@ _SENSOR_SUFFIX = "_sensor"
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Case:
     """Everything that a diagnosis may see.
 
@@ -46,6 +46,11 @@ class Case:
     recordings: tuple[Recording, ...]
     holdout: tuple[Recording, ...]
     port: Port | None
+
+    def __repr__(self) -> str:
+        """Short: name and recordings."""
+        held_out = f", {len(self.holdout)} held out" if self.holdout else ""
+        return f"<Case {self.name}: {len(self.recordings)} recordings{held_out}>"
 
 
 @final
@@ -100,6 +105,27 @@ def read_case(folder: Path) -> Case:
     holdout = tuple(_read(folder, name, mapping) for name in file.holdout)
     port = _port((*recordings, *holdout), plant, file.port, str(path))
     return Case(folder.resolve().name, folder, plant, recordings, holdout, port)
+
+
+def case_of(recordings: Sequence[Recording], plant: Plant | None = None, port: Port | None = None) -> Case:
+    """A case of recordings in memory.
+
+    Args:
+        recordings: of one thing, at least one.
+        plant: the baseline; else the one that the first recording's sidecar names, else `nxt_motor`.
+        port: the port in question; needed where several have both power and count.
+
+    Raises:
+        CaseError: there is no recording, or the port is left open.
+        PlantError: there is no such plant.
+    """
+    if not recordings:
+        raise CaseError("holds no recording", where="case", mend="give at least one")
+    baseline = plant or recordings[0].plant or _DEFAULT_PLANT
+    name = Path(recordings[0].name).stem
+    return Case(
+        name, Path(), baseline, tuple(recordings), (), _port(recordings, baseline, port, recordings[0].name)
+    )
 
 
 def _check_lists(file: CaseFile, path: Path) -> None:

@@ -9,13 +9,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
+from nxt_twin.recording.arrow import table_of
 from nxt_twin.recording.checks import checked_columns
 from nxt_twin.recording.columns import CATALOGUE, check_names
 from nxt_twin.recording.lags import KnownLags
@@ -27,8 +26,6 @@ from nxt_twin.recording.tables.parquet import read_parquet
 from nxt_twin.recording.tables.table import CellKind, Choose, Table
 from nxt_twin.recording.tables.text import read_text
 from nxt_twin.recording.yaml_file import read_yaml
-
-_LARGEST_EXACT_INTEGER = 2.0**53
 
 _READERS: Mapping[str, Callable[[Path, Choose], Table]] = MappingProxyType(
     {".csv": lambda path, choose: read_text(path, TextLayout(), choose), ".parquet": read_parquet}
@@ -96,7 +93,7 @@ def write_recording(recording: Recording, path: Path, *, anew: bool = False) -> 
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         raise RecordingError("is neither .csv nor .parquet", where=str(path), mend="change the suffix")
-    table = pa.table({name: _cells(name, values) for name, values in recording.columns.items()})
+    table = table_of(recording.columns)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
         if suffix == ".csv":
@@ -147,15 +144,3 @@ def _write_csv(table: pa.Table, path: Path) -> None:
     with path.open("wb") as file:
         file.write((",".join(table.column_names) + "\n").encode())
         pyarrow.csv.write_csv(table, file, options)
-
-
-def _cells(name: str, values: FloatArray) -> pa.Array:
-    empty = np.isnan(values)
-    filled = np.where(empty, 0.0, values)
-    column = CATALOGUE.get(name)
-    if column is not None and column.words:
-        words = np.array(column.words, dtype=object)[filled.astype(np.int64)]
-        return pa.array(words, type=pa.string(), mask=empty)
-    if np.all(filled == np.rint(filled)) and np.all(np.abs(filled) <= _LARGEST_EXACT_INTEGER):
-        return pa.array(filled.astype(np.int64), mask=empty)
-    return pa.array(values, mask=empty)

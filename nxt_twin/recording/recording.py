@@ -28,7 +28,7 @@ class SignalKinds:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording:
     """One run: named columns over a common, non-decreasing `time_s`.
 
@@ -59,6 +59,45 @@ class Recording:
             array.flags.writeable = False
             frozen[key] = array
         object.__setattr__(self, "columns", MappingProxyType(frozen))
+
+    def __repr__(self) -> str:
+        """Short: name, size and columns."""
+        names = ", ".join(name for name in self.columns if name != "time_s")
+        return f"<Recording {self.name}: {self.rows} rows, {self.duration_s:.4g} s, {names}>"
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """The columns by Arrow's C interface: `pandas.DataFrame.from_arrow` and `polars.DataFrame` take a recording.
+
+        Empty cells are null, and modes are words.
+        """
+        from nxt_twin.recording.arrow import table_of
+
+        return table_of(self.columns).__arrow_c_stream__(requested_schema)
+
+    @classmethod
+    def from_arrow(cls, table: object, name: str = "table", kinds: SignalKinds | None = None) -> Recording:
+        """A recording of a data frame or table that speaks Arrow: pandas, polars, pyarrow, DuckDB.
+
+        Args:
+            table: with columns of docs/formats.md#recordings; null and NaN are empty cells.
+            name: what to call the recording.
+            kinds: for a bench rather than a brick, what the columns `input` and `output` are.
+
+        Raises:
+            RecordingError: it does not speak Arrow, or its columns cannot be a recording's.
+
+        >>> import nxt_twin as nt
+        >>> import pandas as pd
+        >>> frame = pd.DataFrame({"time_s": [0.0, 0.5, 1.0], "a_power_pct": [50, 50, 0]})
+        >>> run = nt.Recording.from_arrow(frame, "mine")
+        >>> run
+        <Recording mine: 3 rows, 1 s, a_power_pct>
+        >>> pd.DataFrame.from_arrow(nt.simulate("nxt_motor", run))["a_tacho_deg"].round().tolist()
+        [0.0, 198.0, 411.0]
+        """
+        from nxt_twin.recording.arrow import columns_of
+
+        return cls(name, columns_of(table, name, mapped=kinds is not None), kinds=kinds)
 
     @property
     def time_s(self) -> FloatArray:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from conformance_bricks import BRICKS
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick as open_by_url
-from nxt_twin.cli.openers import OPENERS
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

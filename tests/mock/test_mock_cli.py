@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError, LinkUrlError
 from nxt_twin.brick.open import open_brick, open_link
 from nxt_twin.brick.search.tcp import LOCAL_ADDRESS
 from nxt_twin.cli.app import program
-from nxt_twin.cli.openers import OPENERS
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.mock import run as run_module
 from nxt_twin.mock.errors import ServeError

@@ -1,0 +1,106 @@
+"""Run a plant freely over the commands of a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.api.files import Model, load_plant
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.units import units_of
+from nxt_twin.errors import RecordingError
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Simulator, free_job, with_supply
+from nxt_twin.physics.start import Start, at_rest, restarts
+from nxt_twin.recording.columns import PORTS, power_column
+from nxt_twin.recording.recording import Recording
+
+
+@final
+@dataclass(frozen=True)
+class Predicted:
+    """What a plant does under the commands of one port, or of a mapped recording.
+
+    Attributes:
+        channel: the column.
+        values: shape (rows,), in the column's unit.
+        unit: of the error.
+        rmse: root mean square error against what was measured; None where nothing was.
+        readings: how many readings were compared; those from which a run starts are not.
+    """
+
+    channel: str
+    values: FloatArray
+    unit: str
+    rmse: float | None
+    readings: int
+
+
+def simulate(plant: Model, recording: Recording, *, restart_every_s: float | None = None) -> Recording:
+    """Predict a recording's outputs from its commands and its first row alone, at rest.
+
+    Args:
+        plant: a plant, or what `load_plant` takes.
+        recording: its commands drive the plant. Readings are not needed: without any, motors start at 0 degrees.
+        restart_every_s: set the state anew from smoothed readings so often.
+
+    Returns:
+        The recording with its output columns replaced, or added, by what the plant predicts.
+
+    Raises:
+        PlantError: the model is no plant, or cannot be driven so.
+        RecordingError: the recording holds no command.
+
+    >>> import nxt_twin as nt
+    >>> mine = nt.Recording("mine", {"time_s": [0.0, 0.5, 1.0, 1.5], "a_power_pct": [50, 50, 0, 0]})
+    >>> nt.simulate("nxt_motor", mine).columns["a_tacho_deg"].round()
+    array([  0., 198., 411., 424.])
+    """
+    found = predictions(plant, recording, restart_every_s)
+    columns = {**recording.columns, **{each.channel: each.values for each in found}}
+    return Recording(recording.name, columns, kinds=recording.kinds)
+
+
+def predictions(
+    plant: Model, recording: Recording, restart_every_s: float | None = None
+) -> tuple[Predicted, ...]:
+    """The prediction for each port that is driven, or for a mapped recording's output, with its error.
+
+    Raises:
+        PlantError: the model is no plant, or cannot be driven so.
+        RecordingError: the recording holds no command.
+    """
+    return tuple(_predicted(plant, recording, port, restart_every_s) for port in _driven(recording))
+
+
+def _predicted(plant: Model, recording: Recording, port: str | None, every_s: float | None) -> Predicted:
+    signals = signals_of(recording, port, fewest_readings=0)
+    start, values = _run(load_plant(plant, signals.input_kind), signals, every_s)
+    units = units_of("linear" if signals.input_kind == "force_n" else "motor", signals)
+    factor = units.reading_factor if signals.channel != "output" else 1.0
+    counted = np.isfinite(signals.measured) & ~start.at
+    rmse = None
+    if counted.any():
+        rmse = float(np.sqrt(np.mean((signals.measured - values)[counted] ** 2))) * units.reading_factor
+    return Predicted(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
+
+
+def _run(plant: Plant, signals: Signals, every_s: float | None) -> tuple[Start, FloatArray]:
+    supplied = with_supply(signals, plant)
+    start = at_rest(supplied) if every_s is None else restarts(supplied, every_s)
+    with Simulator(plant.layout, workers=1) as simulator:
+        return start, simulator.trace(plant, free_job(supplied, start))["predicted"]
+
+
+def _driven(recording: Recording) -> list[str | None]:
+    if recording.kinds:
+        return [None]
+    found = [port for port in PORTS if power_column(port) in recording.columns]
+    if not found:
+        mend = "give it a_power_pct"
+        raise RecordingError("commands no port", where=recording.name, mend=mend)
+    return list(found)
