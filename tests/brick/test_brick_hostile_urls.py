@@ -2,9 +2,9 @@
 
 import pytest
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.errors import LinkError
 from nxt_twin.brick.open import open_link
-from nxt_twin.cli.openers import OPENERS
 from nxt_twin.errors import LONGEST_LINE, NxtTwinError
 from nxt_twin.mock.run import parse_address
 from nxt_twin.mock.serve.clock import VirtualClock
