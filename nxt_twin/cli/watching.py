@@ -25,7 +25,7 @@ from nxt_twin.twin.rehearsal import rehearse
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 from nxt_twin.twin.sinks import Memory, Several
-from nxt_twin.twin.verdict import verdict
+from nxt_twin.twin.verdict import Seen, verdict
 
 if TYPE_CHECKING:
     # They bring in the pictures, which are wanted by options alone.
@@ -165,7 +165,8 @@ def conclude(
     report: Path | None = None,
 ) -> None:
     """Say what a session came to, and write what was wanted of it."""
-    said = verdict(told.memory.events, [port for port, each in session.monitors.items() if each.diverging])
+    diverging = [port for port, each in session.monitors.items() if each.diverging]
+    said = verdict(told.memory.events, diverging, Seen(session.polls, session.lasted_s, session.unseen_s))
     pages = [] if report is None else _pages(report, parts, told, title, said.sentence)
     if model_out is not None:
         _write_models(parts.twin, model_out)

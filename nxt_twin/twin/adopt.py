@@ -15,6 +15,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.recording.recording import Recording
+from nxt_twin.twin.gain import Gain, gain
 from nxt_twin.twin.records import Event
 
 T = TypeVar("T")
@@ -35,12 +36,14 @@ class Finished:
         began_s: when its recording began, from which effects count that change with time.
         answer: what to take over; None where there is nothing.
         why_not: why there is nothing.
+        gain: what its plant gains over the model in use; None where there is no answer.
     """
 
     port: Port
     began_s: float
     answer: Answer | None
     why_not: str
+    gain: Gain | None = None
 
 
 @final
@@ -74,7 +77,7 @@ class Adopter:
     def __init__(self, executor: Executor, enough_s: float = ENOUGH_S) -> None:
         self._executor = executor
         self._enough_s = enough_s
-        self._running: tuple[Port, float, Future[Answer]] | None = None
+        self._running: tuple[Port, float, Future[tuple[Answer, Gain]]] | None = None
         self._tries: dict[Port, int] = {}
         self.diagnoses: list[tuple[Port, Diagnosis]] = []
 
@@ -91,7 +94,7 @@ class Adopter:
         self._tries[port] = self._tries.get(port, 0) + 1
         case = Case("live", Path(), plant.to_config(), (recording,), (), port)
         began_s = float(recording.time_s[0])
-        self._running = (port, began_s, self._executor.submit(diagnose, case))
+        self._running = (port, began_s, self._executor.submit(_diagnosed, case, plant, port))
 
     def finished(self) -> Finished | None:
         """What came of the diagnosis, once, when it is over."""
@@ -102,16 +105,24 @@ class Adopter:
         error = future.exception()
         if error is not None:
             return Finished(port, began_s, None, _why(error))
-        answer = future.result()
+        answer, gained = future.result()
         self.diagnoses.append((port, answer.diagnosis))
         if not _better(answer.diagnosis):
             return Finished(port, began_s, None, "no known effect accounts for it so far")
+        if not (answer.diagnosis.effects or gained.worthwhile):
+            off = f"off by {gained.before_deg:.3g} deg with them as they are and {gained.after_deg:.3g} deg re-fitted"
+            return Finished(port, began_s, None, f"other numbers bring the model no nearer ({off})")
         self._tries[port] = 0 if answer.diagnosis.effects else self._tries[port]
-        return Finished(port, began_s, answer, "")
+        return Finished(port, began_s, answer, "", gained)
 
     def close(self) -> None:
         """Wait for nothing more."""
         self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _diagnosed(case: Case, plant: Plant, port: Port) -> tuple[Answer, Gain]:
+    answer = diagnose(case)
+    return answer, gain(plant, answer.plant, case.recordings[0], port)
 
 
 def _why(error: BaseException) -> str:
@@ -140,8 +151,8 @@ def battery_is_another(refit: Mapping[str, Moved]) -> bool:
     return not low <= moved.before <= high
 
 
-def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
-    """What a diagnosis says, as events."""
+def told(port: Port, time_s: float, answer: Answer, gained: Gain) -> list[Event]:
+    """What a diagnosis that was taken over says, as events."""
     diagnosis, channel = answer.diagnosis, tacho_column(port)
     where = f"port {port.upper()}:"
     named = [
@@ -155,11 +166,11 @@ def told(port: Port, time_s: float, answer: Answer) -> list[Event]:
         )
         for effect in diagnosis.effects
     ]
-    names = ", ".join(effect.name for effect in diagnosis.effects)
-    what = f"the model now has {names}" if names else "the model's numbers were off and are re-fitted"
+    names = tuple(effect.name for effect in diagnosis.effects)
+    what = (
+        f"the model now has {', '.join(names)}" if names else "the model's numbers were off and are re-fitted"
+    )
     if diagnosis.verdict == "unexplained":
         what += "; more is missing that no known effect accounts for"
-    fit = diagnosis.fit
-    off = f"off by {fit.baseline:.3g} before, {fit.improved:.3g} {fit.unit} after, in free run"
-    words = f"{where} {what} ({off})"
-    return [*named, Event(time_s, "adopted", words, port, channel)]
+    off = f"off by {gained.before_deg:.3g} deg before, {gained.after_deg:.3g} deg after, in free run"
+    return [*named, Event(time_s, "adopted", f"{where} {what} ({off})", port, channel, effects=names)]

@@ -127,6 +127,7 @@ class Event:
         channel: the reading's, where it is about one.
         onset_s: since when, where that can be said.
         strength: in nats or normalised units, as `words` says.
+        effects: names of those that were taken over.
     """
 
     time_s: float
@@ -136,6 +137,7 @@ class Event:
     channel: str | None = None
     onset_s: float | None = None
     strength: float | None = None
+    effects: tuple[str, ...] = ()
 
 
 class Sink(Protocol):

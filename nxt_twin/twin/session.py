@@ -95,6 +95,8 @@ class Session:
     Attributes:
         monitors: one for each motor.
         polls: how many there were.
+        lasted_s: how long the last run was, from when the brick was reached.
+        unseen_s: of which the link was lost.
         stalls: how often a round trip took far longer than usual.
         row_lags: by how much what is in a row is off its stamp.
     """
@@ -116,6 +118,8 @@ class Session:
         self.stalls = Stalls()
         self.row_lags = RowLags()
         self.polls = 0
+        self.lasted_s = 0.0
+        self.unseen_s = 0.0
 
     @property
     def now_s(self) -> float:
@@ -137,6 +141,7 @@ class Session:
                 brick = self._through(brick, seconds)
             self._tell("stopped", "; ".join(filter(None, (self._length(), self.stalls.words()))))
         finally:
+            self.lasted_s = self.now_s
             brick.close()
 
     def _length(self) -> str:
@@ -159,7 +164,11 @@ class Session:
         except LinkError as error:
             self._tell("link_lost", f"the link is lost ({error}); the model goes on alone")
             brick.close()
-            return self._reopen(seconds) or brick
+            lost_s = self.now_s
+            try:
+                return self._reopen(seconds) or brick
+            finally:
+                self.unseen_s += self.now_s - lost_s
         return brick
 
     def _poll_or_miss(self, brick: Brick, sensors: SensorPoll) -> None:
@@ -348,7 +357,7 @@ class Session:
         if finished is None:
             return
         port, now_s = finished.port, self.now_s
-        if finished.answer is None:
+        if finished.answer is None or finished.gain is None:
             words = f"port {port.upper()}: {finished.why_not}; it goes on with the model that it has"
             self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=self.monitors[port].since_s))
             return
@@ -356,7 +365,7 @@ class Session:
         self._twin.adopt(port, finished.answer.plant, finished.began_s, told_of_battery=told_of_battery)
         self.monitors[port].forget(now_s, proving=True)
         self._history[port].clear()
-        for event in told(port, now_s, finished.answer):
+        for event in told(port, now_s, finished.answer, finished.gain):
             self._sink.event(event)
 
     def _tell(self, kind: EventKind, words: str) -> None:

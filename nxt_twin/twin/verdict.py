@@ -9,9 +9,39 @@ from typing import Literal, final
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event
 
-Outcome = Literal["holds", "passed", "explained", "diverges", "trouble"]
+Outcome = Literal["holds", "passed", "explained", "diverges", "trouble", "unseen"]
 
 _TROUBLES = ("stall", "disconnected")
+_ENOUGH = 0.5
+_NEARLY_ALL = 0.95
+
+
+@final
+@dataclass(frozen=True)
+class Seen:
+    """How much of a session there was to see.
+
+    Attributes:
+        polls: that were answered.
+        lasted_s: from when the brick was reached to the end.
+        unseen_s: of which the link was lost.
+    """
+
+    polls: int
+    lasted_s: float
+    unseen_s: float
+
+    @property
+    def share(self) -> float:
+        """Of the session, in which the brick could be seen."""
+        if not self.polls:
+            return 0.0
+        return 1.0 - self.unseen_s / self.lasted_s if self.lasted_s else 1.0
+
+    @property
+    def loss(self) -> str:
+        """For how long it was not, in words."""
+        return f"the link was lost for {self.unseen_s:.1f} of {self.lasted_s:.1f} s"
 
 
 @final
@@ -22,7 +52,8 @@ class Verdict:
     Attributes:
         outcome: `holds`: never apart; `passed`: apart for a while, and together again with the same model;
             `explained`: together again with what a diagnosis found; `diverges`: apart at the end; `trouble`: a
-            motor was blocked or not there, so that nothing could be said of its model.
+            motor was blocked or not there, so that nothing could be said of its model; `unseen`: nothing was noticed,
+            but for most of the session there was nothing to see.
         sentence: the same for a person.
     """
 
@@ -30,8 +61,8 @@ class Verdict:
     sentence: str
 
 
-def verdict(events: Sequence[Event], diverging: Sequence[Port]) -> Verdict:
-    """The verdict on a session, by its events and the motors that are off their models at its end."""
+def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> Verdict:
+    """The verdict on a session, by its events, the motors that are off their models at its end, and what was seen."""
     adopted = [event for event in events if event.kind == "adopted"]
     apart = [event for event in events if event.kind == "divergence"]
     troubles = [event for event in events if event.kind in _TROUBLES]
@@ -41,7 +72,34 @@ def verdict(events: Sequence[Event], diverging: Sequence[Port]) -> Verdict:
     if troubles:
         return Verdict("trouble", troubles[0].words)
     if adopted:
-        return Verdict("explained", f"model and brick are together again: {adopted[-1].words}")
+        return Verdict("explained", f"model and brick are together again: {_adopted(adopted)}")
     if apart:
         return Verdict("passed", f"model and brick were apart for a while: {apart[0].words}")
+    return _undisturbed(seen)
+
+
+def _undisturbed(seen: Seen) -> Verdict:
+    if not seen.polls:
+        return Verdict(
+            "unseen", "nothing was seen: the brick answered no poll, so nothing is said of the model"
+        )
+    if seen.share < _ENOUGH:
+        return Verdict("unseen", f"too little was seen: {seen.loss}, so nothing is said of the model")
+    if seen.share < _NEARLY_ALL:
+        return Verdict("holds", f"the model holds where it was seen; {seen.loss}")
     return Verdict("holds", "the model holds: nothing was seen that it does not explain")
+
+
+def _adopted(adopted: Sequence[Event]) -> str:
+    """Every effect that was taken over, motor by motor; of a motor without any, what was said of it last."""
+    ports = dict.fromkeys(event.port for event in adopted)
+    return "; ".join(_adopted_by([event for event in adopted if event.port == port]) for port in ports)
+
+
+def _adopted_by(adopted: Sequence[Event]) -> str:
+    last = adopted[-1]
+    names = dict.fromkeys(name for event in adopted for name in event.effects)
+    if set(last.effects) == set(names):
+        return last.words
+    refitted = "" if last.effects else ", with its numbers re-fitted since"
+    return f"port {(last.port or '').upper()}: the model now has {', '.join(names)}{refitted}"

@@ -1,6 +1,7 @@
 """From a divergence to an adopted effect, and calm."""
 
 from concurrent.futures import Future
+from types import SimpleNamespace
 
 import pytest
 from twin_feed import nxt_motor
@@ -9,10 +10,15 @@ from twin_rig import Rig, run, world_with
 from nxt_twin.diagnose.diagnosis import Moved
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.twin.adopt import Adopter, AtOnce, battery_is_another
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
-from nxt_twin.twin.verdict import verdict
+from nxt_twin.twin.gain import gain
+from nxt_twin.twin.records import Event
+from nxt_twin.twin.verdict import Seen, verdict
+
+SEEN = Seen(1000, 30.0, 0.0)
 
 
 def test_a_load_is_found_adopted_and_the_divergence_vanishes(tmp_path):
@@ -27,7 +33,7 @@ def test_a_load_is_found_adopted_and_the_divergence_vanishes(tmp_path):
     (port, diagnosis), *_ = adopter.diagnoses
     assert port == "a"
     assert "constant_load" in [effect.id for effect in diagnosis.effects]
-    assert verdict(outcome.memory.events, []).outcome == "explained"
+    assert verdict(outcome.memory.events, [], SEEN).outcome == "explained"
 
 
 class _Failing:
@@ -57,7 +63,7 @@ def test_a_diagnosis_that_fails_leaves_model_and_session_alone(tmp_path, error, 
     assert outcome.kinds()[-1] == "stopped"
     assert words in outcome.first("undiagnosed").words
     assert "\n" not in outcome.first("undiagnosed").words
-    assert verdict(outcome.memory.events, ["a"]).outcome == "diverges"
+    assert verdict(outcome.memory.events, ["a"], SEEN).outcome == "diverges"
 
 
 def test_who_does_it_at_once_hands_errors_on_as_a_thread_would():
@@ -121,7 +127,59 @@ def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
 
 
 def test_a_session_in_which_all_held_says_so():
-    assert verdict([], []).outcome == "holds"
+    assert verdict([], [], SEEN).outcome == "holds"
+
+
+@pytest.mark.parametrize(
+    ("seen", "outcome", "words"),
+    [
+        (Seen(0, 30.0, 0.0), "unseen", "nothing was seen: the brick answered no poll"),
+        (Seen(40, 30.0, 25.0), "unseen", "too little was seen: the link was lost for 25.0 of 30.0 s"),
+        (Seen(400, 30.0, 5.0), "holds", "holds where it was seen; the link was lost for 5.0 of 30.0 s"),
+    ],
+)
+def test_where_little_was_seen_nothing_is_claimed(seen, outcome, words):
+    said = verdict([], [], seen)
+    assert said.outcome == outcome
+    assert words in said.sentence
+
+
+def test_the_headline_names_every_effect_that_was_taken_over():
+    def adopted(*effects, port="a"):
+        return Event(1.0, "adopted", f"port {port.upper()}: words of {len(effects)}", port, effects=effects)
+
+    events = [adopted("a spring"), adopted("a load", "stiction"), adopted(), adopted("play", port="b")]
+    sentence = verdict(events, [], SEEN).sentence
+    assert sentence == (
+        "model and brick are together again: port A: the model now has a spring, a load, stiction, "
+        "with its numbers re-fitted since; port B: words of 1"
+    )
+    assert verdict([adopted()], [], SEEN).sentence.endswith(": port A: words of 0")
+
+
+class _Answering:
+    """Answers every diagnosis with a re-fit of the plant to another resistance."""
+
+    def __init__(self, resistance_ohm):
+        self._resistance_ohm = resistance_ohm
+
+    def submit(self, _, case, plant, port):
+        config = plant.to_config() | {"resistance_ohm": self._resistance_ohm}
+        diagnosis = SimpleNamespace(effects=(), verdict="adequate", refit={})
+        answer = SimpleNamespace(diagnosis=diagnosis, plant=plant_from_config(config, "power_pct"))
+        return AtOnce().submit(lambda: (answer, gain(plant, answer.plant, case.recordings[0], port)))
+
+    def shutdown(self, **_):
+        pass
+
+
+@pytest.mark.parametrize(("resistance_ohm", "adopted"), [(7.6, False), (9.9, True)])
+def test_a_refit_is_taken_over_only_if_it_gains_something(tmp_path, resistance_ohm, adopted):
+    rig = Rig(world_with(tmp_path, resistance_ohm=9.9))
+    outcome = run(rig, 8.0, adopter=Adopter(_Answering(resistance_ohm), enough_s=2.0))
+    assert ("adopted" in outcome.kinds()) == adopted
+    if not adopted:
+        assert "other numbers bring the model no nearer" in outcome.first("undiagnosed").words
 
 
 def test_what_the_others_draw_is_not_taken_for_a_weak_battery():

@@ -109,6 +109,8 @@ def test_the_model_goes_on_alone_while_the_link_is_lost_and_finds_the_motor_agai
     assert len(alone) >= 5
     assert alone[-1].motors[0].angle_deg > alone[0].motors[0].angle_deg + 50.0
     assert rig.opened == 2
+    assert 1.2 <= outcome.session.unseen_s <= 2.0
+    assert outcome.session.lasted_s == pytest.approx(6.0, abs=0.1)
     after = [i for i in outcome.innovations("a_tacho_deg") if i.time_s > 4.5]
     assert mean_square(after) < 1.5
 
