@@ -18,6 +18,7 @@ from nxt_twin.mock.serve.profile import PROFILES
 
 if TYPE_CHECKING:
     from nxt_twin.mock.body.body import Body
+    from nxt_twin.mock.body.world import World
 
 
 _SEED: Final = re.compile(r"[0-9]{1,18}")
@@ -48,6 +49,7 @@ def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
         seed=int(wanted.get("seed", "0")),
         profile=wanted.get("profile", "none"),
         change=concealing(wanted.get("conceal")),
+        bodies=world_bodies,
         ready=ready,
         late=LinkTimeoutError,
         lost=LinkLostError,
@@ -66,6 +68,22 @@ def concealing(secret: str | None) -> Callable[[Body], None]:
     from nxt_twin.blind.secret import secret_of
 
     return hiding(secret_of(secret))
+
+
+def world_bodies(world: World, file: Path | None, seed: int, *, ready: bool) -> Body:
+    """A mock brick's body; where the world file holds a robot, on that robot in its scene.
+
+    Raises:
+        WorldError: the robot or the scene is none, or PyBullet is not installed.
+        PlantError: a motor's plant is none.
+    """
+    if world.robot is None:
+        from nxt_twin.mock.start import bare_body
+
+        return bare_body(world, file, seed, ready=ready)
+    from nxt_twin.world.bodies import robot_body
+
+    return robot_body(world, file, seed)
 
 
 OPENERS: Final[Mapping[str, Opener]] = MappingProxyType({"mock": open_mock})

@@ -39,6 +39,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "replay": "Play a recording to the live twin.",
         "drive": "Run a motor program on a brick.",
         "mock": "Serve a mock brick until interrupted.",
+        "world": "Run a program for a brick on a simulated robot.",
         "udev": "Print the udev rule that gives you access to a brick on USB.",
         "doctor": "Find what on this machine keeps a brick from being reached.",
     }

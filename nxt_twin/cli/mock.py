@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from nxt_twin.api.openers import concealing
+from nxt_twin.api.openers import concealing, world_bodies
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.mock.errors import ServeError
@@ -81,6 +81,7 @@ def mock(
             seed=seed,
             profile=profile,
             change=concealing(conceal),
+            bodies=world_bodies,
         )
     except KeyboardInterrupt:
         return

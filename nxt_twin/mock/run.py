@@ -15,7 +15,7 @@ from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
 from nxt_twin.mock.serve.tcp import TcpEndpoint
-from nxt_twin.mock.start import Change, profile_named, switch_on
+from nxt_twin.mock.start import Bodies, Change, bare_body, profile_named, switch_on
 
 
 @final
@@ -43,6 +43,7 @@ def serve(
     seed: int = 0,
     profile: str = "none",
     change: Change = lambda _: None,
+    bodies: Bodies = bare_body,
     stop: Callable[[], bool] = lambda: False,
 ) -> None:
     """Serve a mock brick; blocks until `stop` says so or the user interrupts.
@@ -59,6 +60,7 @@ def serve(
         seed: of noise, jitter and faults.
         profile: delays of the link, by name (`nxt_twin.mock.serve.profile.PROFILES`).
         change: done to the brick's body each time before it is switched on.
+        bodies: makes that body each time.
         stop: asked once a tick.
 
     Raises:
@@ -67,7 +69,7 @@ def serve(
         ServeError: a place at which the brick cannot be served.
     """
     link = profile_named(profile)
-    host = Host(switch_on(world, seed, change=change), clock)
+    host = Host(switch_on(world, seed, change=change, bodies=bodies), clock)
     endpoints: list[Endpoint] = []
     try:
         if tcp is not None or (pty is None and tcp_raw is None):
@@ -80,7 +82,7 @@ def serve(
         while not _run(host, endpoints, stop):
             for endpoint in endpoints:
                 endpoint.hang_up()
-            host.restart(switch_on(world, seed, before=host.firmware, change=change))
+            host.restart(switch_on(world, seed, host.firmware, change, bodies=bodies))
     finally:
         for endpoint in endpoints:
             endpoint.close()

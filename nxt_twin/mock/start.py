@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Protocol
 
 from nxt_twin.brick.clock import Clock
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.world import World, load_world
-from nxt_twin.mock.errors import ServeError
+from nxt_twin.mock.errors import ServeError, WorldError
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import Failure, MockLink
@@ -19,12 +20,33 @@ Change = Callable[[Body], None]
 """What is done to a brick's body before it is switched on."""
 
 
+class Bodies(Protocol):
+    """Makes a brick's body of its surroundings, the file that they are from, and a seed; `ready` as for `switch_on`."""
+
+    def __call__(self, world: World, file: Path | None, seed: int, *, ready: bool) -> Body:
+        """The body."""
+        ...
+
+
+def bare_body(world: World, file: Path | None, seed: int, *, ready: bool) -> Body:
+    """A brick on a desk, its motors free.
+
+    Raises:
+        WorldError: the brick is built into a robot.
+        PlantError: a motor's plant is none.
+    """
+    if world.robot is not None:
+        raise WorldError("holds a robot, which this cannot build", where=str(file or "world"))
+    return world.body(seed, None if file is None else file.parent, ready=ready)
+
+
 def switch_on(
     world: Path | None = None,
     seed: int = 0,
     before: Firmware | None = None,
     change: Change = lambda _: None,
     *,
+    bodies: Bodies = bare_body,
     ready: bool = True,
 ) -> Firmware:
     """A brick's firmware on its body, one tick old.
@@ -34,6 +56,7 @@ def switch_on(
         seed: of the sensors' noise.
         before: the brick as it was when it was switched off; its files and name are kept.
         change: done to the body before.
+        bodies: makes the body; `nxt_twin.world` knows one that builds robots.
         ready: load the compiled plants now, before any clock counts, not when a motor first moves.
 
     Raises:
@@ -41,12 +64,11 @@ def switch_on(
         PlantError: a motor's plant in it is none.
     """
     surroundings = World() if world is None else load_world(world)
-    folder = None if world is None else world.parent
     identity = surroundings.identity()
     if before is not None:
         identity = replace(identity, name=before.radio.brick_name)
     files = () if before is None else before.loader.files
-    body = surroundings.body(seed, folder, ready=ready)
+    body = bodies(surroundings, world, seed, ready=ready)
     change(body)
     firmware = Firmware(body, identity, files)
     firmware.tick()
@@ -71,6 +93,7 @@ def open_mock_link(
     seed: int = 0,
     profile: str = "none",
     change: Change = lambda _: None,
+    bodies: Bodies = bare_body,
     ready: bool = True,
     late: Failure = TimeoutError,
     lost: Failure = ConnectionError,
@@ -83,6 +106,7 @@ def open_mock_link(
         seed: of noise, jitter and faults.
         profile: delays of the link.
         change: as for `switch_on`.
+        bodies: as for `switch_on`.
         ready: as for `switch_on`.
         late: makes the exception for "nothing came in time".
         lost: makes the exception for "the other end is gone".
@@ -93,5 +117,5 @@ def open_mock_link(
         ServeError: there is no such profile.
     """
     delays = profile_named(profile)
-    host = Host(switch_on(world, seed, change=change, ready=ready), clock)
+    host = Host(switch_on(world, seed, change=change, bodies=bodies, ready=ready), clock)
     return MockLink(host, delays, seed=seed, late=late, lost=lost)

@@ -15,7 +15,7 @@ from types import CodeType, FunctionType
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
-from nxt_twin.physics.template import FRAME, STEP, STEPPING
+from nxt_twin.physics.template import FORMING, FRAME, LEAVING, STEP, STEPPING, TURNING
 from nxt_twin.physics.terms import Call, calls
 
 SETTLING = 6
@@ -79,34 +79,40 @@ def source(plan: Layout) -> str:
     return running + stepping
 
 
-def _step(plan: Layout) -> list[str]:
-    """One step, line by line, as it stands in both of the kernel's functions."""
+def turning_source(plan: Layout) -> str:
+    """The source text of what drives joints by plants of `plan`."""
+    states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
+    return TURNING.format(
+        kind=plan.base.kind,
+        frame=plan.frame,
+        imports="\n".join(_imports(plan)),
+        unpack=_indent(_unpack(plan), 8),
+        load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
+        forming=_indent(iter(_step(plan, FORMING)), 12),
+        settling=_indent(iter(_step(plan, LEAVING)), 16),
+        store=_indent((f"state[i, {3 + n}] = {state}" for n, state in enumerate(states)), 8),
+    )
+
+
+def _step(plan: Layout, part: str = STEP) -> list[str]:
+    """One step or a part of it, line by line, as it stands in each of the kernel's functions."""
     symbols = [parameter.symbol for parameter in plan.base.parameters]
     settle = plan.base.current_after
     current = _call(plan, "_current_after", settle) if settle else "0.0"
-    return STEP.format(
-        duty="\n".join(_stage(plan, "duty")),
-        supply="\n".join(_stage(plan, "supply")),
+    lines = {stage: "\n".join(_stage(plan, stage)) for stage in STAGES}
+    return part.format(
+        **{stage: text for stage, text in lines.items() if stage not in ("inertia", "resistance")},
         inertia=_indent(_stage(plan, "inertia"), 4),
         resistance="base__resistance" if "resistance" in symbols else "0.0",
-        resistance_terms="\n".join(_stage(plan, "resistance")),
-        inductance="\n".join(_stage(plan, "inductance")),
-        drop="\n".join(_stage(plan, "drop")),
-        limit="\n".join(_stage(plan, "limit")),
+        resistance_terms=lines["resistance"],
         drive=_call(plan, "_drive", plan.base.drive),
-        damping="\n".join(_stage(plan, "damping")),
-        torque="\n".join(_stage(plan, "torque")),
-        friction="\n".join(_stage(plan, "friction")),
-        hold="\n".join(_stage(plan, "hold")),
-        advance="\n".join(_stage(plan, "advance")),
-        stop="\n".join(_stage(plan, "stop")),
         current=current,
     ).splitlines()
 
 
-def fingerprint(plan: Layout) -> str:
-    """A hash of the kernel's source and of the byte code of every function it calls."""
-    digest = hashlib.sha256(source(plan).encode())
+def fingerprint(plan: Layout, text: str) -> str:
+    """A hash of a source text written for `plan` and of the byte code of every function it calls."""
+    digest = hashlib.sha256(text.encode())
     for function in [*_functions(plan), *_helpers(plan)]:
         code = function.__code__
         digest.update(code.co_code)

@@ -14,7 +14,7 @@ from typing import final
 
 import platformdirs
 
-from nxt_twin.physics.assemble import fingerprint, source
+from nxt_twin.physics.assemble import fingerprint, source, turning_source
 from nxt_twin.physics.layout import Layout
 
 CACHE_VARIABLE = "NXT_TWIN_CACHE"
@@ -36,17 +36,28 @@ def kernel(plan: Layout) -> Kernel:
 
     The folder is `$NXT_TWIN_CACHE`, else the user's cache folder; where neither can be written, a temporary one.
     """
-    name = f"{plan.base.kind}_{plan.frame}_{fingerprint(plan)}"
+    return Kernel(_compiled(plan, plan.base.kind, source(plan)))
+
+
+@cache
+def turning(plan: Layout) -> Callable[..., None]:
+    """The compiled drive of joints by plants of `plan`, kept as a `kernel` is."""
+    drive: Callable[..., None] = _compiled(plan, f"{plan.base.kind}_joint", turning_source(plan)).turn_many
+    return drive
+
+
+def _compiled(plan: Layout, kind: str, text: str) -> ModuleType:
+    name = f"{kind}_{plan.frame}_{fingerprint(plan, text)}"
     path = _folder() / f"{name}.py"
     if not path.exists():
-        _write_whole(path, source(plan))
+        _write_whole(path, text)
     spec = importlib.util.spec_from_file_location(f"nxt_twin_kernel_{name}", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"no loader for {path}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # numba finds a cached function's module by its name
     spec.loader.exec_module(module)
-    return Kernel(module)
+    return module
 
 
 def _folder() -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from functools import cached_property
 from typing import final
@@ -12,6 +11,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.kernel import Kernel, kernel
+from nxt_twin.physics.late import LateCommands
 from nxt_twin.physics.plant import Plant
 
 _ANGLE, _SPEED, _CURRENT = 0, 1, 2
@@ -41,10 +41,7 @@ class Stepper:
         self._state = np.zeros((len(plants), 3 + states))
         self._elapsed_s = 0.0
         self._shows_truth = not any("reading" in effect.terms for plant in plants for effect in plant.effects)
-        self._delays_s = [_delay_s(plant) for plant in plants]
-        self._waiting: list[deque[tuple[float, float, int]]] = [deque() for _ in plants]
-        self._in_force = np.zeros(len(plants))
-        self._mode_in_force = np.zeros(len(plants), dtype=np.int64)
+        self._commands = LateCommands(plants)
         # Friction and inductance move nothing that is at rest; other effects may, such as a hanging weight.
         self._may_rest = not ready and all(effect.plain for plant in plants for effect in plant.effects)
 
@@ -78,8 +75,8 @@ class Stepper:
 
     def step(self, duty: FloatArray, mode: IntArray, supply_v: float, step_s: float) -> None:
         """Advance by `step_s` with these duties (-1…1) and drive modes, each of shape (plants,)."""
-        self._take(duty, mode)
-        if self._may_rest and not self._in_force.any() and not self._state.any():
+        in_force, mode_in_force = self._commands.at(self._elapsed_s, duty, mode)
+        if self._may_rest and not in_force.any() and not self._state.any():
             self._elapsed_s += step_s
             return
         self._may_rest = False
@@ -87,33 +84,10 @@ class Stepper:
             self._values,
             self._active,
             self._state,
-            self._in_force,
-            self._mode_in_force,
+            in_force,
+            mode_in_force,
             supply_v,
             self._elapsed_s,
             step_s,
         )
         self._elapsed_s += step_s
-
-    def _take(self, duty: FloatArray, mode: IntArray) -> None:
-        """Bring into force what was commanded a plant's delay ago; nothing acts before it is commanded."""
-        if max(self._delays_s) <= 0.0:
-            self._in_force[:], self._mode_in_force[:] = duty, mode
-            return
-        for i, delay_s in enumerate(self._delays_s):
-            if delay_s <= 0.0:
-                self._in_force[i], self._mode_in_force[i] = duty[i], mode[i]
-                continue
-            queue = self._waiting[i]
-            queue.append((self._elapsed_s + delay_s, float(duty[i]), int(mode[i])))
-            while queue and queue[0][0] <= self._elapsed_s + 1e-9:
-                _, self._in_force[i], self._mode_in_force[i] = queue.popleft()
-
-
-def _delay_s(plant: Plant) -> float:
-    total = 0.0
-    for effect in plant.effects:
-        if "delay" in effect.terms:
-            values = [plant.values[slot] for slot in plant.layout.parameters if slot.owner == effect.id]
-            total += float(effect.terms["delay"](*values))  # type: ignore[arg-type]
-    return total

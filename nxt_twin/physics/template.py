@@ -210,7 +210,7 @@ def run_many(
         )
 '''
 
-STEP = """\
+FORMING = """\
 duty = held
 {duty}
 supply_v = open_circuit_v
@@ -244,11 +244,19 @@ direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
 {hold}
+"""
+"""What acts in a step: drive, loads, damping, dry friction's level."""
+
+SOLVING = """\
 bite = 2.0 * level * inverse
 after = free - direction * bite
 if after * direction < 0.0:
     push = direction * (before - free) - bite
     after = -direction * push * (1.0 - direction * before / (push + 2.0 * bite)) if push > 0.0 else 0.0
+"""
+"""The speed at the step's end, where the plant is the whole world."""
+
+LEAVING = """\
 {advance}
 current = {current}
 angle += 0.5 * step_s * (before + after)
@@ -256,6 +264,9 @@ speed = after
 {stop}
 disturbance *= fading
 """
+"""What the step left behind."""
+
+STEP = FORMING + SOLVING + LEAVING
 
 STEPPING = """
 
@@ -300,3 +311,58 @@ def read_many(values_of_all, active_of_all, state, shown):
         shown[i, 0] = angle + shift
         shown[i, 1] = speed + speed_shift
 """
+
+TURNING = '''"""The compiled drive of joints by {kind} plants ({frame}), written by nxt_twin.physics.assemble; never edit."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numba.extending import register_jitable
+
+{imports}
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+def turn_many(
+    values_of_all, active_of_all, state, commands, modes, open_circuit_of_both, elapsed_of_both, step_s, joint,
+    exerted,
+):
+    session_s = 0.0
+    home = 0.0
+    disturbance = 0.0
+    fading = 0.0
+    others_a, others_s = 0.0, 0.0
+    for i in range(values_of_all.shape[0]):
+        values = values_of_all[i]
+        active = active_of_all[i]
+{unpack}
+        inertia = base__inertia
+        momentum = 2.0 * inertia / step_s
+        angle = state[i, 0]
+        speed = state[i, 1]
+        current = state[i, 2]
+{load}
+        midway = 0.0
+        for phase in range(2):
+            held = commands[phase, i]
+            mode = modes[phase, i]
+            open_circuit_v = open_circuit_of_both[phase]
+            elapsed_s = elapsed_of_both[phase]
+{forming}
+            if phase == 0:
+                after = joint[i, 1]
+{settling}
+                midway = 1.5 * after - 0.5 * before
+                angle = joint[i, 0]
+                speed = after
+        state[i, 0] = angle
+        state[i, 1] = speed
+        state[i, 2] = current
+{store}
+        exerted[i, 0] = force + load_torque - (coupling + damping) * midway
+        exerted[i, 1] = max(level, 0.0)
+'''
+"""Plants whose inertia is somebody else's. Phase 0 settles the step that has ended, whose speed the joint now has;
+phase 1 forms what acts in the next. That torque falls with speed, so it is that of the step's middle, at which the
+speed is foretold by the last step's change: wrong by second order, whatever hangs on the joint."""

@@ -50,16 +50,26 @@ def read_model(path: Path, model: type[ModelT], error: type[NxtTwinError]) -> Mo
     Raises:
         NxtTwinError: of class `error`, as `read_yaml`, or naming the first key that the model refuses.
     """
-    document = read_yaml(path, error)
+    return read_part(read_yaml(path, error), model, error, where=str(path))
+
+
+def read_part(
+    document: dict[str, Any], model: type[ModelT], error: type[NxtTwinError], *, where: str
+) -> ModelT:
+    """Read what stands at some place of a file into `model`.
+
+    Raises:
+        NxtTwinError: of class `error`, naming the place and the first key that the model refuses.
+    """
     try:
         return model.model_validate(document)
     except ValidationError as failure:
         # A misspelled key is named before the one that it leaves missing.
         first = min(failure.errors(), key=lambda problem: problem["type"] != "extra_forbidden")
         keys, model_there = _keys(first["loc"], model)
-        where = f"{path}, key {'.'.join(keys)}" if keys else str(path)
+        place = f"{where}, key {'.'.join(keys)}" if keys else where
         what, mend = _complaint(dict(first), keys, model_there)
-        raise error(what, where=where, mend=mend) from None
+        raise error(what, where=place, mend=mend) from None
 
 
 def _keys(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[tuple[str, ...], type[BaseModel]]:

@@ -117,7 +117,7 @@ class World(_Part):
     """A brick and what is around it, by default as LEGO ships it with free-running motors.
 
     `motors` holds a plant for each port: the name of one of the tool's plants, the path of a plant file, or
-    the plant's keys inline.
+    the plant's keys inline. `robot` and `scene` are read by `nxt_twin.world`, whose sensors stand in for these.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=BRICK_NAME_SIZE)] = DEFAULT_NAME
@@ -127,6 +127,8 @@ class World(_Part):
     battery: BatteryModel = BatteryModel()
     motors: dict[Literal["a", "b", "c"], str | dict[str, Any]] = {}
     sensors: dict[Literal[1, 2, 3, 4], SensorModel] = {}
+    robot: str | dict[str, Any] | None = None
+    scene: dict[str, Any] | None = None
 
     def identity(self) -> Identity:
         """Who the brick is."""

@@ -1,0 +1,65 @@
+"""`nxt-twin world`: a robot in its world, in virtual time."""
+
+from __future__ import annotations
+
+import contextlib
+import json as json_format
+import sys
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from nxt_twin.cli.output import JsonOption, emit_json, fail
+from nxt_twin.mock.serve.profile import LinkProfile
+
+
+def world(
+    file: Annotated[
+        str, typer.Argument(help="A world file with a robot in it, or one of the tool's own by name.")
+    ],
+    program: Annotated[
+        Path | None, typer.Option(metavar="SCRIPT", help="A Python program that drives a brick on USB.")
+    ] = None,
+    argument: Annotated[list[str] | None, typer.Option(help="For the program; may be given again.")] = None,
+    seconds: Annotated[
+        float,
+        typer.Option(min=0.0, help="How long at most, by the program's clock; without a program, how long."),
+    ] = 120.0,
+    trace: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the robot's course: CSV.")] = None,
+    profile: Annotated[LinkProfile, typer.Option(help="Delays of the link to the brick.")] = "usb",
+    seed: Annotated[int, typer.Option(help="Of the sensors' noise.")] = 0,
+    json: JsonOption = None,
+) -> None:
+    """Run a program for a brick, unchanged, on a simulated robot, and tell what became of it.
+
+    The program finds the brick on USB, as it would find a real one; time passes as fast as this machine can reckon.
+    Exit status 0 if the program ended by itself, 1 if it failed or ran out of time.
+    """
+    from nxt_twin.world.arena import open_arena
+    from nxt_twin.world.load import load_setting
+    from nxt_twin.world.outcome import outcome, summary, to_json
+    from nxt_twin.world.program import let_pass, run_program
+    from nxt_twin.world.trace import Trace
+
+    if program is not None and not program.is_file():
+        raise typer.BadParameter(f"there is no program {program}", param_hint="--program")
+    arena = open_arena(load_setting(file), seed)
+    course = Trace(arena)
+    began_s = time.monotonic()
+    with contextlib.redirect_stdout(sys.stderr) if json == "-" else contextlib.nullcontext():
+        if program is None:
+            ran = let_pass(arena, seconds)
+        else:
+            ran = run_program(arena, program, argument or (), limit_s=seconds, link=profile)
+    told = outcome(arena, course, ran, wall_s=time.monotonic() - began_s)
+    if trace is not None:
+        course.write(trace)
+    if json:
+        emit_json(json, json_format.dumps(to_json(told)))
+    if json != "-":
+        print(*summary(told), sep="\n")
+    if ran.ending != "done":
+        fail(ran.said or f"{program}: still running after {seconds:g} s")
+        raise typer.Exit(1)

@@ -1,0 +1,1 @@
+"""Simulated robots in simulated surroundings, standing behind the mock brick."""

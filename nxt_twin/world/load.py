@@ -1,0 +1,89 @@
+"""World files and robot files, read and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, final
+
+from pydantic import BaseModel
+
+from nxt_twin.mock.body.world import World, load_world
+from nxt_twin.mock.errors import WorldError
+from nxt_twin.recording.configs import configs_dir
+from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.yaml_file import read_model, read_part
+from nxt_twin.world.robot import Robot
+from nxt_twin.world.scene import Scene
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+_YAML = (".yaml", ".yml")
+
+
+@final
+@dataclass(frozen=True)
+class Setting:
+    """A world file with a robot in it, read whole.
+
+    Attributes:
+        world: the brick.
+        robot: what it is built into.
+        scene: what that stands in.
+        folder: where the paths in the file start.
+    """
+
+    world: World
+    robot: Robot
+    scene: Scene
+    folder: Path
+
+
+def load_setting(path: str | Path) -> Setting:
+    """Read a world file that holds a robot.
+
+    Args:
+        path: of the file, or the name of one of the tool's own worlds, such as `playground`.
+
+    Raises:
+        WorldError: it, or the robot that it names, cannot be read, or there is no robot in it.
+    """
+    file = named(path, "worlds")
+    return setting_of(load_world(file), file)
+
+
+def setting_of(world: World, file: Path) -> Setting:
+    """The robot and the scene of a world that was read from `file`.
+
+    Raises:
+        WorldError: they are none.
+    """
+    if world.robot is None:
+        mend = "write robot: castor_bot, or another of configs/robots"
+        raise WorldError("holds no robot", where=str(file), mend=mend)
+    robot = _robot(world.robot, file)
+    scene = read_part(world.scene or {}, Scene, WorldError, where=f"{file}, scene")
+    return Setting(world, robot, scene, file.parent)
+
+
+def _robot(given: str | dict[str, Any], file: Path) -> Robot:
+    if isinstance(given, dict):
+        return read_part(given, Robot, WorldError, where=f"{file}, robot")
+    beside = file.parent / given
+    own = Path(given).suffix not in _YAML
+    return read_model(named(given, "robots", where=str(file)) if own else beside, Robot, WorldError)
+
+
+def named(given: str | Path, folder: str, *, where: str = "") -> Path:
+    """A file by its path, or by its name in one of the tool's own folders; `where` it was named, for errors.
+
+    Raises:
+        WorldError: there is none of that name.
+    """
+    path = Path(given)
+    if path.suffix in _YAML:
+        return path
+    known = {file.stem: file for file in sorted((configs_dir() / folder).glob("*.yaml"))}
+    if str(given) not in known:
+        mend = f"nearest known: {nearest(str(given), known)}; or name a .yaml file"
+        raise WorldError(f"there is nothing named {quoted(str(given))} in {folder}", where=where, mend=mend)
+    return known[str(given)]

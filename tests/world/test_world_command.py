@@ -1,0 +1,117 @@
+"""The command `world`, and the mock on a robot, as a user has them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.app import program
+from nxt_twin.api.openers import OPENERS
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.mock.errors import WorldError
+from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.world import bullet
+from nxt_twin.world.load import load_setting
+
+PLAYGROUND = Path(__file__).parents[2] / "configs" / "worlds" / "playground.yaml"
+
+AHEAD = """
+import time
+import nxt.locator, nxt.motor
+with nxt.locator.find() as brick:
+    print("found", brick.get_device_info()[0])
+    began = time.monotonic()
+    for port in (nxt.motor.Port.B, nxt.motor.Port.C):
+        brick.get_motor(port).run(40)
+    while time.monotonic() - began < 0.5:
+        pass
+    assert brick.get_motor(nxt.motor.Port.B).get_tacho().rotation_count > 50
+    {then}
+"""
+
+
+def run(*arguments: str):
+    return CliRunner().invoke(program(["world", "mock"]), ["world", *arguments])
+
+
+@pytest.fixture
+def ahead(tmp_path: Path):
+    def write(then: str = "") -> str:
+        path = tmp_path / "ahead.py"
+        path.write_text(AHEAD.format(then=then))
+        return str(path)
+
+    return write
+
+
+def test_a_program_that_waits_by_looking_at_the_clock_drives_the_robot(ahead, tmp_path):
+    trace = tmp_path / "course.csv"
+    result = run("playground", "--program", ahead(), "--trace", str(trace), "--json", "-")
+    assert result.exit_code == 0
+    told = json.loads(result.stdout)
+    assert told["schema"] == "nxt-twin/world/1"
+    assert told["robot"]["x_m"] == pytest.approx(0.028 * told["motors_deg"]["b"] / 57.3, rel=0.02)
+    assert 0.5 <= told["elapsed_s"] < 0.7
+    assert "found Castor" in result.stderr
+    assert trace.read_text().startswith("time_s,x_m,y_m")
+
+
+def test_a_program_that_fails_is_told_with_its_line(ahead):
+    result = run("playground", "--program", ahead("raise ValueError('no way')"))
+    assert result.exit_code == 1
+    assert "ahead.py, line 12: ValueError: no way" in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_a_program_that_never_ends_is_stopped(ahead):
+    result = run("playground", "--seconds", "0.6", "--program", ahead("while True: time.sleep(0.01)"))
+    assert result.exit_code == 1
+    assert "still running after 0.6 s" in result.stderr
+
+
+def test_two_runs_are_alike_to_the_last_bit(ahead):
+    script = ahead()
+    first, second = (
+        json.loads(run("playground", "--program", script, "--json", "-").stdout) for _ in range(2)
+    )
+    del first["times_real_time"], second["times_real_time"]
+    assert first == second
+
+
+def test_the_mock_stands_on_a_robot_too():
+    with open_brick(f"mock:?world={PLAYGROUND}", VirtualClock(), OPENERS) as brick:
+        assert brick.device.info().value.name == "Castor"
+
+
+def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    bullet.library.cache_clear()
+    with pytest.raises(NxtTwinError, match=r"pip install 'nxt-twin\[world\]'"):
+        open_brick(f"mock:?world={PLAYGROUND}", VirtualClock(), OPENERS)
+    bullet.library.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("robot: castor_bt\n", "castor_bot"),
+        ("name: X\n", "holds no robot"),
+        ("robot: castor_bot\nscene: {flor: {}}\n", r"scene, key flor: unknown key \(nearest known: floor\)"),
+        ("robot: castor_bot\nscene: {start: {at_mm: [a, 2]}}\n", r"key start\.at_mm"),
+        ("robot: {name: X, parts: [{mass_g: 3}]}\n", "give one of box_mm"),
+        ("robot: {name: X, parts: [{box_mm: [1, 2, 0], mass_g: 3}]}\n", r"parts\.0\.box_mm"),
+        ("robot: castor_bot\n  scene: {\n", "line 2"),
+    ],
+)
+def test_a_bad_world_file_is_refused_by_file_and_key(tmp_path, text, told):
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(WorldError, match=told) as caught:
+        load_setting(path)
+    assert "\n" not in str(caught.value)
+    assert "bad.yaml" in str(caught.value)
