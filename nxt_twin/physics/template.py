@@ -312,7 +312,7 @@ def read_many(values_of_all, active_of_all, state, shown):
         shown[i, 1] = speed + speed_shift
 """
 
-TURNING = '''"""The compiled drive of joints by {kind} plants ({frame}), written by nxt_twin.physics.assemble; never edit."""
+TURNING = '''"""What drives joints by {kind} plants ({frame}), written by nxt_twin.physics.assemble; never edit."""
 
 import math
 

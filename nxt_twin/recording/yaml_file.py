@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import typing
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -73,23 +74,38 @@ def read_part(
 
 
 def _keys(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[tuple[str, ...], type[BaseModel]]:
-    """The keys down to the one complained of, as a person would write them, and the model that it is in."""
+    """The keys down to the one complained of, as a person would write them, and the model that it is in.
+
+    What pydantic puts between them to say which of several models it tried is no key, and is left out.
+    """
     keys: list[str] = []
+    there: tuple[type[BaseModel], ...] = (model,)
+    inside: object = None
     for part in location:
-        keys.append(str(part))
-        field = model.model_fields.get(str(part))
-        inner = None if field is None else _inner_model(field.annotation)
-        if inner is None:
-            break
-        model = inner
+        holder = next((each for each in there if str(part) in each.model_fields), None)
+        if holder is not None:
+            keys.append(str(part))
+            model, inside = holder, holder.model_fields[str(part)].annotation
+            there = tuple(_models_in(inside)) or there
+        elif isinstance(part, int) or _is_named(inside):
+            keys.append(str(part))
+            inside = None
+        elif part == location[-1] and len(there) == 1:  # a key that nobody knows
+            keys.append(str(part))
+            model = there[0]
     return tuple(keys), model
 
 
-def _inner_model(annotation: object) -> type[BaseModel] | None:
-    for option in (annotation, *typing.get_args(annotation)):
-        if isinstance(option, type) and issubclass(option, BaseModel):
-            return option
-    return None
+def _models_in(annotation: object) -> Iterator[type[BaseModel]]:
+    """The models that a value of this type may hold at any depth."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for option in typing.get_args(annotation):
+        yield from _models_in(option)
+
+
+def _is_named(annotation: object) -> bool:
+    return any(typing.get_origin(each) is dict for each in (annotation, *typing.get_args(annotation)))
 
 
 def _complaint(problem: dict[str, Any], keys: tuple[str, ...], model: type[BaseModel]) -> tuple[str, str]:

@@ -106,6 +106,14 @@ def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
         ("robot: {name: X, parts: [{mass_g: 3}]}\n", "give one of box_mm"),
         ("robot: {name: X, parts: [{box_mm: [1, 2, 0], mass_g: 3}]}\n", r"parts\.0\.box_mm"),
         ("robot: castor_bot\n  scene: {\n", "line 2"),
+        (
+            "robot: castor_bot\nscene: {things: {ball: {sphere_mm: 50, weight: 3}}}\n",
+            r"key things\.ball\.weight: unknown key",
+        ),
+        (
+            "robot: {name: X, parts: [{box_mm: [1, 2, 3], mass_g: 3}], sensors: {4: {kind: ultrasonic}}}\n",
+            r"robot, key sensors\.4\.at_mm: is missing",
+        ),
     ],
 )
 def test_a_bad_world_file_is_refused_by_file_and_key(tmp_path, text, told):
