@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.app import program
-from nxt_twin.api.openers import OPENERS
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.serve.clock import VirtualClock
