@@ -18,11 +18,13 @@ class MotorPortrait:
         port: ``A``, ``B`` or ``C``.
         tacho_deg: its count.
         running: whether it is driven.
+        power_pct: the power that is set.
     """
 
     port: str
     tacho_deg: int
     running: bool
+    power_pct: int
 
 
 @final
@@ -75,6 +77,12 @@ class Portrait:
     sensors: tuple[SensorPortrait, ...]
 
 
+def driven(brick: Brick) -> dict[str, int]:
+    """The power of each motor that turns or would, by its port ``A``, ``B`` or ``C``; raises what its commands do."""
+    motors = [_motor(brick, port) for port in OutputPort if port is not OutputPort.ALL]
+    return {motor.port: motor.power_pct for motor in motors if motor.running and motor.power_pct}
+
+
 def portray(brick: Brick) -> Portrait:
     """Ask a brick for all of it; raises what its commands do."""
     versions = brick.device.versions().value
@@ -98,7 +106,8 @@ def portray(brick: Brick) -> Portrait:
 
 def _motor(brick: Brick, port: OutputPort) -> MotorPortrait:
     state = brick.motors.read(port).value
-    return MotorPortrait(port.name, state.tacho_deg, running=state.run_state != RunState.IDLE)
+    running = state.run_state != RunState.IDLE
+    return MotorPortrait(port.name, state.tacho_deg, running=running, power_pct=state.power_pct)
 
 
 def _sensor(brick: Brick, port: InputPort) -> SensorPortrait:

@@ -35,6 +35,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "connect": "Talk to a brick, or search for bricks.",
         "live": "Watch a brick beside its model.",
         "record": "Record a brick's motors, sensors and battery.",
+        "stop": "Let all motors of a brick coast.",
         "recover": "Get back what a crash left of a recording.",
         "replay": "Play a recording to the live twin.",
         "drive": "Run a motor program on a brick.",

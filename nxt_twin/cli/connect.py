@@ -18,7 +18,7 @@ from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
 from nxt_twin.brick.search.finding import WayReport
-from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.cli.output import JsonOption, emit_json, fail
 
 
 def connect(
@@ -58,6 +58,9 @@ def _connect(url: str, tap: Path | None, json: str | None) -> None:
         emit_json(json, json_format.dumps({"schema": "nxt-twin/connect/1", **asdict(portrait)}))
     if json != "-":
         print("\n".join(_portrait_lines(portrait)))
+    if turning := [motor for motor in portrait.motors if motor.running and motor.power_pct]:
+        were = ", ".join(f"{motor.port} at {motor.power_pct} %" for motor in turning)
+        fail(f"the brick drives {were}; nxt-twin stop {url} lets its motors coast")
 
 
 def _search(timeout_s: float, json: str | None) -> None:

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail
+from nxt_twin.recording.driven import driven_at_the_end
 from nxt_twin.recording.stream import STREAM_SUFFIX, stream_path
 from nxt_twin.recording.stream import recover as recovered
 
@@ -22,16 +23,23 @@ def recover(
     """Make a recording out of the stream that a crash, a kill or an empty laptop battery left of it.
 
     Where the stream is damaged, all rows that are whole are recorded, the stream is kept, and the exit status is 1.
+    Where the last row drives motors, it says so: after kill -9 a brick goes on as last commanded.
     """
     found = recovered(recording)
     saved = found.recording
     path = recording.with_name(saved.name)
+    driven = driven_at_the_end(saved)
     if json:
         answer = {"file": str(path), "rows": saved.rows, "seconds": round(saved.duration_s, 3)}
-        document = {"schema": "nxt-twin/recover/1", **answer, "damages": found.damages}
+        document = {"schema": "nxt-twin/recover/1", **answer, "damages": found.damages, "driven": driven}
         emit_json(json, json_format.dumps(document))
     if json != "-":
         print(f"{saved.rows} rows, {saved.duration_s:.1f} s: {path}")
+    if driven:
+        were = ", ".join(f"{port.upper()} at {power_pct:g} %" for port, power_pct in driven.items())
+        fail(
+            f"the last row drives {were}; a brick that is on goes on so: nxt-twin stop lets its motors coast"
+        )
     if found.damages:
         fail(f"{stream_path(path)}: {'; '.join(found.damages)} (the stream is kept)")
         raise typer.Exit(1)

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 NOTHING: Final = "none"
 _KINDS: Final = ("touch", "sound", "light", "ultrasonic")
 _LOOPBACK: Final = re.compile(r"(127(\.\d+){3}|localhost|\[::1\]):")
+_POLITE: Final = (
+    "SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGALRM", "SIGVTALRM", "SIGPROF", "SIGXCPU",
+    "SIGBREAK",
+)  # fmt: skip
 _SLOTS: Final = ("1", "2", "3", "4")
 
 
@@ -92,10 +96,10 @@ def get_leave(url: str, ports: tuple[Port, ...], *, yes: bool) -> None:
 def tidy_end() -> Iterator[None]:
     """Whoever ends the program, and however politely: an interrupt comes of it, so that the motors are let go.
 
-    A shell starts background jobs with the interrupt ignored, and being told to terminate, or a terminal that is
-    closed, would end Python on the spot.
+    A shell starts background jobs with the interrupt ignored, and being told to terminate, a terminal that is closed,
+    a timer or a limit that ends would end Python on the spot.
     """
-    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    numbers = [getattr(signal, name) for name in _POLITE if hasattr(signal, name)]
     before = {number: signal.signal(number, signal.default_int_handler) for number in numbers}
     try:
         yield
