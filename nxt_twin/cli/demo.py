@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 import json as json_format
-import math
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Annotated, Any, final
+from typing import Annotated, Any
 
 import typer
 import yaml
 
 from nxt_twin.blind.secret import Secret, concealed, drawable, read_secret
-from nxt_twin.cli.live import hold
+from nxt_twin.cli.live import LIVE_SCHEMA, hold
 from nxt_twin.cli.output import JsonOption, emit_json
-from nxt_twin.cli.watching import View, get_ready
+from nxt_twin.cli.watching import Showing, View, get_ready
+from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.library import library
-from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.plant import Plant, plant_from_config
+from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.twin.records import Event, Tick
+from nxt_twin.twin.driver import excitation
+from nxt_twin.twin.ending import Ending
+from nxt_twin.twin.live import LiveOptions
+from nxt_twin.twin.outcome import Outcome
+from nxt_twin.twin.settings import pace_of
 
 _NOTHING = "nothing"
 _PLANT = "nxt_motor"
 _LEAVING_S = 5.0
-_SHOWN_S = 3.0
-"""How much longer one sees that the divergence is gone."""
 
 
 def demo(
@@ -52,27 +55,51 @@ def demo(
     """
     out.mkdir(parents=True, exist_ok=True)
     secret_file = _conceal(conceal, seed, out)
-    held, recording, ending = out / "live.json", out / "recording.csv", _Ending()
+    recording = out / "recording.csv"
     for old in (recording, recording.with_suffix(".yaml")):
         old.unlink(missing_ok=True)  # of the demo before; a recording is never written over otherwise
     with _mock(secret_file) as announced, redirect_stdout(sys.stderr if json == "-" else sys.stdout):
-        get_ready({"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}, adopting=True)
+        plants: dict[Port, Plant] = {"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}
+        get_ready(plants, adopting=True)
         url = announced()
         print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")
-        hold(
-            url, plant=_PLANT, ports="a", sensors="none", seconds=seconds, adopt=True, view=view, report=out,
-            out=recording, model_out=out / "adopted.yaml", save=_saved(out), json=str(held),
-            also=[ending], enough=ending.enough,
-        )  # fmt: skip
+        outcome, live = _held(url, plants, recording, seconds, _showing(url, out, view))
     truth = read_secret(secret_file)
-    told = json_format.loads(held.read_text(encoding="utf-8"))
     if json:
-        document = {"schema": "nxt-twin/demo/2", "live": told, "truth": truth.revealed()}
+        document = {"schema": "nxt-twin/demo/2", "live": live, "truth": truth.revealed()}
         emit_json(json, json_format.dumps(document, ensure_ascii=False))
     if json != "-":
         print(f"\nthe truth, revealed only now: {_truth(truth)}")
-        print(_score(told, [str(effect["id"]) for effect in truth.effects]))
+        hidden = [str(effect["id"]) for effect in truth.effects]
+        print(_score([diagnosis for _, diagnosis in outcome.diagnoses], hidden))
         print(f"everything is in {out}")
+
+
+def _held(
+    url: str, plants: dict[Port, Plant], recording: Path, seconds: float, showing: Showing
+) -> tuple[Outcome, dict[str, Any]]:
+    ending = Ending()
+    options = LiveOptions(
+        plants,
+        program=excitation(tuple(plants)),
+        adopt=True,
+        out=recording,
+        pace=pace_of(url),
+        enough=ending.enough,
+    )
+    return hold(url, options, seconds, showing, also=[ending])
+
+
+def _showing(url: str, out: Path, view: View) -> Showing:
+    return Showing(
+        title=url,
+        schema=LIVE_SCHEMA,
+        view=view,
+        save=_saved(out),
+        report=out,
+        model_out=out / "adopted.yaml",
+        json=str(out / "live.json"),
+    )
 
 
 def _conceal(wanted: str | None, seed: int, out: Path) -> Path:
@@ -88,35 +115,6 @@ def _conceal(wanted: str | None, seed: int, out: Path) -> Path:
     document = {"port": "a", "effects": effects, "size": "medium", "seed": seed}
     path.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
     return path
-
-
-@final
-class _Ending:
-    """Knows when all has been shown: what was found has been taken over, and the divergence is gone for a while."""
-
-    def __init__(self) -> None:
-        self._gone_s = math.inf
-        self._now_s = 0.0
-        self._adopted = False
-
-    def enough(self) -> bool:
-        """Whether it has."""
-        return self._now_s >= self._gone_s + _SHOWN_S
-
-    def tick(self, tick: Tick) -> None:
-        """Time passes."""
-        self._now_s = tick.received_s
-
-    def event(self, event: Event) -> None:
-        """Something happened."""
-        self._adopted = self._adopted or event.kind == "adopted"
-        if event.kind == "divergence":
-            self._gone_s = math.inf
-        elif event.kind == "calm" and self._adopted:
-            self._gone_s = event.time_s
-
-    def close(self) -> None:
-        """Nothing to finish."""
 
 
 @contextmanager
@@ -175,17 +173,13 @@ def _numbers(params: dict[str, Any]) -> str:
     return ", ".join(f"{key} = {value:.4g}" for key, value in params.items())
 
 
-def _score(told: dict[str, Any], truth: list[str]) -> str:
+def _score(diagnoses: Sequence[Diagnosis], truth: list[str]) -> str:
     """How near the twin came, in words."""
-    found = [effect["id"] for diagnosis in told["diagnoses"] for effect in diagnosis["effects"]]
-    near = [
-        other["id"]
-        for diagnosis in told["diagnoses"]
-        for effect in diagnosis["effects"]
-        for other in effect["confusable_with"]
-    ]
-    if sorted(set(found)) == sorted(truth):
+    effects = [effect for diagnosis in diagnoses for effect in diagnosis.effects]
+    found = {effect.id for effect in effects}
+    near = {other.id for effect in effects for other in effect.confusable_with}
+    if found == set(truth):
         return "named exactly" if truth else "rightly left alone"
-    if set(truth) & {*found, *near}:
+    if set(truth) & (found | near):
         return "named, but not alone: see what it could be confused with"
     return "missed"

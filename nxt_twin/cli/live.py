@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import threading
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -17,25 +13,21 @@ from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.output import JsonOption, fail
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, wanted_ports, wanted_sensors
-from nxt_twin.cli.watching import View, audience, conclude, get_ready, watch
+from nxt_twin.cli.watching import Showing, View, audience, conclude, get_ready, watch
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.programs import load_program
-from nxt_twin.recording.stream import RecordingWriter
-from nxt_twin.twin.adopt import Adopter
-from nxt_twin.twin.brick_twin import BrickTwin
-from nxt_twin.twin.driver import ProgramDriver, excitation
-from nxt_twin.twin.logbook import columns_of
-from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.driver import excitation
+from nxt_twin.twin.live import LiveOptions, live_sitting
+from nxt_twin.twin.outcome import Outcome
 from nxt_twin.twin.records import Sink
-from nxt_twin.twin.sensor_twin import SensorTwin
-from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import pace_of
 
+LIVE_SCHEMA = "nxt-twin/live/1"
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
-_PATIENT = 5
 
 
 def live(
@@ -69,85 +61,57 @@ def live(
     ends it, and the motors coast. Exit status 0 whatever the verdict, which the last line and the JSON tell; 1 if
     the brick cannot be reached, or not a single poll came about; 2 for wrong use.
     """
-    hold(
-        url, plant=plant, ports=ports, sensors=sensors, program=program, seconds=seconds, adopt=adopt, out=out,
-        model_out=model_out, view=view, save=save, report=report, yes=yes, json=json,
-    )  # fmt: skip
+    wanted, clock = wanted_ports(ports), SystemClock()
+    commanded = _program(program, wanted)
+    slots = wanted_sensors(sensors)
+    found = chosen_url(url, clock)
+    if commanded is not None:
+        get_leave(found, commanded.ports, yes=yes)
+    options = LiveOptions(
+        plants=dict.fromkeys(wanted, plant_from_config(load_plant_config(plant), "power_pct")),
+        sensors=slots,
+        program=commanded,
+        adopt=adopt,
+        out=out,
+        pace=pace_of(found),
+    )
+    showing = Showing(
+        title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json
+    )
+    hold(found, options, seconds or None, showing)
 
 
 def hold(
-    url: str | None,
-    *,
-    plant: str,
-    ports: str,
-    sensors: str,
-    program: str = _BUILT_IN,
-    seconds: float,
-    adopt: bool,
-    out: Path | None,
-    model_out: Path | None,
-    view: View,
-    save: Path | None,
-    report: Path | None,
-    yes: bool = False,
-    json: str | None,
-    also: Sequence[Sink] = (),
-    enough: Callable[[], bool] = lambda: False,
-) -> None:
-    """Hold a session as `live` does, with somebody else told of it (`also`), who may say when it is `enough`.
+    url: str, options: LiveOptions, seconds: float | None, showing: Showing, also: Sequence[Sink] = ()
+) -> tuple[Outcome, dict[str, Any]]:
+    """Hold a session with the brick at `url`, with somebody else told of it (`also`).
+
+    Returns:
+        What it came to, and its JSON.
 
     Raises:
-        typer.BadParameter: wrong use.
+        typer.BadParameter: the URL is none.
         typer.Exit: there was no poll.
         NxtTwinError: whatever kept it from being held.
     """
-    wanted, slots, clock = wanted_ports(ports), wanted_sensors(sensors), SystemClock()
-    driver = _driver(program, wanted)
-    found = chosen_url(url, clock)
-    if driver is not None:
-        get_leave(found, driver.ports, yes=yes)
-    plants = dict.fromkeys(wanted, plant_from_config(load_plant_config(plant), "power_pct"))
-    get_ready(plants, adopting=adopt)
-    recorder = None if out is None else RecordingWriter(out, columns_of(wanted, slots))
-    channels = [SensorTwin(slot, kind).column for slot, kind in slots.items()]
-    told = audience(
-        wanted, channels, title=found, view=view, save=save, report=report is not None, quiet=json == "-", also=also
-    )  # fmt: skip
-    parts = Parts(
-        open_brick=lambda: open_brick(found, clock, OPENERS),
-        clock=clock,
-        twin=BrickTwin(plants),
-        sink=told.sink(),
-        plan=Plan(sensors=slots),
-        pace=pace_of(found),
-        driver=driver,
-        recorder=recorder,
-        adopter=Adopter(ThreadPoolExecutor(1, "diagnosis", _step_back)) if adopt else None,
-        enough=enough,
-    )
-    session = Session(parts)
-    if recorder is not None:
-        recorder.keep_lags(session.row_lags)
-    watch(session, parts, seconds or None, told)
-    conclude(
-        session, parts, told, schema="nxt-twin/live/1", title=found, json=json, model_out=model_out, report=report
-    )  # fmt: skip
-    if not session.polls:
+    get_ready(options.plants, adopting=options.adopt)
+    clock = SystemClock()
+    told = audience(tuple(options.plants), options.channels, showing, also)
+    sitting = live_sitting(options, lambda: open_brick(url, clock, OPENERS), clock, told.sink())
+    watch(sitting, seconds, told)
+    outcome = sitting.outcome()
+    document = conclude(outcome, told, showing)
+    if not outcome.polls:
         fail("not a single poll came about, so nothing was recorded: give it more --seconds")
         raise typer.Exit(1)
+    return outcome, document
 
 
-def _driver(program: str, ports: tuple[Port, ...]) -> ProgramDriver | None:
-    if program == NOTHING:
+def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:
+    if name == NOTHING:
         return None
-    loaded = excitation(ports) if program == _BUILT_IN else load_program(program)
+    loaded = excitation(ports) if name == _BUILT_IN else load_program(name)
     missing = [port for port in loaded.ports if port not in ports]
     if missing:
         raise typer.BadParameter(f"the program drives {', '.join(missing)}, which --ports leaves out")
-    return ProgramDriver(loaded)
-
-
-def _step_back() -> None:
-    """Let a diagnosis have what polling leaves of the processor; threads that it starts inherit this."""
-    if sys.platform == "linux":  # where a thread has a priority of its own
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _PATIENT)
+    return loaded

@@ -1,8 +1,11 @@
 """When the demo has shown all, and how it scores itself; the whole of it runs in `make demo`."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from nxt_twin.cli.demo import _Ending, _score
+from nxt_twin.cli.demo import _score
+from nxt_twin.twin.ending import Ending
 from nxt_twin.twin.records import Event, Tick
 
 
@@ -17,7 +20,7 @@ def _told(ending, *events):
 
 
 def test_it_ends_a_while_after_the_divergence_is_gone_with_what_was_adopted():
-    ending = _Ending()
+    ending = Ending()
     _told(ending, (5.0, "divergence"), (9.0, "calm"))
     ending.tick(_at(30.0))
     assert not ending.enough()  # gone by itself: nothing was shown yet
@@ -28,7 +31,7 @@ def test_it_ends_a_while_after_the_divergence_is_gone_with_what_was_adopted():
 
 
 def test_a_new_divergence_is_waited_for():
-    ending = _Ending()
+    ending = Ending()
     _told(ending, (5.0, "divergence"), (20.0, "adopted"), (30.0, "calm"), (31.0, "divergence"))
     ending.tick(_at(50.0))
     assert not ending.enough()
@@ -45,5 +48,6 @@ def test_a_new_divergence_is_waited_for():
     ],
 )
 def test_it_says_how_near_it_came(found, near, truth, words):
-    effects = [{"id": each, "confusable_with": [{"id": other} for other in near]} for each in found]
-    assert _score({"diagnoses": [{"effects": effects}]}, truth).startswith(words)
+    alike = [SimpleNamespace(id=other) for other in near]
+    effects = [SimpleNamespace(id=each, confusable_with=alike) for each in found]
+    assert _score([SimpleNamespace(effects=effects)], truth).startswith(words)

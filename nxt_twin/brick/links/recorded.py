@@ -13,6 +13,7 @@ from firmware_protocol import (
     GetBatteryLevel,
     GetInputValues,
     GetOutputState,
+    LowSpeedGetStatus,
     LowSpeedRead,
     LowSpeedWrite,
     MotorMode,
@@ -90,6 +91,7 @@ class RecordedBrick:
             GetInputValues: self._sensor,
             GetBatteryLevel: self._battery,
             LowSpeedWrite: self._begin_echo,
+            LowSpeedGetStatus: self._waiting,
             LowSpeedRead: self._echo,
         }
 
@@ -201,6 +203,10 @@ class RecordedBrick:
         known = ultrasonic_column(self._slot(request.port)) in self._columns
         return blank_reply(request) if known else Status.BUS_ERROR
 
+    def _waiting(self, request: LowSpeedGetStatus) -> ReplyData:
+        place = self._fresh_place(ultrasonic_column(self._slot(request.port)))
+        return LowSpeedGetStatus.Reply(bytes_ready=0 if place is None else 1)
+
     def _echo(self, request: LowSpeedRead) -> ReplyData | Status:
         distance_cm = self._fresh(ultrasonic_column(self._slot(request.port)))
         if distance_cm is None:
@@ -225,12 +231,20 @@ class RecordedBrick:
 
     def _fresh(self, name: str) -> float | None:
         """The last sample up to the row that it is at, if it was not given before."""
+        place = self._fresh_place(name)
+        if place is None:
+            return None
+        self._given[name] = place
+        return float(self._columns[name][place])
+
+    def _fresh_place(self, name: str) -> int | None:
+        """The row of that sample; the sample is not given by asking."""
         sampled = self._sampled.get(name)
         at = -1 if sampled is None else int(np.searchsorted(sampled, self.row, side="right")) - 1
-        if sampled is None or at < 0 or self._given.get(name) == at:
+        if sampled is None or at < 0:
             return None
-        self._given[name] = at
-        return float(self._columns[name][sampled[at]])
+        place = int(sampled[at])
+        return None if self._given.get(name) == place else place
 
 
 @final
