@@ -11,7 +11,9 @@ from nxt_twin.recording.case import Case, read_as_case
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording as _read_table
 from nxt_twin.recording.files import read_sidecar
-from nxt_twin.recording.mapping import read_mapped, read_mapping
+from nxt_twin.recording.mapped import read_mapped
+from nxt_twin.recording.mapping import read_mapping
+from nxt_twin.recording.mappings import mappings
 from nxt_twin.recording.recording import InputKind, Recording
 
 Model = Plant | str | Path | Mapping[str, Any]
@@ -23,7 +25,7 @@ def read_recording(path: str | Path, mapping: str | Path | None = None) -> Recor
 
     Args:
         path: the table; a sidecar `NAME.yaml` beside it is read too (docs/formats.md#sidecars).
-        mapping: what the columns of a table from elsewhere are; else the file that the sidecar names.
+        mapping: what the columns of a table from elsewhere are; else what the sidecar states.
 
     Raises:
         RecordingError: the table cannot be read as a recording; the text names the row and the column.
@@ -36,9 +38,11 @@ def read_recording(path: str | Path, mapping: str | Path | None = None) -> Recor
     <Recording run.csv: 3 rows, 0.02 s, a_power_pct, a_tacho_deg>
     """
     table = Path(path)
-    if mapping is None and (named := read_sidecar(table).get("mapping")):
-        mapping = table.parent / str(named)
-    return _read_table(table) if mapping is None else read_mapped(table, read_mapping(Path(mapping)))
+    if mapping is not None:
+        return read_mapped(table, read_mapping(Path(mapping)))
+    stated = read_sidecar(table).get("mapping")
+    found = mappings(stated, table.parent, f"{table.with_suffix('.yaml')}, key mapping")(table.name)
+    return _read_table(table) if found is None else read_mapped(table, found)
 
 
 def read_case(path: str | Path) -> Case:

@@ -9,18 +9,19 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.modes import MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import pulsed
-from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.recording import InputKind, Recording
 
 _FEWEST_READINGS = 10
 _QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
-_TACHO_QUANTUM_RAD = math.radians(1.0)
+_TACHO_STEP_DEG = 1.0
+_MEASURED_SHARE = 0.8  # of the rows with a supply reading, above which the supply is used as measured
 
 
 def signals_of(recording: Recording, port: str | None, fewest_readings: int = _FEWEST_READINGS) -> Signals:
@@ -94,7 +95,7 @@ def _brick(recording: Recording, port: str) -> Signals:
         time_s=np.array(recording.time_s),
         measured=np.radians(recording.columns[tacho]),
         is_speed=False,
-        quantum=_TACHO_QUANTUM_RAD,
+        quantum=math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG)),
     )
 
 
@@ -120,11 +121,12 @@ def _mapped(recording: Recording) -> Signals:
     kinds = recording.kinds
     if kinds is None:
         raise RecordingError("is not a mapped recording", where=recording.name)
-    modes = {"voltage_v": MODE_VOLTAGE, "current_a": MODE_CURRENT}
     command = _held(recording.columns["input"], start=0.0)
     if kinds.input == "power_pct":
         command = command / 100.0
-    mode = np.full(recording.rows, float(modes.get(kinds.input, MODE_DRIVE)))
+    mode = _mapped_mode(recording, kinds.input)
+    if kinds.input in ("torque_nm", "force_n"):  # a bench's torque is off where its drive is not on
+        command = np.where((mode == MODE_COAST) | (mode == MODE_BRAKE), 0.0, command)
     supply = _supply(recording.time_s, recording.columns.get("supply_v"), command)
     keep = _changes(command, mode, supply)
     return Signals(
@@ -140,6 +142,14 @@ def _mapped(recording: Recording) -> Signals:
         is_speed=kinds.output.startswith("speed"),
         quantum=recording.output_quantum,
     )
+
+
+def _mapped_mode(recording: Recording, kind: InputKind) -> FloatArray:
+    """The bridge's mode in each row: as recorded, with a given voltage or current in the place of a duty."""
+    driven = {"voltage_v": MODE_VOLTAGE, "current_a": MODE_CURRENT}.get(kind, MODE_DRIVE)
+    recorded = recording.columns.get("mode", np.zeros(recording.rows))
+    mode = _held(recorded, start=float(MODE_DRIVE))
+    return np.where(mode == MODE_DRIVE, float(driven), mode)
 
 
 def _held(values: FloatArray, *, start: float) -> FloatArray:
@@ -158,14 +168,17 @@ def _effort(recording: Recording) -> FloatArray:
 
 
 def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray) -> FloatArray:
-    """The open-circuit supply: a robust straight line through the slow, noisy readings taken at the least command.
+    """The supply: as measured where nearly every row has it, else a line of the open-circuit voltage.
 
-    A reading shows whatever the motors drew at that moment; taken one by one, or all alike, readings would smuggle a
-    part of the sag into the model. Theil-Sen: the median of the slopes between the halves.
+    That line is a robust one through the slow, noisy readings taken at the least command. A reading shows whatever the
+    motors drew at that moment; taken one by one, or all alike, few readings would smuggle a part of the sag into the
+    model. Theil-Sen: the median of the slopes between the halves.
     """
     if readings is None or not np.isfinite(readings).any():
         return np.full(time_s.size, np.nan)
     known = np.isfinite(readings)
+    if known.mean() >= _MEASURED_SHARE and np.unique(readings[known]).size > 1:
+        return _held(readings, start=float(readings[known][0]))
     effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
     known &= effort <= max(np.quantile(effort[known], _QUIET_SHARE), 0.05 * float(effort.max()))
     t, v = time_s[known], readings[known]

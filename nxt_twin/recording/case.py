@@ -15,7 +15,8 @@ from nxt_twin.errors import CaseError
 from nxt_twin.recording.columns import PORTS, Port, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
-from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
+from nxt_twin.recording.mapped import read_all_mapped
+from nxt_twin.recording.mappings import Given, MappingOf, mappings
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.yaml_file import read_model
 
@@ -63,11 +64,15 @@ class CaseFile(BaseModel):
     recordings: list[str]
     holdout: list[str] = []
     port: Port | None = None
-    mapping: str | None = None
+    mapping: Given = None
 
 
-def read_as_case(path: Path) -> Case:
+def read_as_case(path: Path, mapping_of: MappingOf | None = None) -> Case:
     """Read a case folder (or its `case.yaml`), or a single recording as a case of its own.
+
+    Args:
+        path: of either.
+        mapping_of: gives the mapping of each recording, in the place of what the case or sidecar states.
 
     A single recording's sidecar may name its `plant` (`nxt_motor` if it does not) and, for a table from
     elsewhere, its `mapping` file.
@@ -75,18 +80,19 @@ def read_as_case(path: Path) -> Case:
     Raises:
         CaseError, RecordingError, MappingError, PlantError: as `read_case`.
     """
-    if path.is_dir() or path.name == _CASE_FILE:
-        return read_case(path if path.is_dir() else path.parent)
-    sidecar = read_sidecar(path)
+    if path.name == _CASE_FILE or (path / _CASE_FILE).exists() or (path.is_dir() and not _is_table(path)):
+        return read_case(path if path.is_dir() else path.parent, mapping_of)
+    file = path.parent / path.name.partition("#")[0]
+    sidecar = read_sidecar(file)
     plant = _located(sidecar.get("plant", _DEFAULT_PLANT), path.parent)
-    mapping_name = sidecar.get("mapping")
-    mapping = None if mapping_name is None else read_mapping(path.parent / str(mapping_name))
-    recordings = (_read(path.parent, path.name, mapping),)
+    where = f"{file.with_suffix('.yaml')}, key mapping"
+    stated = mapping_of or mappings(sidecar.get("mapping"), path.parent, where)
+    recordings = _read(path.parent, path.name, stated)
     port = _port(recordings, plant, None, str(path))
     return Case(path.stem, path.parent, plant, recordings, (), port)
 
 
-def read_case(folder: Path) -> Case:
+def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     """Read a case folder.
 
     Raises:
@@ -100,9 +106,9 @@ def read_case(folder: Path) -> Case:
     file = read_model(path, CaseFile, CaseError)
     _check_lists(file, path)
     plant = _located(file.plant, folder)
-    mapping = None if file.mapping is None else read_mapping(folder / file.mapping)
-    recordings = tuple(_read(folder, name, mapping) for name in file.recordings)
-    holdout = tuple(_read(folder, name, mapping) for name in file.holdout)
+    stated = mapping_of or mappings(file.mapping, folder, f"{path}, key mapping")
+    recordings = tuple(each for name in file.recordings for each in _read(folder, name, stated))
+    holdout = tuple(each for name in file.holdout for each in _read(folder, name, stated))
     port = _port((*recordings, *holdout), plant, file.port, str(path))
     return Case(folder.resolve().name, folder, plant, recordings, holdout, port)
 
@@ -144,10 +150,19 @@ def _located(plant: Plant, folder: Path) -> Plant:
     return str(folder / str(plant)) if is_file else plant
 
 
-def _read(folder: Path, name: str, mapping: Mapping | None) -> Recording:
+def _is_table(folder: Path) -> bool:
+    """Whether a folder is a bag or a LeRobot data set."""
+    return any((folder / name).exists() for name in ("metadata.yaml", "meta/info.json"))
+
+
+def _read(folder: Path, name: str, mapping_of: MappingOf) -> tuple[Recording, ...]:
+    """A file's recordings under its name in the case; a table that is split gives several."""
     path = folder / name
-    recording = read_recording(path) if mapping is None else read_mapped(path, mapping)
-    return replace(recording, name=name)
+    mapping = mapping_of(name)
+    if mapping is None:
+        return (replace(read_recording(path), name=name),)
+    found = read_all_mapped(path, mapping)
+    return (replace(found[0], name=name),) if len(found) == 1 else found
 
 
 def _port(recordings: Sequence[Recording], plant: Plant, named: Port | None, where: str) -> Port | None:

@@ -17,13 +17,15 @@ Port = Literal["a", "b", "c"]
 Slot = Literal[1, 2, 3, 4]
 Role = Literal["stamp", "command", "reading", "truth"]
 DriveMode = Literal["drive", "float", "coast", "brake"]
+Regulation = Literal["none", "speed"]
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
 SLOTS: tuple[Slot, ...] = (1, 2, 3, 4)
 DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
+REGULATIONS: tuple[Regulation, ...] = ("none", "speed")
 TIME = "time_s"
 BATTERY = "battery_v"
-MAPPED_COLUMNS = ("input", "output", "supply_v")
+MAPPED_COLUMNS = ("input", "output", "mode", "supply_v")
 
 
 @final
@@ -61,6 +63,16 @@ def tacho_column(port: Port) -> str:
     return f"{port}_tacho_deg"
 
 
+def regulation_column(port: Port) -> str:
+    """The name of what regulates a port's power."""
+    return f"{port}_regulation"
+
+
+def goal_column(port: Port) -> str:
+    """The name of the goal that a position loop on a port is given."""
+    return f"{port}_goal_deg"
+
+
 def ultrasonic_column(slot: Slot) -> str:
     """The name of the ultrasonic distance read at a sensor's slot."""
     return f"s{slot}_ultrasonic_cm"
@@ -84,6 +96,8 @@ def touch_column(slot: Slot) -> str:
 _MOTOR = {
     power_column: Column("%", "command", lowest=-100.0, highest=100.0),
     mode_column: Column("", "command", words=DRIVE_MODES),
+    regulation_column: Column("", "command", words=REGULATIONS),
+    goal_column: Column("deg", "command"),
     tacho_column: Column("deg", "reading"),
 }
 _SENSOR = {

@@ -25,6 +25,7 @@ from nxt_twin.recording.tables.lines import TextLayout
 from nxt_twin.recording.tables.parquet import read_parquet
 from nxt_twin.recording.tables.table import CellKind, Choose, Table
 from nxt_twin.recording.tables.text import read_text
+from nxt_twin.recording.tacho_steps import known_tacho_steps
 from nxt_twin.recording.yaml_file import read_yaml
 
 _READERS: Mapping[str, Callable[[Path, Choose], Table]] = MappingProxyType(
@@ -55,8 +56,14 @@ def read_recording(path: Path) -> Recording:
     plant = sidecar.get("plant")
     named = plant if isinstance(plant, str) else None
     where = str(path.with_suffix(".yaml"))
-    lags, pulse_steps = KnownLags(sidecar, where), known_pulse_steps(sidecar, where)
-    return Recording(path.name, columns, plant=named, lags=lags, pulse_steps=pulse_steps)
+    return Recording(
+        path.name,
+        columns,
+        plant=named,
+        lags=KnownLags(sidecar, where),
+        tacho_step_deg=known_tacho_steps(sidecar, where),
+        pulse_steps=known_pulse_steps(sidecar, where),
+    )
 
 
 def read_sidecar(path: Path) -> dict[str, Any]:

@@ -12,7 +12,9 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.lags import KnownLags
 
-InputKind = Literal["power_pct", "voltage_v", "current_a", "torque_nm", "force_n"]
+InputKind = Literal[
+    "power_pct", "voltage_v", "current_a", "torque_nm", "force_n", "goal_position_deg", "goal_position_rad"
+]
 OutputKind = Literal[
     "position_rad", "position_deg", "position_m", "speed_rad_per_s", "speed_deg_per_s", "speed_m_per_s"
 ]
@@ -41,6 +43,7 @@ class Recording:
         output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.
         plant: the plant named by the recording's sidecar, if any.
         lags: by how much counts and commands are off the stamps of their rows, as the sidecar tells.
+        tacho_step_deg: the encoder's step by port, as the sidecar tells; 1 of a port that it does not name.
         pulse_steps: in how many steps the bridge takes a duty, as the sidecar tells; 0 where it gives any.
     """
 
@@ -50,6 +53,7 @@ class Recording:
     output_quantum: float = 0.0
     plant: str | None = None
     lags: KnownLags = field(default_factory=KnownLags)
+    tacho_step_deg: Mapping[str, float] = field(default_factory=dict)
     pulse_steps: int = 0
 
     def __post_init__(self) -> None:

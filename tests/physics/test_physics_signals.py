@@ -1,11 +1,13 @@
 """From a recording to what drives and what is read."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics_samples import NXT
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.modes import MODE_BRAKE, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.simulate import with_supply
@@ -118,6 +120,33 @@ def test_a_mapped_output_may_be_a_speed():
     assert signals.is_speed
     assert signals.quantum == 1e-4
     np.testing.assert_allclose(signals.measured, 0.1 * np.arange(ROWS))
+
+
+def test_a_supply_that_nearly_every_row_has_is_used_as_measured():
+    read = np.round(8.0 - 0.6 * (np.sin(9.0 * TIME_S) > 0.0), 1)
+    read[::10] = np.nan
+    for signals in (
+        signals_of(brick(battery_v=read), "a"),
+        signals_of(mapped("power_pct", "position_rad", supply_v=read), None),
+    ):
+        held = signals.command_supply_v[np.searchsorted(signals.command_time_s, TIME_S, side="right") - 1]
+        seen = np.isfinite(read)
+        np.testing.assert_allclose(held[seen], read[seen])
+
+
+def test_a_mapped_motor_coasts_where_its_mode_says_so():
+    mode = (TIME_S > 1.0) * float(MODE_COAST)
+    for kind, driven in (("power_pct", MODE_DRIVE), ("voltage_v", MODE_VOLTAGE)):
+        signals = signals_of(mapped(kind, "position_rad", mode=mode), None)
+        at = np.searchsorted(signals.command_time_s, TIME_S, side="right") - 1
+        np.testing.assert_array_equal(signals.command_mode[at], np.where(mode > 0.0, MODE_COAST, driven))
+    torque = signals_of(mapped("torque_nm", "position_rad", mode=mode), None)
+    assert torque.command[torque.command_mode == MODE_COAST].tolist() == [0.0]
+
+
+def test_an_encoder_s_step_is_the_sidecar_s():
+    stepped = replace(brick(), tacho_step_deg={"a": 0.088})
+    assert signals_of(stepped, "a").quantum == pytest.approx(np.radians(0.088))
 
 
 def test_a_mapped_supply_is_used():

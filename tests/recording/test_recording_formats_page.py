@@ -8,7 +8,16 @@ import pytest
 
 from nxt_twin.recording.case import CaseFile
 from nxt_twin.recording.columns import CATALOGUE
-from nxt_twin.recording.mapping import InputSource, OutputSource, SupplySource, TableFormat, TimeSource
+from nxt_twin.recording.mapping import (
+    InputSource,
+    Mapping,
+    ModeSource,
+    OutputSource,
+    Split,
+    SupplySource,
+    TableFormat,
+    TimeSource,
+)
 from nxt_twin.recording.program import MotorProgram, Run, Segment
 from nxt_twin.recording.recording import InputKind, OutputKind
 
@@ -32,7 +41,10 @@ def test_every_column_stands_in_it():
 @pytest.mark.parametrize(
     ("section", "models"),
     [
-        ("Mapping files", [TableFormat, TimeSource, InputSource, OutputSource, SupplySource]),
+        (
+            "Mapping files",
+            [Mapping, TableFormat, TimeSource, InputSource, OutputSource, SupplySource, ModeSource, Split],
+        ),
         ("Cases", [CaseFile]),
         ("Motor programs", [MotorProgram, Run, Segment]),
     ],

@@ -14,7 +14,8 @@ from scipy.io import savemat
 from nxt_twin.errors import LONGEST_LINE, CaseError, MappingError, NxtTwinError, RecordingError
 from nxt_twin.recording.case import read_case
 from nxt_twin.recording.files import read_recording
-from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
+from nxt_twin.recording.mapped import read_mapped
+from nxt_twin.recording.mapping import Mapping, read_mapping
 
 HEADER = b"time_s,a_power_pct,a_mode,a_tacho_deg\n"
 SCRAPS = [

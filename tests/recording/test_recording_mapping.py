@@ -9,7 +9,8 @@ import pytest
 import yaml
 
 from nxt_twin.errors import MappingError, RecordingError
-from nxt_twin.recording.mapping import Mapping, read_mapped, read_mapping
+from nxt_twin.recording.mapped import read_mapped
+from nxt_twin.recording.mapping import Mapping, read_mapping
 from nxt_twin.recording.recording import SignalKinds
 
 BASE = {
@@ -224,7 +225,7 @@ def test_refuses_a_missing_mapping_file(tmp_path, refusal):
         ("t,u,y\n0,0,0\n", RecordingError, ["only one row"]),
         ("t,u,y\n0,0,\n1,1,\n", RecordingError, ["column y", "is empty"]),
         ("t,u,y\n1,0,0\n0,1,1\n", RecordingError, ["row 3, column t", "backwards"]),
-        ("t,u,y\n1,0,0\n2,nan,1\n", RecordingError, ["row 3, column u", "'nan'"]),
+        ("t,u,y\n1,0,0\n2,inf,1\n", RecordingError, ["row 3, column u", "'inf'"]),
         ("t,u,y\n1,0,0\n2,1,x\n", RecordingError, ["row 3, column y", "'x' is no number"]),
         ("t,u,y\n1,0,0\n2,1\n", RecordingError, ["row 3", "2 cells where there are 3 columns"]),
     ],

@@ -5,7 +5,8 @@ import pytest
 from scipy.io import savemat
 
 from nxt_twin.errors import MappingError, RecordingError
-from nxt_twin.recording.mapping import Mapping, read_mapped
+from nxt_twin.recording.mapped import read_mapped
+from nxt_twin.recording.mapping import Mapping
 
 MAPPING = Mapping.model_validate(
     {

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE
 from nxt_twin.recording.files import read_recording, write_recording
-from nxt_twin.recording.mapping import Mapping, read_mapped
+from nxt_twin.recording.mapped import read_mapped
+from nxt_twin.recording.mapping import Mapping
 from nxt_twin.recording.recording import Recording, SignalKinds
 
 

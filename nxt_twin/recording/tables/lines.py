@@ -20,7 +20,11 @@ from nxt_twin.recording.tables.table import Choose, Table
 
 WHITESPACE: Literal["whitespace"] = "whitespace"
 
+_LEAVE_EMPTY = "leave the cell empty where nothing was sampled"
+
 Line = tuple[int, list[str]]
+Cell = tuple[Path, int, str]
+"""A cell's file, line and column."""
 
 
 @final
@@ -32,11 +36,26 @@ class TextLayout:
         delimiter: one character, or `whitespace` for runs of blanks.
         header: whether the first line names the columns; without, they are c1, c2, …
         transposed: whether each line is a column, named by its first cell if there is a header.
+        decimal: the mark between whole and fraction, a point or a comma.
+        skip: how many lines come before the header, or before the first row.
+        units_row: whether the line below the header holds units rather than values.
+        encoding: of the text, by Python's name.
+        empty: what stands in a cell that is empty.
     """
 
     delimiter: str = ","
     header: bool = True
     transposed: bool = False
+    decimal: str = "."
+    skip: int = 0
+    units_row: bool = False
+    encoding: str = "utf-8-sig"
+    empty: tuple[str, ...] = ("",)
+
+    @property
+    def head_lines(self) -> int:
+        """How many lines that are not blank come before the first row, from the header on."""
+        return int(self.header) + int(self.units_row)
 
 
 def iterate_lines(path: Path, layout: TextLayout) -> Generator[Line]:
@@ -46,15 +65,16 @@ def iterate_lines(path: Path, layout: TextLayout) -> Generator[Line]:
         RecordingError: if the text is not UTF-8 or its quotes never close.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with path.open(encoding=layout.encoding, newline="") as file:
+            skipped = sum(1 for _ in islice(file, layout.skip))
             if layout.delimiter == WHITESPACE:
-                yield from ((number, text.split()) for number, text in enumerate(file, 1) if text.strip())
+                yield from ((n, text.split()) for n, text in enumerate(file, skipped + 1) if text.strip())
                 return
             reader = csv.reader(file, delimiter=layout.delimiter)
             for cells in reader:
                 stripped = [cell.strip() for cell in cells]
                 if stripped and stripped != [""]:
-                    yield reader.line_num, stripped
+                    yield skipped + reader.line_num, stripped
     except UnicodeDecodeError:
         where = f"{path}, row {_first_undecodable_line(path)}"
         raise RecordingError("is not UTF-8 text", where=where, mend="save it as CSV UTF-8") from None
@@ -90,15 +110,19 @@ def read_lines(path: Path, layout: TextLayout, choose: Choose) -> Table:
     names = column_names(first, layout)
     wanted = choose(names)
     numbers = {name: array("d") for name, kind in wanted.items() if kind == "number"}
-    words: dict[str, list[str]] = {name: [] for name, kind in wanted.items() if kind == "word"}
+    words: dict[str, list[str]] = {name: [] for name, kind in wanted.items() if kind != "number"}
     position = {name: names.index(name) for name in wanted}
     body = lines if layout.header else chain([first], lines)
+    if layout.units_row:
+        next(body, None)
     for number, cells in body:
+        if layout.delimiter != WHITESPACE and len(cells) == len(names) + 1 and not cells[-1]:
+            cells = cells[:-1]  # a delimiter ends the line, as some programs write it
         if len(cells) != len(names):
             what = f"has {len(cells)} cells where there are {len(names)} columns"
             raise RecordingError(what, where=f"{path}, row {number}", mend="complete or delete the row")
         for name, values in numbers.items():
-            values.append(_number(cells[position[name]], path, number, name))
+            values.append(_number(cells[position[name]], layout, (path, number, name)))
         for name, texts in words.items():
             texts.append(cells[position[name]])
     return Table(
@@ -124,7 +148,8 @@ def read_transposed(path: Path, layout: TextLayout, choose: Choose) -> Table:
     numbers: dict[str, FloatArray] = {}
     for name in wanted:
         number, cells = cells_of[name]
-        numbers[name] = np.array([_number(cell, path, number, name) for cell in cells], dtype=np.float64)
+        values = [_number(cell, layout, (path, number, name)) for cell in cells]
+        numbers[name] = np.array(values, dtype=np.float64)
         if len(cells) != len(numbers[next(iter(wanted))]):
             what = f"has {len(cells)} values, unlike the other columns' lines"
             raise RecordingError(what, where=f"{path}, row {number}", mend="give each line as many values")
@@ -137,24 +162,27 @@ def read_transposed(path: Path, layout: TextLayout, choose: Choose) -> Table:
 
 def place_in_lines(path: Path, layout: TextLayout, index: int, column: str) -> str:
     """The place of a row's cell, with the line as an editor counts it."""
-    skipped = 1 if layout.header else 0
-    number, _ = next(islice(iterate_lines(path, layout), index + skipped, None))
+    number, _ = next(islice(iterate_lines(path, layout), index + layout.head_lines, None))
     return f"{path}, row {number}, column {column}"
 
 
-def _number(text: str, path: Path, line: int, column: str) -> float:
-    if not text:
+def _number(text: str, layout: TextLayout, cell: Cell) -> float:
+    if text in layout.empty:
         return math.nan
-    where = f"{path}, row {line}, column {column}"
-    mend = "leave the cell empty where nothing was sampled"
     try:
-        value = math.nan if "_" in text else float(text)
+        value = math.nan if "_" in text else float(text.replace(layout.decimal, "."))
     except ValueError:
-        raise RecordingError(f"{quoted(text)} is no number", where=where, mend=mend) from None
+        is_comma = layout.decimal == "." and "," in text
+        mend = 'write `table: {decimal: ","}` in a mapping' if is_comma else _LEAVE_EMPTY
+        raise RecordingError(f"{quoted(text)} is no number", where=_place(cell), mend=mend) from None
     if not math.isfinite(value):
-        what = f"{quoted(text)} is no finite number"
-        raise RecordingError(what, where=where, mend=mend)
+        raise RecordingError(f"{quoted(text)} is no finite number", where=_place(cell), mend=_LEAVE_EMPTY)
     return value
+
+
+def _place(cell: Cell) -> str:
+    path, line, column = cell
+    return f"{path}, row {line}, column {column}"
 
 
 def _first_undecodable_line(path: Path) -> int:

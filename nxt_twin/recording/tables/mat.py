@@ -1,4 +1,4 @@
-"""MAT files up to version 7, each variable a column."""
+"""MAT files up to version 7: each vector a column, `data[3]` one of a matrix, `log.speed` one of a struct."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.nested import element, element_names, split_name
 from nxt_twin.recording.tables.table import Choose, Table, cells_allowed, check_unfolded
 
 _READER: Final = Path(__file__).with_name("mat_reader.py")
@@ -37,7 +38,7 @@ def read_mat(path: Path, choose: Choose) -> Table:
     if any(head.startswith(_HDF5_SIGNATURE, offset) for offset in _HDF5_OFFSETS):
         mend = "save it with save(…, '-v7')"
         raise RecordingError("is a MAT file of version 7.3, which is not read", where=str(path), mend=mend)
-    numbers = {name: _vector(values, path, name) for name, values in _load(path, choose).items()}
+    numbers = {name: _column(values, path, name) for name, values in _load(path, choose).items()}
     lengths = {name: values.size for name, values in numbers.items()}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -52,12 +53,32 @@ def _load(path: Path, choose: Choose) -> Mapping[str, NDArray[Any]]:
     command = [sys.executable, "-P", str(_READER), str(path), str(most_bytes)]
     with subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL) as reader:  # noqa: S603 - our own
         try:
-            shapes = _told(reader, path)["shapes"]
-            wanted = list(choose(list(shapes)))
-            check_unfolded(sum(prod(shapes[name]) for name in wanted), path)
-            return {name: _variable(reader, wanted, path, name) for name in wanted}
+            shapes = {name: tuple(shape) for name, shape in _told(reader, path)["shapes"].items()}
+            wanted = list(choose(_offered(shapes)))
+            held = list(dict.fromkeys(_holder(name, shapes) for name in wanted))
+            check_unfolded(sum(prod(shapes[name]) for name in held), path)
+            variables = {name: _variable(reader, held, path, name) for name in held}
+            return {name: _part(variables, name, shapes) for name in wanted}
         finally:
             reader.kill()
+
+
+def _offered(shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
+    return [each for name, shape in shapes.items() for each in (name, *element_names(name, shape))]
+
+
+def _holder(name: str, shapes: Mapping[str, tuple[int, ...]]) -> str:
+    """The variable in which a column is."""
+    return name if name in shapes else split_name(name)[0]
+
+
+def _part(
+    variables: Mapping[str, NDArray[Any]], name: str, shapes: Mapping[str, tuple[int, ...]]
+) -> NDArray[Any]:
+    if name in shapes:
+        return variables[name]
+    stem, index = split_name(name)
+    return element(variables[stem], index or 0)
 
 
 def _variable(reader: Popen[bytes], wanted: Sequence[str], path: Path, name: str) -> NDArray[Any]:
@@ -105,10 +126,11 @@ def _unreadable(path: Path, why: str) -> RecordingError:
     return RecordingError(f"is no readable MAT file: {why}", where=str(path), mend=mend)
 
 
-def _vector(values: NDArray[Any], path: Path, name: str) -> FloatArray:
+def _column(values: NDArray[Any], path: Path, name: str) -> FloatArray:
     is_real = values.dtype.kind in "biuf"
     is_vector = values.ndim <= 1 or sum(length > 1 for length in values.shape) <= 1
     if not (is_real and is_vector):
         what = f"is {values.dtype} of shape {values.shape}, not a vector of numbers"
-        raise RecordingError(what, where=f"{path}, column {name}", mend="map a vector")
+        mend = f"write {{column: {name}, index: 0}}" if values.ndim == 2 else "map a vector"
+        raise RecordingError(what, where=f"{path}, column {name}", mend=mend)
     return values.astype(np.float64).ravel()

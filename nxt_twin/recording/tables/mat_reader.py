@@ -1,7 +1,8 @@
 """A program of its own that reads one MAT file for `mat`: what ends it by a signal ends nobody else.
 
-It imports nothing of this project. It writes one line of JSON with the variables' shapes, reads one with the names that
-are wanted, and answers each with a line and, where it is an array of real numbers, with the array's bytes.
+It imports nothing of this project. It writes one line of JSON with the shapes of the variables and of the fields of
+structs (`log.speed`, `log.signals[0].values`), reads one with the names that are wanted, and answers each with a line
+and, where it is an array of real numbers, with the array's bytes.
 """
 
 from __future__ import annotations
@@ -24,13 +25,36 @@ def main(path: str, most_bytes: int) -> None:
     """Read `path` in the two steps, in no more than so much memory beyond what the libraries take."""
     _bound(most_bytes)
     try:
-        _tell({"shapes": {name: shape for name, shape, _ in whosmat(path, appendmat=False)}})
+        found = whosmat(path, appendmat=False)
+        structs = [name for name, _, kind in found if kind == "struct"]
+        fields = _fields_of(path, structs) if structs else {}
+        _tell(
+            {"shapes": {**{n: shape for n, shape, _ in found}, **{n: np.shape(f) for n, f in fields.items()}}}
+        )
         wanted = json.loads(sys.stdin.readline())
-        variables = loadmat(path, appendmat=False, variable_names=wanted)
+        plain = [name for name in wanted if name not in fields]
+        variables = loadmat(path, appendmat=False, variable_names=plain) if plain else {}
         for name in wanted:
-            _send(variables[name])
+            _send(fields[name] if name in fields else variables[name])
     except Exception as failure:  # a damaged file makes the parser fail in any way it can
         _tell({"error": f"{failure}" or type(failure).__name__})
+
+
+def _fields_of(path: str, structs: list[str]) -> dict[str, NDArray[Any]]:
+    """Every array of numbers within these structs, by its full name."""
+    fields: dict[str, NDArray[Any]] = {}
+    waiting = list(loadmat(path, appendmat=False, variable_names=structs, simplify_cells=True).items())
+    while waiting:
+        name, value = waiting.pop(0)
+        if isinstance(value, dict):
+            waiting += [(f"{name}.{key}", inner) for key, inner in value.items()]
+        elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+            waiting += [
+                (f"{name}[{index}]", inner) for index, inner in enumerate(value) if isinstance(inner, dict)
+            ]
+        elif "." in name and np.asarray(value).dtype.kind in _REAL:
+            fields[name] = np.asarray(value)
+    return fields
 
 
 def _send(values: object) -> None:

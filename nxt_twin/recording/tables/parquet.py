@@ -1,8 +1,8 @@
-"""Parquet tables."""
+"""Parquet and Feather tables; elements of lists and fields of structs are columns too."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,8 @@ import pyarrow.parquet
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.loose import as_word
+from nxt_twin.recording.tables.nested import arrow_column, arrow_names, arrow_stem
 from nxt_twin.recording.tables.table import CellKind, Choose, Table, check_unfolded
 
 
@@ -25,23 +27,69 @@ def read_parquet(path: Path, choose: Choose) -> Table:
     read_table_head(path, RecordingError)
     try:
         with pyarrow.parquet.ParquetFile(path) as file:
-            wanted = choose(file.schema_arrow.names)
-            check_unfolded(_cells(file.metadata, wanted), path)
+            wanted = choose(arrow_names(_first_rows(file)))
+            stems = list(dict.fromkeys(arrow_stem(name, file.schema_arrow.names) for name in wanted))
+            check_unfolded(_cells(file.metadata, stems), path)
         words = [name for name, kind in wanted.items() if kind == "word"]
         # Each word once: a file may say one that is as long as itself in every row.
         with pyarrow.parquet.ParquetFile(path, read_dictionary=words) as file:
-            columns = file.read(columns=list(wanted))
+            columns = file.read(columns=stems)
     except (pa.ArrowException, OSError, ValueError) as failure:
         mend = "check that the file is whole; a text table is named .csv"
         raise RecordingError(f"is no readable Parquet file: {failure}", where=str(path), mend=mend) from None
+    return arrow_table(columns, wanted, path)
+
+
+def read_feather(path: Path, choose: Choose) -> Table:
+    """Read the chosen columns of a Feather file (Arrow IPC); nulls and NaN alike are empty cells.
+
+    Raises:
+        RecordingError: if the file is no Feather file, unfolds to too much, or holds text where a number is
+            due. `choose` may raise its own.
+    """
+    read_table_head(path, RecordingError)
+    try:
+        with pa.OSFile(str(path)) as source, pa.ipc.open_file(source) as file:
+            first = (
+                file.get_batch(0) if file.num_record_batches else file.schema.empty_table().to_batches()[0]
+            )
+            wanted = choose(arrow_names(pa.Table.from_batches([first.slice(0, 1)])))
+            batches = []
+            for number in range(file.num_record_batches):
+                batches.append(file.get_batch(number))
+                check_unfolded(sum(batch.nbytes for batch in batches) // 8, path)
+            columns = pa.Table.from_batches(batches, file.schema)
+    except (pa.ArrowException, OSError, ValueError, IndexError) as failure:
+        mend = "check that the file is whole"
+        raise RecordingError(f"is no readable Feather file: {failure}", where=str(path), mend=mend) from None
+    return arrow_table(columns, wanted, path)
+
+
+def arrow_table(columns: pa.Table, wanted: Mapping[str, CellKind], path: Path) -> Table:
+    """The wanted columns as a table.
+
+    Raises:
+        RecordingError: one holds text where a number is due.
+    """
     return Table(
-        numbers={n: _numbers(columns[n], path, n) for n, kind in wanted.items() if kind == "number"},
-        words={n: _words(columns[n], path, n) for n, kind in wanted.items() if kind == "word"},
+        numbers={n: _numbers(arrow_column(columns, n), path, n) for n, k in wanted.items() if k == "number"},
+        words={
+            n: _words(arrow_column(columns, n), path, n) if k == "word" else _labels(arrow_column(columns, n))
+            for n, k in wanted.items()
+            if k != "number"
+        },
         place=lambda index, name: f"{path}, row {index + 1}, column {name}",
     )
 
 
-def _cells(metadata: pyarrow.parquet.FileMetaData, wanted: Mapping[str, CellKind]) -> int:
+def _first_rows(file: pyarrow.parquet.ParquetFile) -> pa.Table:
+    """One row, which tells how long the lists are."""
+    for batch in file.iter_batches(batch_size=1):
+        return pa.Table.from_batches([batch])
+    return file.schema_arrow.empty_table()
+
+
+def _cells(metadata: pyarrow.parquet.FileMetaData, wanted: Sequence[str]) -> int:
     """To how many cells the chosen columns unfold; of a column's bytes eight are one."""
     groups = [metadata.row_group(index) for index in range(metadata.num_row_groups)]
     chunks = [group.column(index) for group in groups for index in range(group.num_columns)]
@@ -50,7 +98,7 @@ def _cells(metadata: pyarrow.parquet.FileMetaData, wanted: Mapping[str, CellKind
     return max(cells, sum(sizes) // 8)
 
 
-def _is_of(place: str, wanted: Mapping[str, CellKind]) -> bool:
+def _is_of(place: str, wanted: Sequence[str]) -> bool:
     """Whether a stored column is one of the wanted, or a part of one."""
     return any(place == name or place.startswith(f"{name}.") for name in wanted)
 
@@ -78,3 +126,8 @@ def _words(column: pa.ChunkedArray, path: Path, name: str) -> tuple[str, ...]:
             known[index] for index in (chunk.indices.cast(pa.int64()).fill_null(-1).to_numpy() + 1).tolist()
         ]
     return tuple(texts)
+
+
+def _labels(column: pa.ChunkedArray) -> tuple[str, ...]:
+    """Words, or numbers as words."""
+    return tuple(map(as_word, column.to_pylist()))

@@ -10,7 +10,8 @@ from typing import Literal, final
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 
-CellKind = Literal["number", "word"]
+CellKind = Literal["number", "word", "label"]
+"""What a column's cells are: numbers, text, or either taken as text."""
 Choose = Callable[[Sequence[str]], Mapping[str, CellKind]]
 """Given the names of all columns in a file, says which to read and as what, or refuses them."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -39,10 +40,11 @@ def read_text(path: Path, layout: TextLayout, choose: Choose) -> Table:
             number where one is due. `choose` may raise its own.
     """
     head = read_table_head(path, RecordingError)
+    is_wide = layout.encoding == "utf-16"
     for signature, what, mend in _SIGNATURES:
-        if head.startswith(signature):
+        if head.startswith(signature) and not is_wide:
             raise RecordingError(what, where=str(path), mend=mend)
-    if b"\0" in head:
+    if b"\0" in head and not is_wide:
         raise RecordingError("is a binary file, not text", where=str(path), mend="export it as CSV UTF-8")
     if layout.transposed:
         return read_transposed(path, layout, choose)
@@ -65,11 +67,16 @@ def _read_plain(path: Path, layout: TextLayout, choose: Choose) -> Table | None:
             path,
             read_options=pyarrow.csv.ReadOptions(
                 column_names=[str(position) for position in range(len(names))],
-                skip_rows=first[0] if layout.header else 0,
+                skip_rows=_lines_before_rows(path, layout),
+                encoding=layout.encoding.replace("utf-8-sig", "utf-8"),
             ),
             parse_options=pyarrow.csv.ParseOptions(delimiter=layout.delimiter),
             convert_options=pyarrow.csv.ConvertOptions(
-                column_types=types, include_columns=list(types), null_values=[""], strings_can_be_null=True
+                column_types=types,
+                include_columns=list(types),
+                null_values=list(layout.empty),
+                strings_can_be_null=True,
+                decimal_point=layout.decimal,
             ),
         )
     except pa.ArrowInvalid:
@@ -78,10 +85,18 @@ def _read_plain(path: Path, layout: TextLayout, choose: Choose) -> Table | None:
     words = {}
     for name, kind in wanted.items():
         column = columns[keys[name]]
-        if kind == "word":
+        if kind != "number":
             words[name] = tuple(word.strip() if word else "" for word in column.to_pylist())
             continue
         numbers[name] = column.to_numpy()
         if np.count_nonzero(~np.isfinite(numbers[name])) > column.null_count:
             return None
     return Table(numbers, words, lambda index, name: place_in_lines(path, layout, index, name))
+
+
+def _lines_before_rows(path: Path, layout: TextLayout) -> int:
+    """How many lines of the file come before the first row."""
+    if not layout.head_lines:
+        return layout.skip
+    head = islice(iterate_lines(path, layout), layout.head_lines)
+    return max(number for number, _ in head)

@@ -1,0 +1,282 @@
+"""Tables from elsewhere, read through a mapping as recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as MappingType
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from fnmatch import fnmatchcase
+from math import nan, pi
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.errors import MappingError, RecordingError
+from nxt_twin.recording.checks import (
+    check_finite,
+    check_gaps,
+    check_range,
+    check_row_count,
+    check_stamps,
+    hold,
+)
+from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.mapping import (
+    POWER_LIMIT_PCT,
+    InputSource,
+    Mapping,
+    ModeSource,
+    OutputSource,
+    TableFormat,
+    TimeSource,
+    TimeUnit,
+)
+from nxt_twin.recording.recording import InputKind, OutputKind, Recording, SignalKinds
+from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.tables.content import TableKind
+from nxt_twin.recording.tables.loose import as_word
+from nxt_twin.recording.tables.open import read_table, table_file
+from nxt_twin.recording.tables.table import CellKind, Choose, Table
+
+_SECONDS: MappingType[TimeUnit, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})
+_DEGREE = pi / 180.0
+_OUTPUT_SI: MappingType[OutputKind, tuple[OutputKind, float]] = MappingProxyType(
+    {
+        "position_deg": ("position_rad", _DEGREE),
+        "speed_deg_per_s": ("speed_rad_per_s", _DEGREE),
+        "position_rad": ("position_rad", 1.0),
+        "speed_rad_per_s": ("speed_rad_per_s", 1.0),
+        "position_m": ("position_m", 1.0),
+        "speed_m_per_s": ("speed_m_per_s", 1.0),
+    }
+)
+_INPUT_SI: MappingType[InputKind, tuple[InputKind, float]] = MappingProxyType(
+    {"goal_position_deg": ("goal_position_rad", _DEGREE)}
+)
+_PART = "#"
+
+
+def read_mapped(path: Path, mapping: Mapping) -> Recording:
+    """Read a table that holds one recording, as `read_all_mapped` does.
+
+    Raises:
+        MappingError: as `read_all_mapped`, or the table holds several recordings.
+        RecordingError: as `read_all_mapped`.
+    """
+    recordings = read_all_mapped(path, mapping)
+    if len(recordings) > 1:
+        names = ", ".join(recording.name for recording in recordings[:3])
+        mend = f"name one of them: {names}, …"
+        raise MappingError(f"holds {len(recordings)} recordings", where=str(path), mend=mend)
+    return recordings[0]
+
+
+def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
+    """Read a table from elsewhere as recordings with the columns `time_s`, `input`, `output`, `mode` and `supply_v`.
+
+    All are SI but for a `power_pct` input. Inputs that a row leaves empty are filled in with the one in
+    force, 0 before the first; outputs and supply are NaN where not sampled. A mapping with a `split` gives one
+    recording for each value of that column; `FILE#VALUE` is one of them.
+
+    Raises:
+        MappingError: if the table lacks a mapped column.
+        RecordingError: if the table cannot be read, or its stamps or values cannot be a recording's.
+    """
+    file, part = _file_and_part(path)
+    table = read_table(file, _chooser(file, mapping), _kind(mapping.table), _layout(mapping.table))
+    if mapping.split is None:
+        return (_recording(table, file, mapping, path.name),)
+    runs = _runs(table, mapping.split.column)
+    if part and part not in runs:
+        mend = f"nearest known: {nearest(part, runs)}"
+        raise MappingError(f"has no {mapping.split.column} {quoted(part)}", where=str(file), mend=mend)
+    chosen = {part: runs[part]} if part else runs
+    return tuple(
+        _recording(_some_rows(table, rows), file, mapping, f"{file.name}{_PART}{label}")
+        for label, rows in chosen.items()
+    )
+
+
+def _file_and_part(path: Path) -> tuple[Path, str]:
+    """A table's file, and which of its recordings is meant."""
+    stem, mark, part = path.name.rpartition(_PART)
+    if mark and not path.exists() and (path.parent / stem).exists():
+        return table_file(path.parent / stem), part
+    return table_file(path), ""
+
+
+def _layout(table: TableFormat) -> dict[str, object]:
+    """What a mapping states of a text table."""
+    known = table.model_dump(exclude_none=True, exclude={"format", "lines"})
+    if known.get("encoding") == "utf-8":
+        known["encoding"] = "utf-8-sig"
+    return known
+
+
+def _kind(table: TableFormat) -> TableKind | None:
+    return "json" if table.lines == "json" else table.format
+
+
+def _chooser(path: Path, mapping: Mapping) -> Choose:
+    """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
+    sources = {key: getattr(mapping, key) for key in ("time", "input", "output", "supply", "mode", "split")}
+    wanted = {key: source.column for key, source in sources.items() if source and source.column is not None}
+    labels = ("mode", "split", "time") if mapping.time.unit == "iso" else ("mode", "split")
+
+    def choose(found: Sequence[str]) -> MappingType[str, CellKind]:
+        for key, name in wanted.items():
+            if name in found and found.count(name) == 1:
+                continue
+            count = "no column" if name not in found else "more than one column"
+            near = f"write `{key}: {{column: …}}` anew; nearest known: {nearest(name, found)}"
+            mend = near if name not in found else "rename one, or write `table: {header: false}`"
+            raise MappingError(f"has {count} {quoted(name)}", where=f"{path}, mapping key {key}", mend=mend)
+        chosen: dict[str, CellKind] = {name: "label" for key, name in wanted.items() if key in labels}
+        return {**chosen, **{name: "number" for key, name in wanted.items() if key not in labels}}
+
+    return choose
+
+
+def _runs(table: Table, column: str) -> dict[str, IntArray]:
+    """The rows of each recording, by the value of the column that splits them; in order of appearance."""
+    rows: dict[str, list[int]] = {}
+    for row, label in enumerate(_labels(table, column)):
+        if label:
+            rows.setdefault(label, []).append(row)
+    return {label: np.array(own) for label, own in rows.items()}
+
+
+def _some_rows(table: Table, rows: IntArray) -> Table:
+    return Table(
+        numbers={name: values[rows] for name, values in table.numbers.items()},
+        words={name: tuple(words[row] for row in rows.tolist()) for name, words in table.words.items()},
+        place=lambda index, column: table.place(int(rows[index]), column),
+    )
+
+
+def _recording(table: Table, path: Path, mapping: Mapping, name: str) -> Recording:
+    output = table.numbers[mapping.output.column]
+    rows = output.size
+    check_row_count(rows, path)
+    if np.isnan(output).all():
+        where, mend = (
+            f"{path}, column {mapping.output.column}",
+            "map the column that was measured as `output`",
+        )
+        raise RecordingError("is empty", where=where, mend=mend)
+    for column, values in table.numbers.items():
+        check_finite(table, column, values)
+    output_kind, to_si = _OUTPUT_SI[mapping.output.kind]
+    columns = {
+        "time_s": _time_s(table, mapping.time, rows),
+        "input": _input(table, mapping.input, path, rows),
+        "output": (_unwrapped(output, mapping.output) * mapping.output.gain + mapping.output.offset) * to_si,
+    }
+    if mapping.mode is not None:
+        columns["mode"] = _mode(table, mapping.mode)
+    if mapping.supply is not None:
+        supply = table.numbers[mapping.supply.column]
+        columns["supply_v"] = supply * mapping.supply.gain + mapping.supply.offset
+    return Recording(
+        name=name,
+        columns=columns,
+        kinds=SignalKinds(_INPUT_SI.get(mapping.input.kind, (mapping.input.kind, 1.0))[0], output_kind),
+        output_quantum=_quantum(output, mapping.output) * to_si,
+    )
+
+
+def _time_s(table: Table, source: TimeSource, rows: int) -> FloatArray:
+    if source.column is None:
+        return np.arange(rows, dtype=np.float64) * (source.period_s or 0.0)
+    if source.unit == "iso":
+        stamps = [_since_epoch_s(table, row, source.column) for row in range(rows)]
+        table = Table({source.column: np.array(stamps)}, {}, table.place)
+    check_stamps(table, source.column)
+    time_s: FloatArray = table.numbers[source.column] * _SECONDS.get(source.unit, 1.0)
+    check_gaps(table, source.column, time_s)
+    return time_s
+
+
+def _since_epoch_s(table: Table, row: int, column: str) -> float:
+    text = table.words[column][row]
+    try:
+        stamp = datetime.fromisoformat(text)
+    except ValueError:
+        mend = "write another `time: {unit: …}`"
+        raise RecordingError(
+            f"{quoted(text)} is no date", where=table.place(row, column), mend=mend
+        ) from None
+    return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
+
+
+def _input(table: Table, source: InputSource, path: Path, rows: int) -> FloatArray:
+    to_si = _INPUT_SI.get(source.kind, (source.kind, 1.0))[1]
+    if source.column is None:
+        return np.full(rows, (_constant(source, path) * source.gain + source.offset) * to_si)
+    values = hold((table.numbers[source.column] * source.gain + source.offset) * to_si)
+    if source.kind == "power_pct":
+        check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT)
+    return values
+
+
+def _constant(source: InputSource, path: Path) -> float:
+    """A constant input, which may differ by file."""
+    if not isinstance(source.value, dict):
+        return source.value or 0.0
+    found = [value for pattern, value in source.value.items() if fnmatchcase(path.name, pattern)]
+    if len(found) != 1:
+        count = "several patterns" if found else "no pattern"
+        where, mend = f"{path}, mapping key input.value", f"write `{path.name}: VALUE`"
+        raise MappingError(f"is named by {count}", where=where, mend=mend)
+    return found[0]
+
+
+def _mode(table: Table, source: ModeSource) -> FloatArray:
+    """The drive mode from each row on, as an index into `DRIVE_MODES`; an empty cell changes nothing."""
+    index_of = {_plain(word): float(DRIVE_MODES.index(mode)) for word, mode in source.values.items()}
+    labels = _labels(table, source.column)
+    for row, label in enumerate(labels):
+        if label and label not in index_of:
+            mend = f"write `mode: {{values: {{{label}: coast}}}}`, or drive, float, brake"
+            raise MappingError(
+                f"has no mode for {quoted(label)}", where=table.place(row, source.column), mend=mend
+            )
+    return hold(np.array([index_of[label] if label else nan for label in labels]))
+
+
+def _labels(table: Table, column: str) -> list[str]:
+    """A column's cells as labels; one that is mapped as a number too is read as such."""
+    words = table.words.get(column)
+    return [
+        _plain(word) for word in (map(as_word, table.numbers[column].tolist()) if words is None else words)
+    ]
+
+
+def _plain(label: str) -> str:
+    """`0`, `0.0` and `0.00` are one label, and so are `True` and `true`."""
+    try:
+        return as_word(float(label))
+    except ValueError:
+        return label.strip().lower()
+
+
+def _unwrapped(output: FloatArray, source: OutputSource) -> FloatArray:
+    if source.wraps_at is None:
+        return output
+    known = np.isfinite(output)
+    whole = output.copy()
+    whole[known] = np.unwrap(output[known], period=source.wraps_at)
+    return whole
+
+
+def _quantum(output: FloatArray, source: OutputSource) -> float:
+    """The output's smallest step in the unit of its kind."""
+    if source.step is not None:
+        return source.step
+    if source.quantum is not None:
+        return source.quantum * abs(source.gain)
+    sampled = output[~np.isnan(output)]
+    is_counted = bool(np.all(sampled == np.rint(sampled))) and sampled.min() < sampled.max()
+    return abs(source.gain) if is_counted else 0.0

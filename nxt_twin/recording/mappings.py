@@ -1,0 +1,70 @@
+"""Which mapping a recording of a case is read through: one for all, or one by file or pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from nxt_twin.errors import CaseError, MappingError
+from nxt_twin.recording import mapping as mapping_file
+from nxt_twin.recording.source import quoted
+
+MappingOf = Callable[[str], mapping_file.Mapping | None]
+"""Gives the mapping of a recording by its name; None for a brick's."""
+
+Given = str | dict[str, Any] | None
+"""What `mapping:` may be: a file, a mapping's own keys, or either by file or pattern."""
+
+
+def no_mapping(_name: str) -> None:
+    """Every recording is a brick's."""
+
+
+def one_mapping(mapping: mapping_file.Mapping) -> MappingOf:
+    """Every recording is read through `mapping`."""
+    return lambda _name: mapping
+
+
+def mappings(given: Given, folder: Path, where: str) -> MappingOf:
+    """The mappings that a case or a sidecar states.
+
+    Args:
+        given: what stands under `mapping:`.
+        folder: from which files are named.
+        where: it stands, for refusals.
+
+    Raises:
+        MappingError: one of them cannot be read.
+        CaseError: it is neither a file nor keys.
+    """
+    if given is None:
+        return no_mapping
+    if isinstance(given, str) or _is_mapping(given):
+        return one_mapping(_read(given, folder, where))
+    known = {pattern: _read(each, folder, f"{where}, {pattern}") for pattern, each in given.items()}
+    return lambda name: _matching(known, name, where)
+
+
+def _matching(known: Mapping[str, mapping_file.Mapping], name: str, where: str) -> mapping_file.Mapping:
+    """The mapping of the file itself, else of the first pattern that fits."""
+    file = name.partition("#")[0]
+    if file in known:
+        return known[file]
+    for pattern, mapping in known.items():
+        if fnmatchcase(file, pattern) or fnmatchcase(Path(file).name, pattern):
+            return mapping
+    raise MappingError(f"names no mapping for {file}", where=where, mend=f"write `{file}: MAPPING.yaml`")
+
+
+def _is_mapping(given: Mapping[str, Any]) -> bool:
+    return {"time", "output"} <= given.keys()
+
+
+def _read(given: object, folder: Path, where: str) -> mapping_file.Mapping:
+    if isinstance(given, str):
+        return mapping_file.read_mapping(folder / given)
+    if isinstance(given, dict):
+        return mapping_file.mapping_of(given, where)
+    raise CaseError(f"{quoted(given)} is no mapping", where=where, mend="name a file, or write its keys")

@@ -1,0 +1,61 @@
+"""Open any table: its format is found by content where nobody states it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from nxt_twin.errors import RecordingError
+from nxt_twin.recording.tables.content import TableKind, kind_of, text_layout
+from nxt_twin.recording.tables.json_text import read_json
+from nxt_twin.recording.tables.mat import read_mat
+from nxt_twin.recording.tables.parquet import read_feather, read_parquet
+from nxt_twin.recording.tables.rosbag import read_rosbag
+from nxt_twin.recording.tables.table import Choose, Table
+from nxt_twin.recording.tables.text import read_text
+
+_READERS: Mapping[TableKind, Callable[[Path, Choose], Table]] = MappingProxyType(
+    {
+        "json": read_json,
+        "parquet": read_parquet,
+        "feather": read_feather,
+        "mat": read_mat,
+        "mcap": read_rosbag,
+    }
+)
+_ENDINGS = ("*.mcap", "data/**/*.parquet")
+"""Where the table lies in a folder that is one recording: a bag, or a LeRobot data set."""
+
+
+def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mapping[str, object]) -> Table:
+    """Read the chosen columns of any table.
+
+    Args:
+        path: the file.
+        choose: says which columns.
+        kind: the format; None where the content has to tell.
+        given: what is known of a text table, by the names of `TextLayout`; the rest is found.
+
+    Raises:
+        RecordingError: the file cannot be read as a table. `choose` may raise its own.
+    """
+    found = kind or kind_of(path)
+    if found != "csv":
+        return _READERS[found](path, choose)
+    return read_text(path, text_layout(path, given), choose)
+
+
+def table_file(path: Path) -> Path:
+    """The file itself, or the one in a folder that is a bag or a LeRobot data set.
+
+    Raises:
+        RecordingError: the folder holds none.
+    """
+    if not path.is_dir():
+        return path
+    for ending in _ENDINGS:
+        for file in sorted(path.glob(ending)):
+            return file
+    mend = "name a file in it"
+    raise RecordingError("is a folder with neither a bag nor a data set", where=str(path), mend=mend)

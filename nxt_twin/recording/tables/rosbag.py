@@ -1,0 +1,94 @@
+"""Bags of ROS 2 in MCAP: joint states and plain numbers, one row a message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from nxt_twin.errors import RecordingError
+from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.loose import loose_table
+from nxt_twin.recording.tables.table import Choose, Table, check_unfolded
+
+STAMP = "stamp_s"
+LOGGED = "logged_s"
+_JOINT_STATE = "sensor_msgs/msg/JointState"
+_JOINT_PARTS = ("position", "velocity", "effort")
+_NUMBERS = frozenset(
+    f"std_msgs/msg/{kind}"
+    for kind in (*(f"{sort}{bits}" for sort in ("Float", "Int", "UInt") for bits in (32, 64)), "Bool")
+)
+_LISTS = frozenset({"std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float32MultiArray"})
+_NANOSECOND_S = 1e-9
+
+
+def read_rosbag(path: Path, choose: Choose) -> Table:
+    """Read the chosen columns of a bag.
+
+    Columns are `stamp_s` (of the message's header, else when it was logged), `logged_s`, `TOPIC.JOINT.position`,
+    `….velocity` and `….effort` of joint states, `TOPIC.data` of numbers and `TOPIC.data[0]` of lists of them. Rows
+    are in the order of `stamp_s`; a cell is empty in the rows of other topics.
+
+    Raises:
+        RecordingError: if the extra `rosbag` is not installed, the file is no bag of ROS 2 in MCAP, or it holds
+            no joint states and no numbers. `choose` may raise its own.
+    """
+    read_table_head(path, RecordingError)
+    rows = sorted(_rows(path), key=lambda row: float(row[STAMP]))
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    if not rows:
+        mend = f"record a topic of {_JOINT_STATE}"
+        raise RecordingError("holds no joint states and no numbers", where=str(path), mend=mend)
+    check_unfolded(len(rows) * len(names), path)
+    return loose_table({name: [row.get(name) for row in rows] for name in names}, path, choose)
+
+
+def _rows(path: Path) -> Iterator[dict[str, float]]:
+    try:
+        from mcap.reader import make_reader
+        from mcap_ros2.decoder import DecoderFactory
+    except ImportError:
+        mend = "pip install 'nxt-twin[rosbag]'"
+        raise RecordingError(
+            "is a bag, for which the extra rosbag is needed", where=str(path), mend=mend
+        ) from None
+    try:
+        with path.open("rb") as file:
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            topics = _topics(reader)
+            for schema, channel, message, decoded in reader.iter_decoded_messages(topics=topics):
+                cells = _cells(
+                    schema.name if schema else "", channel.topic.strip("/").replace("/", "."), decoded
+                )
+                logged_s = message.log_time * _NANOSECOND_S
+                yield {STAMP: _stamp_s(decoded) or logged_s, LOGGED: logged_s, **cells}
+    except Exception as failure:  # a damaged bag makes the decoder fail in any way it can
+        mend = "check that the bag was closed; mcap recover mends one that was not"
+        raise RecordingError(f"is no readable bag: {failure}", where=str(path), mend=mend) from None
+
+
+def _topics(reader: Any) -> list[str]:  # noqa: ANN401  # mcap's reader comes without types
+    """The topics whose messages are read."""
+    summary = reader.get_summary()
+    if summary is None:
+        return []
+    read = {_JOINT_STATE, *_NUMBERS, *_LISTS}
+    return [each.topic for each in summary.channels.values() if summary.schemas[each.schema_id].name in read]
+
+
+def _stamp_s(decoded: Any) -> float:  # noqa: ANN401  # a message of any type
+    header = getattr(decoded, "header", None)
+    return header.stamp.sec + header.stamp.nanosec * _NANOSECOND_S if header else 0.0
+
+
+def _cells(schema: str, topic: str, decoded: Any) -> dict[str, float]:  # noqa: ANN401  # a message of any type
+    if schema in _NUMBERS:
+        return {f"{topic}.data": float(decoded.data)}
+    if schema in _LISTS:
+        return {f"{topic}.data[{index}]": float(value) for index, value in enumerate(decoded.data)}
+    return {
+        f"{topic}.{joint}.{part}": float(value)
+        for part in _JOINT_PARTS
+        for joint, value in zip(decoded.name, getattr(decoded, part), strict=False)
+    }

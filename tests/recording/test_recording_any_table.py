@@ -1,0 +1,241 @@
+"""Tables as strangers have them: the format is found by content, whatever the file is called."""
+
+import json
+from math import radians
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.feather
+import pyarrow.parquet
+import pytest
+import yaml
+from scipy.io import savemat
+
+from nxt_twin.errors import CaseError, MappingError, NxtTwinError, RecordingError
+from nxt_twin.recording.case import read_as_case, read_case
+from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.mapped import read_all_mapped, read_mapped
+from nxt_twin.recording.mapping import mapping_of
+
+KEYS = {
+    "time": {"column": "t", "unit": "ms"},
+    "input": {"column": "u", "kind": "power_pct"},
+    "output": {"column": "y", "kind": "position_deg"},
+}
+T, U, Y = [0, 10, 20, 30], [0.0, 50.5, -50.5, 0.0], [0.0, 0.5, 2.25, 1.0]
+
+
+def keys(**changes):
+    return mapping_of({**KEYS, **changes}, "test")
+
+
+def rows_of(delimiter, decimal="."):
+    lines = [
+        delimiter.join(str(cell).replace(".", decimal) for cell in row) for row in zip(T, U, Y, strict=True)
+    ]
+    return "\n".join(lines)
+
+
+def check(recording):
+    np.testing.assert_allclose(recording.time_s, np.array(T) / 1000)
+    np.testing.assert_allclose(recording.columns["input"], U)
+    np.testing.assert_allclose(np.degrees(recording.columns["output"]), Y)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,u,y\n" + rows_of(","),
+        '"t";"u";"y"\r\n' + rows_of(";", ",") + "\r\n",
+        "t\tu\ty\n" + rows_of("\t", ","),
+        "t | u | y\n" + rows_of(" | "),
+        "t u y\n" + rows_of("   "),
+        "Logger 3 of the rig\nstarted by hand, twice\nt,u,y\nms,%,deg\n" + rows_of(","),
+        "\n".join(json.dumps({"t": t, "u": u, "y": y}) for t, u, y in zip(T, U, Y, strict=True)),
+        json.dumps([{"t": t, "u": u, "y": y} for t, u, y in zip(T, U, Y, strict=True)]),
+        json.dumps({"t": T, "u": U, "y": Y}),
+        json.dumps(
+            {
+                "device": "phone",
+                "samples": [{"t": t, "u": u, "y": y} for t, u, y in zip(T, U, Y, strict=True)],
+            }
+        ),
+    ],
+)
+def test_text_is_read_however_it_is_cut(put, text):
+    check(read_mapped(put("table.dat", text), keys()))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_text_is_read_in_the_encodings_of_spreadsheets(tmp_path, encoding):
+    lines = ["t;u;y;°", *(f"{line};1" for line in rows_of(";", ",").splitlines())]
+    (tmp_path / "t.csv").write_bytes("\n".join(lines).encode(encoding))
+    check(read_mapped(tmp_path / "t.csv", keys()))
+
+
+@pytest.mark.parametrize("write", [pyarrow.parquet.write_table, pyarrow.feather.write_feather])
+def test_columns_in_lists_and_structs_are_read_from_arrow_files(tmp_path, write):
+    state = pa.array([[0.0, y] for y in Y], pa.list_(pa.float32(), 2))
+    action = pa.array([[u, 0.0] for u in U], pa.list_(pa.float64()))
+    clock = pa.array([{"ms": t} for t in T])
+    write(pa.table({"clock": clock, "observation.state": state, "action": action}), tmp_path / "episode")
+    mapping = keys(
+        time={"column": "clock.ms", "unit": "ms"},
+        input={"column": "action", "index": 0, "kind": "power_pct"},
+        output={"column": {"column": "observation.state", "index": 1}, "kind": "position_deg"},
+    )
+    check(read_mapped(tmp_path / "episode", mapping))
+
+
+def test_matrices_and_structs_are_read_from_mat_files(tmp_path):
+    log = {"time": T, "signals": np.array([{"values": U}, {"values": Y}], dtype=object)}
+    savemat(
+        tmp_path / "run",
+        {"data": np.column_stack([T, U, Y]), "wide": np.array([T, U, Y]), "log": log},
+        appendmat=False,
+    )
+    check(
+        read_mapped(
+            tmp_path / "run",
+            keys(
+                **{
+                    k: {**KEYS[k], "column": f"log.{c}"}
+                    for k, c in (
+                        ("time", "time"),
+                        ("input", "signals[0].values"),
+                        ("output", "signals[1].values"),
+                    )
+                }
+            ),
+        )
+    )
+    for matrix in ("data", "wide"):
+        indexed = {key: {**KEYS[key], "column": matrix, "index": n} for n, key in enumerate(KEYS)}
+        check(read_mapped(tmp_path / "run", keys(**indexed)))
+
+
+def test_joint_states_are_read_from_a_bag_and_a_damaged_one_is_refused(tmp_path, refusal):
+    writer = pytest.importorskip("mcap_ros2.writer").Writer
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    with (folder / "bag_0.mcap").open("wb") as file:
+        bag = writer(file)
+        parts = "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n"
+        apart = "=" * 80
+        header = f"{apart}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+        clock = f"{apart}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
+        joints = bag.register_msgdef("sensor_msgs/msg/JointState", parts + header + clock)
+        number = bag.register_msgdef("std_msgs/msg/Float64", "float64 data\n")
+        for t, u, y in zip(T, U, Y, strict=True):
+            stamp = {"stamp": {"sec": 5, "nanosec": t * 1_000_000}, "frame_id": ""}
+            state = {
+                "header": stamp,
+                "name": ["hip", "knee"],
+                "position": [9.0, y],
+                "velocity": [],
+                "effort": [],
+            }
+            at_ns = 5_000_000_000 + t * 1_000_000
+            bag.write_message("/power", number, {"data": u}, log_time=at_ns - 1000, publish_time=at_ns)
+            bag.write_message("/joint_states", joints, state, log_time=at_ns, publish_time=at_ns)
+        bag.finish()
+    mapping = keys(
+        time={"column": "stamp_s"},
+        input={"column": "power.data", "kind": "power_pct"},
+        output={"column": "joint_states.knee.position", "kind": "position_deg"},
+    )
+    recording = read_mapped(folder, mapping)
+    seen = np.isfinite(recording.columns["output"])
+    np.testing.assert_allclose(np.degrees(recording.columns["output"][seen]), Y)
+    np.testing.assert_allclose(recording.time_s[seen] - 5.0, np.array(T) / 1000, atol=1e-6)
+    np.testing.assert_allclose(recording.columns["input"][seen], U)
+    whole = (folder / "bag_0.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    assert "no readable bag" in refusal(RecordingError, read_mapped, tmp_path / "cut.mcap", mapping)
+
+
+def test_a_table_is_split_into_recordings_and_one_is_named_by_its_value(put):
+    path = put("log.csv", "t,u,y,run\n0,1,1,a\n10,2,2,a\n0,3,3,b\n10,4,4,b\n20,5,5,\n")
+    mapping = keys(split={"column": "run"})
+    first, second = read_all_mapped(path, mapping)
+    assert [first.name, second.name] == ["log.csv#a", "log.csv#b"]
+    np.testing.assert_array_equal(second.columns["input"], [3, 4])
+    np.testing.assert_array_equal(read_mapped(path.with_name("log.csv#b"), mapping).columns["input"], [3, 4])
+    again = mapping_of({**KEYS, "table": {"split": {"column": "run"}}}, "test")
+    assert again == mapping
+
+
+def test_coasting_constants_wrapping_and_dates(put):
+    text = "when,y,on\n2024-03-01T10:00:00Z,350,0\n2024-03-01T10:00:00.5Z,10,1.0\n2024-03-01T10:00:01Z,30,\n"
+    path = put("run_40_deg.csv", text)
+    mapping = keys(
+        time={"column": "when", "unit": "iso"},
+        input={"value": {"*_20_*": 20, "*_40_*": 40}, "kind": "goal_position_deg"},
+        output={"column": "y", "kind": "position_deg", "wraps_at": 360, "step": 0.5},
+        mode={"column": "on", "values": {0: "coast", 1: "drive"}},
+    )
+    recording = read_mapped(path, mapping)
+    np.testing.assert_allclose(np.diff(recording.time_s), 0.5)
+    np.testing.assert_allclose(recording.columns["input"], radians(40))
+    assert recording.kinds.input == "goal_position_rad"
+    np.testing.assert_allclose(np.degrees(recording.columns["output"]), [350, 370, 390])
+    assert recording.output_quantum == pytest.approx(radians(0.5))
+    assert [DRIVE_MODES[int(mode)] for mode in recording.columns["mode"]] == ["coast", "drive", "drive"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "text", "parts"),
+    [
+        ({"output": {"column": "z", "kind": "position_deg"}}, "", ["mapping key output", "nearest known: y"]),
+        (
+            {"mode": {"column": "u", "values": {1: "drive"}}},
+            "",
+            ["row 2, column u", "mode: {values: {0: coast}}"],
+        ),
+        ({"time": {"column": "t", "unit": "iso"}}, "", ["'0' is no date", "time: {unit"]),
+        (
+            {"input": {"value": {"b*": 1}, "kind": "power_pct"}},
+            "",
+            ["mapping key input.value", "table.csv: VALUE"],
+        ),
+        ({"table": {"decimal": "."}}, "t;u;y\n0;0,5;1\n1;0,5;2\n", ["'0,5' is no number", 'decimal: ","']),
+        ({}, "PK\x03\x04 a sheet", ["spreadsheet", "export the sheet"]),
+        ({}, '[{"t": 1}', ["no JSON"]),
+        ({}, '{"t": [1], "u": [1, 2]}', ["differ in length: t 1, u 2"]),
+    ],
+)
+def test_a_refusal_says_which_key_to_write(put, refusal, changes, text, parts):
+    path = put("table.csv", text or "t,u,y\n" + rows_of(","))
+    line = refusal(NxtTwinError, read_mapped, path, keys(**changes))
+    for part in parts:
+        assert part in line
+
+
+def test_a_case_gives_its_files_mappings_of_their_own(put, tmp_path, refusal):
+    put("a.txt", "t,u,y\n" + rows_of(","))
+    put("b.txt", "seconds,u,y\n0,0,1\n1,0,2\n")
+    put("own.yaml", yaml.safe_dump(KEYS))
+    other = {**KEYS, "time": {"column": "seconds"}}
+    case = {
+        "plant": "nxt_motor",
+        "recordings": ["a.txt", "b.txt"],
+        "mapping": {"a.txt": "own.yaml", "b*": other},
+    }
+    put("case.yaml", yaml.safe_dump(case))
+    first, second = read_case(tmp_path).recordings
+    check(first)
+    np.testing.assert_array_equal(second.time_s, [0, 1])
+    put("case.yaml", yaml.safe_dump({**case, "mapping": {"a.txt": "own.yaml"}}))
+    assert "b.txt: MAPPING.yaml" in refusal(MappingError, read_case, tmp_path)
+    put("case.yaml", yaml.safe_dump({**case, "mapping": {"*": 3}}))
+    assert "is no mapping" in refusal(CaseError, read_case, tmp_path)
+
+
+def test_a_sidecar_states_the_encoder_s_step_by_port(put, refusal):
+    table = put("run.csv", "time_s,a_power_pct,a_tacho_deg\n0,0,0.088\n0.1,0,0.176\n")
+    put("run.yaml", "tacho_step_deg: {a: 0.088, b: 1}")
+    assert read_as_case(table).recordings[0].tacho_step_deg == {"a": 0.088, "b": 1.0}
+    put("run.yaml", "tacho_step_deg: 0.5")
+    assert read_as_case(table).recordings[0].tacho_step_deg["c"] == 0.5
+    put("run.yaml", "tacho_step_deg: {d: 1}")
+    assert "key tacho_step_deg: is no encoder step" in refusal(RecordingError, read_as_case, table)
