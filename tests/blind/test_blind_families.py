@@ -15,11 +15,11 @@ from nxt_twin.recording.case import read_case
 from nxt_twin.recording.files import read_sidecar
 
 FOREIGN = [name for name in FAMILIES if name != BRISTLE]
-STRONG = ("stiction", "backlash", "gravity_load", "current_limit", "command_delay", "end_stop")
+STRONG = ("stiction", "backlash", "gravity_load", "command_delay")
 CONTRACT = set(FAMILIES[BRISTLE].known) | {"hanging_payload", "sample_hold"}
 
 
-def case_of(family, effects=(), size="large", seed=5, duration_s=5.0):
+def case_of(family, effects=(), size="large", seed=5, duration_s=2.0):
     plan = CasePlan("case", seed, effects, size)
     return FAMILIES[family].make(Order(family, plan, "usb", duration_s))
 
@@ -75,7 +75,7 @@ def test_a_clean_case_shows_the_true_angle_below_one_step_of_its_encoder(family)
         assert below_deg.min() >= -1e-3
         assert below_deg.max() <= case.answer["step_deg"] + 1e-3
         assert np.all(np.diff(recording.time_s) > 0.0)
-        assert np.ptp(true_deg) > 20.0
+        assert np.ptp(true_deg) > 1.0
 
 
 @pytest.mark.parametrize("family", FOREIGN)

@@ -24,6 +24,7 @@ from nxt_twin.errors import CaseError
 
 ANSWER_SCHEMA: Final = "nxt-twin/answer/1"
 HOLDOUT_CHANCE: Final = 0.5
+FEWEST_TO_HOLD_OUT: Final = 2
 SALT_BYTES: Final = 16
 
 Build = Callable[[Numbers, float], Machine]
@@ -266,7 +267,7 @@ def _content(
 ) -> dict[str, Any]:
     left_out = {effect.leaves_out for effect in effects}
     plant = {"kind": "dc_motor", **{key: value for key, value in baseline.items() if key not in left_out}}
-    held_out = int(len(names) > 1 and rng.random() < HOLDOUT_CHANCE)
+    held_out = int(len(names) > FEWEST_TO_HOLD_OUT and rng.random() < HOLDOUT_CHANCE)
     fitted = len(names) - held_out
     content = {"plant": plant, "port": "a", "recordings": names[:fitted]}
     return {**content, "holdout": names[fitted:]} if held_out else content

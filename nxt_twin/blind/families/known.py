@@ -106,7 +106,7 @@ def _hanging(at: Setting) -> Hidden:
     """An arm with a payload, put on between two recordings."""
     torque = at.torque(small=(10e-3, 15e-3), medium=(22e-3, 38e-3), large=(55e-3, 0.09))
     inertia = at.inertia(small=(0.3, 0.45), medium=(0.7, 1.1), large=(1.6, 3.0))
-    phase, first = at.phase(), int(at.rng.integers(1, at.recordings))
+    phase, first = at.phase(), _second_or_later(at)
     starts = [NEVER_S] * first + [0.0] * (at.recordings - first)
     return Hidden(
         {
@@ -127,11 +127,16 @@ def _cogging(at: Setting) -> Hidden:
     return Hidden({"cogging_torque_nm": torque, "cycles_per_turn": cycles}, numbers)
 
 
+def _second_or_later(at: Setting) -> int:
+    """The number, from zero, of a recording that is not the first, nor the last where that may be held out."""
+    return int(at.rng.integers(1, max(2, at.recordings - 1)))
+
+
 def _payload(at: Setting) -> Hidden:
     """From one recording on, or from some time within one."""
     inertia = at.inertia(small=(0.3, 0.45), medium=(0.7, 1.1), large=(1.6, 3.0))
     within = at.recordings == 1 or at.rng.random() < 0.4
-    first = int(at.rng.integers(at.recordings)) if within else int(at.rng.integers(1, at.recordings))
+    first = int(at.rng.integers(max(1, at.recordings - 1))) if within else _second_or_later(at)
     from_s = float(at.rng.uniform(0.3, 0.65)) * at.duration_s if within else 0.0
     starts = [NEVER_S] * first + [from_s] + [0.0] * (at.recordings - first - 1)
     return Hidden(

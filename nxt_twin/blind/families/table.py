@@ -11,6 +11,9 @@ from nxt_twin.blind.families.driven import ELECTRICAL, MEASURED
 from nxt_twin.blind.families.family import Family, Order
 from nxt_twin.blind.families.foreign import Foreign, make_foreign, stand_together
 from nxt_twin.blind.families.known import LOADS
+from nxt_twin.blind.families.mujoco.machine import STRANGERS as MUJOCO_STRANGERS
+from nxt_twin.blind.families.mujoco.machine import MuJoCo
+from nxt_twin.blind.families.mujoco.machine import ready as mujoco_ready
 from nxt_twin.blind.families.setting import Hideable
 from nxt_twin.blind.families.workshop.machine import STRANGERS as WORKSHOP_STRANGERS
 from nxt_twin.blind.families.workshop.machine import Workshop
@@ -69,6 +72,11 @@ FAMILIES: Final[dict[str, Family]] = {
             compatible,
             _bristle,
             str,
+        ),
+        _foreign(
+            Foreign("mujoco", MuJoCo, _all(MUJOCO_STRANGERS), longest_s=90.0),
+            "MuJoCo's implicit steps, its solver for friction loss, limits and contacts; bodies on tendons",
+            mujoco_ready,
         ),
         _foreign(
             Foreign("workshop", Workshop, _all(WORKSHOP_STRANGERS), steps_deg=(1.0,)),
