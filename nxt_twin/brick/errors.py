@@ -106,6 +106,7 @@ class CommandRefusedError(BrickError):
 
 _MENDS: Final = MappingProxyType(
     {
+        Status.BLUETOOTH_BUSY: "another client is connected to the brick, or its radio is busy: try again",
         Status.NO_ACTIVE_PROGRAM: "mailboxes and datalog need a program that runs on the brick",
         Status.BUS_ERROR: "check the sensor's cable and port",
         Status.CHANNEL_NOT_READY: "set the port to a digital sensor's type, and wait 20 ms",

@@ -159,6 +159,45 @@ def test_two_clients_at_once_are_served_in_turn(host):
     endpoint.close()
 
 
+def test_a_second_client_is_told_that_another_one_is_connected(host):
+    endpoint = TcpEndpoint(host, ("127.0.0.1", 0), PROFILES["none"])
+    with (
+        socket.create_connection(endpoint.address) as first,
+        socket.create_connection(endpoint.address) as second,
+        socket.create_connection(endpoint.address) as silent,
+    ):
+        for client in (first, second, silent):
+            client.settimeout(5)
+        second.sendall(fp.frame(VERSIONS))
+        pump(host, endpoint, 600)
+        assert second.recv(100) == fp.frame(bytes((0x02, 0x88, fp.Status.BLUETOOTH_BUSY)))
+        assert second.recv(100) == b""
+        pump(host, endpoint, 5000)
+        assert silent.recv(100) == b""
+        first.sendall(fp.frame(VERSIONS))
+        pump(host, endpoint)
+        assert first.recv(100)[2:5] == b"\x02\x88\x00"
+    endpoint.close()
+
+
+def test_a_client_that_holds_half_a_telegram_is_let_go(host):
+    endpoint = TcpEndpoint(host, ("127.0.0.1", 0), PROFILES["none"])
+    with socket.create_connection(endpoint.address) as first:
+        first.settimeout(5)
+        pump(host, endpoint, 6000)
+        first.sendall(fp.frame(VERSIONS) + fp.frame(VERSIONS)[:3])
+        pump(host, endpoint, 4000)
+        assert first.recv(100)[2:5] == b"\x02\x88\x00"
+        pump(host, endpoint, 1100)
+        assert first.recv(100) == b""
+        with socket.create_connection(endpoint.address) as second:
+            second.settimeout(5)
+            second.sendall(fp.frame(VERSIONS))
+            pump(host, endpoint)
+            assert second.recv(100)[2:5] == b"\x02\x88\x00"
+    endpoint.close()
+
+
 def test_a_pseudo_terminal_can_be_opened_again_and_again(host, tmp_path):
     endpoint = PtyEndpoint(host, tmp_path / "brick", PROFILES["none"])
     assert endpoint.url == f"serial:{tmp_path / 'brick'}"

@@ -6,7 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final, final
 
-from firmware_protocol import OpcodeError, TelegramType, find_command
+from firmware_protocol import OpcodeError, Status, TelegramType, find_command, frame
+from firmware_protocol.bluetooth import LENGTH_PREFIX_SIZE
 from firmware_protocol.layout import fixed_size_of
 from nxt_twin.mock.firmware.channel import Transport
 
@@ -15,6 +16,7 @@ _BYE: Final = 0x99
 _NO_REPLY: Final = 0x80
 _HEADER_SIZE: Final = 2
 _REFUSAL: Final = b"this mock brick is framed; start it with --tcp-raw"
+_OTHER: Final = b"another client is connected"
 
 
 @final
@@ -48,6 +50,14 @@ class Dialect(ABC):
     def hear(self, data: bytes, *, first: bool) -> Heard:
         """What these bytes mean; `first` says that the connection has just begun."""
 
+    @abstractmethod
+    def rest(self, data: bytes) -> bytes:
+        """What of a stream, from the beginning of a telegram on, is the beginning of one that is not whole yet."""
+
+    @abstractmethod
+    def busy(self, data: bytes) -> bytes:
+        """The answer to a client that may not be served, for what it sent first."""
+
 
 @final
 class Framed(Dialect):
@@ -64,6 +74,22 @@ class Framed(Dialect):
         if first and data == bytes((_HELLO,)):
             return Heard((), _REFUSAL, bye=True)
         return Heard((data,))
+
+    def rest(self, data: bytes) -> bytes:
+        """Behind the last whole frame."""
+        while len(data) >= LENGTH_PREFIX_SIZE:
+            end = LENGTH_PREFIX_SIZE + int.from_bytes(data[:LENGTH_PREFIX_SIZE], "little")
+            if len(data) < end:
+                break
+            data = data[end:]
+        return data
+
+    def busy(self, data: bytes) -> bytes:
+        """A refusal in a frame; words for who greets in the other way."""
+        if data == bytes((_HELLO,)):
+            return _OTHER
+        refusal = _refusal(data[LENGTH_PREFIX_SIZE:])
+        return frame(refusal) if refusal else b""
 
 
 @final
@@ -91,6 +117,22 @@ class Unframed(Dialect):
             parts.append(data[:size])
             data = data[size:]
         return Heard(tuple(parts), answer, bye=bool(data))
+
+    def rest(self, data: bytes) -> bytes:
+        """Nothing: whatever arrives at once is whole."""
+        del data
+        return b""
+
+    def busy(self, data: bytes) -> bytes:
+        """Words for a greeting, a refusal for a telegram."""
+        return _OTHER if data[:1] == bytes((_HELLO,)) else _refusal(data)
+
+
+def _refusal(telegram: bytes) -> bytes:
+    """The reply that a busy radio gives; empty where none is wanted."""
+    if len(telegram) < _HEADER_SIZE or telegram[0] & _NO_REPLY:
+        return b""
+    return bytes((TelegramType.REPLY, telegram[1], Status.BLUETOOTH_BUSY))
 
 
 def _telegram_size(data: bytes) -> int:

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import errno
 import socket
+from contextlib import suppress
 from typing import Final, final
 
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.serve.dialect import Dialect, Framed
 from nxt_twin.mock.serve.endpoint import Endpoint
+from nxt_twin.mock.serve.guests import Guests
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
 
+HALF_MOST_S: Final = 5.0
 _READ_SIZE: Final = 4096
 
 
 @final
 class TcpEndpoint(Endpoint):
-    """A listening socket. While a client is connected others wait in the queue.
+    """A listening socket. While a client is connected others are told so, unless it leaves at once.
+
+    A client that sends a part of a telegram and then nothing for some seconds is let go: others would wait for ever.
 
     Args:
         host: the running brick.
@@ -52,8 +57,11 @@ class TcpEndpoint(Endpoint):
         self._host = host
         self._listener.setblocking(False)  # noqa: FBT003 - the library's interface
         self._line = host.connect(self._dialect.transport, profile, seed)
+        self._guests = Guests(self._dialect, host.clock)
         self._client: socket.socket | None = None
         self._unsent = b""
+        self._half = b""
+        self._heard_s = 0.0
         self._first = True
 
     @property
@@ -71,13 +79,17 @@ class TcpEndpoint(Endpoint):
 
     def take_in(self) -> None:
         """Accept a client, notice that one has gone, and read what it has sent."""
-        if self._client is None:
-            self._accept()
-        if self._client is None:
-            return
+        self._accept()
+        if self._client is not None:
+            self._read(self._client)
+        self._guests.turn_away()
+
+    def _read(self, client: socket.socket) -> None:
         try:
-            data = self._client.recv(_READ_SIZE)
+            data = client.recv(_READ_SIZE)
         except BlockingIOError:
+            if self._half and self._host.clock.now_s() - self._heard_s > HALF_MOST_S:
+                self._drop()
             return
         except OSError:
             data = b""
@@ -89,6 +101,7 @@ class TcpEndpoint(Endpoint):
     def _hear(self, data: bytes) -> None:
         heard = self._dialect.hear(data, first=self._first)
         self._first = False
+        self._half, self._heard_s = self._dialect.rest(self._half + data), self._host.clock.now_s()
         self._unsent += heard.answer
         for part in heard.parts:
             self._line.write(part)
@@ -122,24 +135,25 @@ class TcpEndpoint(Endpoint):
     def close(self) -> None:
         """Stop listening, and hang up on the client."""
         self.hang_up()
+        self._guests.close()
         self._listener.close()
 
     def _accept(self) -> None:
-        if not self._host.take(self._line):
+        with suppress(BlockingIOError, ConnectionError):
+            self._guests.add(self._listener.accept()[0])
+        if self._client is not None or not self._host.take(self._line):
             return
-        try:
-            self._client, _ = self._listener.accept()
-        except (BlockingIOError, ConnectionError):
+        self._client = self._guests.next()
+        if self._client is None:
             self._host.release(self._line)
-            return
-        self._client.setblocking(False)  # noqa: FBT003 - the library's interface
-        self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        else:
+            self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def _drop(self) -> None:
         if self._client is not None:
             self._client.close()
         self._client = None
-        self._unsent = b""
+        self._unsent = self._half = b""
         self._first = True
         self._line.hang_up()
         self._host.release(self._line)
