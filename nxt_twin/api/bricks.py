@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from typing import Final
 
 from nxt_twin.api.files import read_recording
 from nxt_twin.api.openers import OPENERS, concealing
@@ -17,8 +15,8 @@ from nxt_twin.brick.clock import Clock, PacedClock, SystemClock
 from nxt_twin.brick.discovery import default_ways, search
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.open import open_brick as _open
-from nxt_twin.mock.errors import ServeError
-from nxt_twin.mock.run import Served, serve
+from nxt_twin.mock.run import serve
+from nxt_twin.mock.thread import served_in_thread
 from nxt_twin.recording.columns import PORTS, Port, Slot
 from nxt_twin.recording.programs import load_program
 from nxt_twin.recording.recording import Recording
@@ -28,9 +26,6 @@ from nxt_twin.twin.logbook import Logbook, columns_of
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.sensor_twin import SensorKind
 from nxt_twin.twin.settings import pace_of
-
-_STARTED_WITHIN_S: Final = 60.0
-_ENDED_WITHIN_S: Final = 5.0
 
 
 def open_brick(url: str | None = None) -> Brick:
@@ -123,45 +118,16 @@ def start_mock(
     ...     brick.device.info().value.name
     'NXT'
     """
-    said: SimpleQueue[str | BaseException] = SimpleQueue()
-    over = threading.Event()
-    change = concealing(None if conceal is None else str(conceal))
-
-    def run() -> None:
-        try:
-            serve(
-                clock=SystemClock(),
-                announce=lambda served: said.put(_url(served)),
-                tcp="127.0.0.1:0",
-                world=None if world is None else Path(world),
-                seed=seed,
-                change=change,
-                stop=over.is_set,
-            )
-        except Exception as error:  # raised below, where the user called
-            said.put(error)
-
-    thread = threading.Thread(target=run, name="mock brick", daemon=True)
-    thread.start()
-    try:
-        yield _announced(said)
-    finally:
-        over.set()
-        thread.join(_ENDED_WITHIN_S)
-
-
-def _url(served: Served) -> str:
-    return served.urls[0]
-
-
-def _announced(said: SimpleQueue[str | BaseException]) -> str:
-    try:
-        first = said.get(timeout=_STARTED_WITHIN_S)
-    except Empty:
-        raise ServeError("did not start in time", where="mock brick", mend="try again") from None
-    if isinstance(first, BaseException):
-        raise first
-    return first
+    serving = partial(
+        serve,
+        clock=SystemClock(),
+        tcp="127.0.0.1:0",
+        world=None if world is None else Path(world),
+        seed=seed,
+        change=concealing(None if conceal is None else str(conceal)),
+    )
+    with served_in_thread(serving) as served:
+        yield served.urls[0]
 
 
 def _first_found(clock: Clock) -> str:

@@ -41,7 +41,7 @@ def serve(
     pty: Path | None = None,
     world: Path | None = None,
     seed: int = 0,
-    profile: str = "none",
+    profile: str | Profile = "none",
     change: Change = lambda _: None,
     bodies: Bodies = bare_body,
     stop: Callable[[], bool] = lambda: False,
@@ -58,7 +58,7 @@ def serve(
         pty: where to put the symbolic link to a pseudo-terminal.
         world: a world file; without it the brick is as LEGO ships it.
         seed: of noise, jitter and faults.
-        profile: delays of the link, by name (`nxt_twin.mock.serve.profile.PROFILES`).
+        profile: delays and faults of the link, or their name (`nxt_twin.mock.serve.profile.PROFILES`).
         change: done to the brick's body each time before it is switched on.
         bodies: makes that body each time.
         stop: asked once a tick.

@@ -75,12 +75,14 @@ def switch_on(
     return firmware
 
 
-def profile_named(name: str) -> Profile:
-    """A link's delays by name.
+def profile_named(name: str | Profile) -> Profile:
+    """A link's delays by name, or as they are.
 
     Raises:
         ServeError: there is no such profile.
     """
+    if isinstance(name, Profile):
+        return name
     if name not in PROFILES:
         raise ServeError("is no profile", where=repr(name), mend=f"one of {', '.join(PROFILES)}")
     return PROFILES[name]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,11 +24,12 @@ from nxt_twin.brick.links.usb import open_usb
 from nxt_twin.brick.open import open_brick
 from nxt_twin.mock.body.world import World
 from nxt_twin.mock.firmware.firmware import Firmware
-from nxt_twin.mock.run import Served, serve
+from nxt_twin.mock.run import serve
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
 from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.thread import served_in_thread
 
 
 def _mock_host(clock: VirtualClock) -> Host:
@@ -54,23 +55,8 @@ def _mock_on_usb() -> Iterator[OpenBrick]:
 @contextmanager
 def _mock_by_url(**place: str | Path) -> Iterator[OpenBrick]:
     """In real time, as `nxt-twin mock` serves it."""
-    ready, stop, places = threading.Event(), threading.Event(), list[str]()
-
-    def announce(served: Served) -> None:
-        places.extend(served.urls)
-        ready.set()
-
-    def run() -> None:
-        serve(clock=SystemClock(), announce=announce, stop=stop.is_set, **place)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    try:
-        assert ready.wait(20)
-        yield lambda: open_brick(places[0], SystemClock())
-    finally:
-        stop.set()
-        thread.join()
+    with served_in_thread(partial(serve, clock=SystemClock(), **place)) as served:
+        yield lambda: open_brick(served.urls[0], SystemClock())
 
 
 @contextmanager

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import socket
 import struct
-import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import nxt.backend.devfile
@@ -22,21 +22,18 @@ import pytest
 import usb.backend.libusb1
 
 import firmware_protocol as fp
+from nxt_twin.brick.clock import SystemClock
 from nxt_twin.mock.body.world import World
 from nxt_twin.mock.firmware.firmware import Firmware
-from nxt_twin.mock.run import Served, serve
+from nxt_twin.mock.run import serve
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.dialect import Heard, Unframed
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
 from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.thread import served_in_thread
 
 PROGRAM = b"MindstormsNXT\0" + bytes(50)
-
-
-class MachineClock:
-    now_s = staticmethod(time.monotonic)
-    sleep = staticmethod(time.sleep)
 
 
 class TcpSock:
@@ -64,24 +61,8 @@ class TcpSock:
 @contextlib.contextmanager
 def serving(**places: object) -> Iterator[tuple[str, ...]]:
     """A mock brick in real time, in a thread; gives its URLs."""
-    stop, ready = threading.Event(), threading.Event()
-    said: list[Served] = []
-
-    def announce(served: Served) -> None:
-        said.append(served)
-        ready.set()
-
-    def run() -> None:
-        serve(clock=MachineClock(), announce=announce, stop=stop.is_set, **places)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    assert ready.wait(20)
-    try:
-        yield said[0].urls
-    finally:
-        stop.set()
-        thread.join()
+    with served_in_thread(partial(serve, clock=SystemClock(), **places)) as served:
+        yield served.urls
 
 
 @contextlib.contextmanager

@@ -1,0 +1,1 @@
+"""For test suites: mock bricks as pytest fixtures, and checks that any brick has to pass."""
