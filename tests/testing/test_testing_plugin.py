@@ -126,7 +126,13 @@ def test_fixtures_and_markers_do_what_they_say_and_wrong_ones_are_one_line(suite
     )
     result = run(suite, "-q")
     result.assert_outcomes(passed=7, errors=5)
-    told = ("*missing.yaml*", "*key nome: unknown key*", "*carrier pigeon*", "*there is no drp*", "*no digital sensor*")
+    told = (
+        "*missing.yaml*",
+        "*key nome: unknown key*",
+        "*carrier pigeon*",
+        "*there is no drp*",
+        "*no digital sensor*",
+    )
     result.stdout.fnmatch_lines(told)
     assert "Traceback" not in result.stdout.str()
 
