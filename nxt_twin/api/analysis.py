@@ -10,6 +10,7 @@ from typing import Any
 from nxt_twin.api.files import Model, read_case
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
+from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
 from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
 from nxt_twin.errors import CaseError
 from nxt_twin.physics.plant import Plant
@@ -57,6 +58,8 @@ def find_missing_physics(
     case = _case(data, plant, port)
     if is_sensor_case(case):
         return diagnose_sensor(case, seed=seed).diagnosis
+    if is_robot_case(case):
+        return diagnose_robot(case).diagnosis
     answer = diagnose(case, seed=seed)
     return replace(answer.diagnosis, plant=answer.plant)
 

@@ -132,7 +132,7 @@ def _labels(paths: list[Path]) -> list[str | None]:
 @final
 @dataclass(frozen=True)
 class _Answered:
-    """A diagnosis, and the keys of the improved plant or sensor."""
+    """A diagnosis, and the keys of the improved plant, sensor or robot."""
 
     diagnosis: Diagnosis
     model: dict[str, Any]
@@ -140,6 +140,7 @@ class _Answered:
 
 def _diagnose_one(path: Path, label: str | None, seed: int) -> _Answered:
     from nxt_twin.diagnose.engine import diagnose as run_diagnosis
+    from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
     from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
     from nxt_twin.recording.case import read_as_case
 
@@ -149,6 +150,9 @@ def _diagnose_one(path: Path, label: str | None, seed: int) -> _Answered:
         if is_sensor_case(case):
             told = diagnose_sensor(case, seed=seed, progress=tell)
             return _Answered(told.diagnosis, told.model.to_config())
+        if is_robot_case(case):
+            driven = diagnose_robot(case, progress=tell)
+            return _Answered(driven.diagnosis, driven.model.to_config())
         answer = run_diagnosis(case, seed=seed, progress=tell)
         return _Answered(answer.diagnosis, answer.plant.to_config())
 

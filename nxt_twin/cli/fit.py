@@ -13,6 +13,7 @@ import yaml
 
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.diagnose.engine import fit_as_it_stands
+from nxt_twin.diagnose.robot.engine import fit_robot, is_robot_case
 from nxt_twin.diagnose.sensor.engine import is_sensor_case
 from nxt_twin.diagnose.sensor.fit import fit_sensor
 from nxt_twin.recording.case import Case, read_as_case
@@ -27,6 +28,9 @@ def fit(
     case = read_as_case(path)
     if is_sensor_case(case):
         _show_sensor(case, json, model_out)
+        return
+    if is_robot_case(case):
+        _show_robot(case, json, model_out)
         return
     with progress(str(path)):
         structure = fit_as_it_stands(case)
@@ -53,6 +57,15 @@ def _show_sensor(case: Case, json: str | None, model_out: Path | None) -> None:
     if model_out and fitted.config:
         model_out.write_text(yaml.safe_dump(dict(fitted.config), sort_keys=False), encoding="utf-8")
     _show([asdict(value) for value in fitted.values], json)
+
+
+def _show_robot(case: Case, json: str | None, model_out: Path | None) -> None:
+    """Fit a robot's wheels, track and markers, and show and write what came out."""
+    with progress(case.name):
+        values, model = fit_robot(case)
+    if model_out:
+        model_out.write_text(yaml.safe_dump(model.to_config(), sort_keys=False), encoding="utf-8")
+    _show([{"name": name, **value} for name, value in values.items()], json)
 
 
 def _show(rows: list[dict[str, Any]], json: str | None) -> None:

@@ -54,10 +54,16 @@ def simulate(
 
 def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[Predicted, ...]:
     from nxt_twin.api.prediction import Predicted, predictions
+    from nxt_twin.diagnose.robot.simulate import expected_pose, is_robot_model
     from nxt_twin.diagnose.sensor.simulate import expected_readings, is_sensor_model
     from nxt_twin.recording.configs import load_plant_config
 
     config = load_plant_config(model)
+    if is_robot_model(config):
+        return tuple(
+            Predicted(one.channel, one.values, one.unit, one.rmse, one.readings)
+            for one in expected_pose(config, source, restart_every)
+        )
     if not is_sensor_model(config):
         return predictions(config, source, restart_every)
     said = expected_readings(config, source)

@@ -172,14 +172,37 @@ class Alternative:
 
 @final
 @dataclass(frozen=True)
+class Horizon:
+    """Errors after so long from a measured start: model as given, re-fitted, improved, and what is within reach.
+
+    Attributes:
+        seconds: how long; None for whole recordings.
+        metres: how far, where the horizon is a distance; `seconds` is then what it took on average.
+    """
+
+    seconds: float | None
+    given: float
+    baseline: float
+    improved: float
+    floor: float
+    metres: float | None = None
+
+
+@final
+@dataclass(frozen=True)
 class Fit:
-    """Error on data that was not fitted: re-fitted baseline, improved plant, and what noise alone would give."""
+    """Error on data that was not fitted: re-fitted baseline, improved plant, and what noise alone would give.
+
+    Attributes:
+        horizons: likewise for several lengths, in the unit of `Fit`.
+    """
 
     metric: str
     unit: str
     baseline: float
     improved: float
     floor: float
+    horizons: tuple[Horizon, ...] = ()
 
 
 @final
@@ -256,11 +279,23 @@ class Nearest:
 
 @final
 @dataclass(frozen=True)
+class DrivenPath:
+    """A robot's way over the floor, m: places of shape (samples, 2), as measured and as three models say."""
+
+    measured: FloatArray
+    given: FloatArray
+    baseline: FloatArray
+    improved: FloatArray
+
+
+@final
+@dataclass(frozen=True)
 class HeldOutRun:
     """One recording (or block of one) that was not fitted: what was measured and what the two models say.
 
     All arrays have shape (samples,). `measured`, `baseline`, `improved` are in the unit of `Fit`;
-    `stale` marks samples judged to be a fault of the transport, left out of the errors.
+    `stale` marks samples judged to be a fault of the transport, left out of the errors. `path` is a robot's, whose
+    `measured` is zero and whose models' values are distances from the measured place.
     """
 
     recording: str
@@ -273,6 +308,7 @@ class HeldOutRun:
     stale: FloatArray
     baseline_rmse: float
     improved_rmse: float
+    path: DrivenPath | None = None
 
 
 @final

@@ -25,6 +25,7 @@ Plant = dict[str, Any] | str
 _CASE_FILE = "case.yaml"
 _DEFAULT_PLANT = "nxt_motor"
 _SENSOR_SUFFIX = "_sensor"
+ROBOT_KIND = "differential_drive"
 
 
 @final
@@ -38,7 +39,7 @@ class Case:
         plant: the baseline as written: its keys, a name, or the path of a file.
         recordings: the runs to fit.
         holdout: runs that must not be fitted.
-        port: the port whose motor the case is about; None for a mapped plant or a sensor.
+        port: the port whose motor the case is about; None for a mapped plant, a sensor or a robot.
     """
 
     name: str
@@ -168,7 +169,8 @@ def _read(folder: Path, name: str, mapping_of: MappingOf) -> tuple[Recording, ..
 def _port(recordings: Sequence[Recording], plant: Plant, named: Port | None, where: str) -> Port | None:
     """The port that the case is about: the one named, or the only one with a motor in every recording."""
     config = load_plant_config(plant) if isinstance(plant, str) else plant
-    if recordings[0].kinds is not None or str(config.get("kind")).endswith(_SENSOR_SUFFIX):
+    kind = str(config.get("kind"))
+    if recordings[0].kinds is not None or kind.endswith(_SENSOR_SUFFIX) or kind == ROBOT_KIND:
         return None
     motors = [port for port in PORTS if all(_has_motor(recording, port) for recording in recordings)]
     if named is not None and named not in motors:

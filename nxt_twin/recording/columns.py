@@ -25,6 +25,9 @@ DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
 REGULATIONS: tuple[Regulation, ...] = ("none", "speed")
 TIME = "time_s"
 BATTERY = "battery_v"
+POSE_X = "pose_x_m"
+POSE_Y = "pose_y_m"
+POSE_HEADING = "pose_heading_deg"
 MAPPED_COLUMNS = ("input", "output", "mode", "supply_v")
 
 
@@ -118,6 +121,9 @@ CATALOGUE: Mapping[str, Column] = MappingProxyType(
         "rig_force_g": Column("g", "truth"),
         "rig_compression_mm": Column("mm", "truth"),
         "rig_position_mm": Column("mm", "truth"),
+        POSE_X: Column("m", "reading"),
+        POSE_Y: Column("m", "reading"),
+        POSE_HEADING: Column("deg", "reading"),
     }
 )
 

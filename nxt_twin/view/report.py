@@ -16,6 +16,7 @@ from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
 from nxt_twin.diagnose.units import after_number
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.leftover_plot import leftover_figure
+from nxt_twin.view.robot_plot import robot_figure
 from nxt_twin.view.run_plot import run_figure
 from nxt_twin.view.sensor_plot import is_of_sensor, sensor_figure
 from nxt_twin.view.svg import inline_svg
@@ -35,6 +36,7 @@ class _DrawnRun:
     run: HeldOutRun
     svg: str
     of_sensor: bool
+    of_robot: bool
     shaded: bool
     stale_count: int
 
@@ -139,11 +141,15 @@ def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
     label = (
         f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"
     )
-    of_sensor = is_of_sensor(run)
-    figure = sensor_figure(picture) if of_sensor else run_figure(picture)
+    of_sensor, of_robot = is_of_sensor(run), run.path is not None
+    if run.path is not None:
+        label = f"{run.recording}: the path on the floor as measured and predicted, and the errors over time"
+        figure = robot_figure(picture, run.path)
+    else:
+        figure = sensor_figure(picture) if of_sensor else run_figure(picture)
     svg = inline_svg(figure, f"run{number}", label)
     shaded = bool(picture.spells) and not of_sensor
-    return _DrawnRun(run, svg, of_sensor, shaded, int(np.count_nonzero(run.stale > 0.5)))
+    return _DrawnRun(run, svg, of_sensor, of_robot, shaded, int(np.count_nonzero(run.stale > 0.5)))
 
 
 def _draw_leftover(diagnosis: Diagnosis) -> str:

@@ -1,0 +1,1 @@
+"""Concealed robots: worlds made by seed, solved and scored."""

@@ -1,0 +1,95 @@
+"""The effects of wheels, markers and clocks, one declaration each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final, final
+
+from nxt_twin.diagnose.diagnosis import Equation
+
+
+@final
+@dataclass(frozen=True)
+class RobotEffect:
+    """Something that a robot's model may leave out.
+
+    Attributes:
+        id: the contract's name.
+        name: in words.
+        equation: the law in plain text.
+        fails: the equation in which it shows.
+        units: of its parameters, by name.
+        confusable_with: ids of effects that look alike, with the path that separates them.
+    """
+
+    id: str
+    name: str
+    equation: str
+    fails: Equation
+    units: Mapping[str, str]
+    confusable_with: Mapping[str, str] = field(default_factory=dict)
+
+
+WHEEL_RADIUS: Final = RobotEffect(
+    "wheel_radius",
+    "wheels of another radius",
+    "travel = mean_wheel_radius · (left angle + right angle) / 2",
+    "kinematic",
+    {"mean_wheel_radius_m": "m"},
+    {"wheel_slip": "slip comes in spells, a wrong radius acts all the time"},
+)
+UNEQUAL_WHEELS: Final = RobotEffect(
+    "unequal_wheels",
+    "unequal wheels",
+    "right radius = wheel_radius_ratio · left radius, so that equal angles turn the robot",
+    "kinematic",
+    {"wheel_radius_ratio": "1"},
+    {
+        "wrong_track": "a path that turns both ways: the ratio errs one way, the track with the direction",
+        "pose_offset": "drive two headings and measure the direction of travel: turned markers do not bend the path",
+    },
+)
+WRONG_TRACK: Final = RobotEffect(
+    "wrong_track",
+    "another effective track",
+    "turn = (right travel − left travel) / track",
+    "kinematic",
+    {"track_m": "m"},
+    {
+        "unequal_wheels": "a path that turns both ways: the ratio errs one way, the track with the direction",
+        "wheel_radius": "drive straight for a metre: travel depends on the radius alone",
+    },
+)
+POSE_OFFSET: Final = RobotEffect(
+    "pose_offset",
+    "the markers' place or heading on the robot",
+    "measured place = axle's middle + offset turned by the heading; measured heading = heading + heading_offset",
+    "measurement",
+    {"offset_forward_m": "m", "offset_left_m": "m", "heading_offset_deg": "deg"},
+    {"unequal_wheels": "turned markers do not bend the path: drive straight for two metres"},
+)
+CLOCK_SKEW: Final = RobotEffect(
+    "clock_skew",
+    "the pose's clock beside the wheels'",
+    "pose(t) belongs to wheels(t − lag − rate_error · t), with a lag of each recording's own",
+    "timing",
+    {"lag_s": "s", "lag_span_s": "s", "rate_error": "1"},
+    {"pose_offset": "change speed often: a lag moves the place with the speed, an offset does not"},
+)
+WHEEL_SLIP: Final = RobotEffect(
+    "wheel_slip",
+    "slipping wheels",
+    "travel = (1 − slip_ratio) · radius · angle, in spells",
+    "kinematic",
+    {"slip_ratio": "1"},
+    {"clock_skew": "stop for two seconds: what a lag displaces comes back, what slipped does not"},
+)
+
+GEOMETRY: Final = (WHEEL_RADIUS, UNEQUAL_WHEELS, WRONG_TRACK, POSE_OFFSET)
+"""Effects that are parameters of the geometry, which all recordings share."""
+
+LIBRARY: Final[Mapping[str, RobotEffect]] = MappingProxyType(
+    {effect.id: effect for effect in (*GEOMETRY, CLOCK_SKEW, WHEEL_SLIP)}
+)

@@ -1,0 +1,219 @@
+"""From a robot's case to a diagnosis: re-fit wheels and track, find what is missing, judge by simulated paths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import Alternative, Diagnosis, Fit, Mismatch, Verdict
+from nxt_twin.diagnose.robot import words
+from nxt_twin.diagnose.robot.choice import places_of
+from nxt_twin.diagnose.robot.effects import LIBRARY
+from nxt_twin.diagnose.robot.findings import found_effects, moved_parameters, sizes_seen
+from nxt_twin.diagnose.robot.fit import fit_windows
+from nxt_twin.diagnose.robot.held_out import (
+    FEWEST_RUNS,
+    JudgedRun,
+    cut,
+    drawn_runs,
+    horizons_of,
+    judge_held_out,
+    model_of,
+)
+from nxt_twin.diagnose.robot.judge import errors_of, figures
+from nxt_twin.diagnose.robot.leftover import (
+    RobotLeft,
+    ShortErrors,
+    regimes_of,
+    scale_of,
+    short_errors,
+    spells_of,
+    what_is_left,
+)
+from nxt_twin.diagnose.robot.runs import RobotRun, robot_runs
+from nxt_twin.diagnose.robot.search import RobotFindings, mend, search, start_of, wheels_at
+from nxt_twin.diagnose.robot.stack import stacked
+from nxt_twin.errors import DiagnosisError
+from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from_config
+from nxt_twin.recording.case import ROBOT_KIND, Case
+from nxt_twin.recording.configs import load_plant_config
+
+Progress = Callable[[str], None]
+
+STRUCTURED_NATS: Final = 12.0
+STRUCTURED_SHARE: Final = 0.1
+"""What is left is more than noise where letting it go with something gains so much and accounts for such a share."""
+
+_PARTS: Final = 4
+_METRIC: Final = "position RMSE over whole runs from the wheels and the first pose, held-out"
+
+
+@final
+@dataclass(frozen=True)
+class RobotAnswer:
+    """A diagnosis, and the improved robot that belongs to it."""
+
+    diagnosis: Diagnosis
+    model: DifferentialDrive
+
+
+@final
+@dataclass(frozen=True)
+class _Evidence:
+    """Everything that a robot's diagnosis is put together from."""
+
+    case: Case
+    drive: DifferentialDrive
+    found: RobotFindings
+    judged: tuple[JudgedRun, ...]
+    left: tuple[RobotLeft, ...]
+    short: ShortErrors
+
+    @property
+    def structured(self) -> RobotLeft | None:
+        """The most that is left and is more than noise."""
+        kept = [one for one in self.left if one.nats > STRUCTURED_NATS and one.size > STRUCTURED_SHARE]
+        return max(kept, key=lambda one: one.size * one.nats, default=None)
+
+
+def is_robot_case(case: Case) -> bool:
+    """Whether a case is about a robot on two wheels."""
+    config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
+    return config.get("kind") == ROBOT_KIND
+
+
+def robot_of(case: Case) -> DifferentialDrive:
+    """The robot of a case, as its model came.
+
+    Raises:
+        PlantError: a key or value that is none.
+    """
+    return drive_from_config(load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant)
+
+
+def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotAnswer:
+    """Say what a robot's model leaves out, if anything.
+
+    Args:
+        case: a case about a robot whose pose was measured from outside.
+        progress: told in words what is being done.
+
+    Raises:
+        DiagnosisError: wheels or pose are missing, or the robot does not drive.
+        PlantError: a key or value of the model that is none.
+    """
+    drive = robot_of(case)
+    runs, held = robot_runs(case.recordings, drive), robot_runs(case.holdout, drive)
+    if len(runs) < FEWEST_RUNS:
+        runs = tuple(part for run in runs for part in cut(run, _PARTS))
+    found = search(runs, drive.geometry, progress)
+    progress("judging on what was held out")
+    judged = tuple(judge_held_out(runs, held, drive.geometry, found))
+    stack = stacked(mend(runs, found.slips))
+    after = short_errors(stack.runs, found.final.state.as_geometry, wheels_at(stack, found.final.state))
+    plain = stacked(runs)
+    before = short_errors(
+        runs, drive.geometry, wheels_at(plain, start_of(drive.geometry, len(runs))), scale_of(after)
+    )
+    evidence = _Evidence(case, drive, found, judged, tuple(what_is_left(after)), before)
+    diagnosis = _diagnosis(evidence)
+    geometry = model_of(found.final).geometry
+    named = {
+        effect.id: {name: one.value for name, one in effect.params.items()} for effect in diagnosis.effects
+    }
+    if "clock_skew" in named:
+        named["clock_skew"]["lag_s"] = model_of(found.final).lag_s
+    model = DifferentialDrive(drive.left, drive.right, geometry, drive.dynamics, {**drive.effects, **named})
+    return RobotAnswer(diagnosis, model)
+
+
+def fit_robot(case: Case) -> tuple[dict[str, Any], DifferentialDrive]:
+    """Fit wheels, track and markers of a case's robot as it stands.
+
+    Returns:
+        Of each parameter its value, standard deviation and unit; and the fitted robot.
+
+    Raises:
+        DiagnosisError, PlantError: as `diagnose_robot`.
+    """
+    drive = robot_of(case)
+    runs = robot_runs(case.recordings, drive)
+    if not runs:
+        raise DiagnosisError("lists no recording", where=case.name)
+    free = np.ones(6, dtype=bool)
+    fitted = fit_windows(stacked(runs), start_of(drive.geometry, len(runs)), free, clock=False)
+    model = DifferentialDrive(
+        drive.left, drive.right, fitted.state.as_geometry, drive.dynamics, drive.effects
+    )
+    std = np.sqrt(np.diag(fitted.covariance))
+    units = {name: unit for effect in LIBRARY.values() for name, unit in effect.units.items()}
+    names = ("mean_wheel_radius_m", "wheel_radius_ratio", "track_m", "offset_forward_m", "offset_left_m")
+    values = dict(
+        zip((*names, "heading_offset_deg"), zip(fitted.state.geometry, std, strict=True), strict=True)
+    )
+    return {
+        name: {"value": float(value), "std": float(doubt), "unit": units[name]}
+        for name, (value, doubt) in values.items()
+    }, model
+
+
+def _diagnosis(evidence: _Evidence) -> Diagnosis:
+    found, judged = evidence.found, evidence.judged
+    effects = found_effects(found)
+    structured = evidence.structured
+    verdict: Verdict = "unexplained" if structured else "explained" if effects else "adequate"
+    horizons = horizons_of(judged)
+    whole = horizons[-1]
+    fit = Fit(_METRIC, "mm", whole.baseline, whole.improved, whole.floor, horizons)
+    return Diagnosis(
+        name=evidence.case.name,
+        verdict=verdict,
+        sentence=words.sentence(verdict, effects, fit),
+        refit=moved_parameters(found, evidence.drive.geometry),
+        mismatch=_mismatch(evidence, verdict, [effect.id for effect in effects]),
+        effects=effects,
+        alternatives=_alternatives(evidence),
+        fit=fit,
+        next_experiment=words.next_path(effects, verdict, structured, found.runs),
+        notes=words.notes(judged, found.spread, found.slips, structured, found.runs),
+        held_out=drawn_runs(judged),
+        leftover=None,
+        detectable=sizes_seen(found),
+    )
+
+
+def _mismatch(evidence: _Evidence, verdict: Verdict, named: list[str]) -> Mismatch:
+    """When and in which way of driving the model as given fails, by the noise of the improved one."""
+    channel = "pose_heading_deg" if named == ["pose_offset"] else "pose_x_m"
+    if verdict == "adequate":
+        return Mismatch(channel, (), (), None)
+    short = evidence.short
+    equation = LIBRARY[named[0]].fails if named else "measurement"
+    return Mismatch(channel, spells_of(short, evidence.found.runs), regimes_of(short), equation)
+
+
+def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
+    """Effects of the geometry that were not named, with the held-out error that they would give."""
+    found = evidence.found
+    named = {effect.id for effect in found.choice.named}
+    others = sorted(
+        ((found.choice.probability[one], one) for one in found.choice.probability if one not in named),
+        reverse=True,
+    )
+    return tuple(
+        Alternative(one, chance, _error_with(evidence, one)) for chance, one in others[:2] if chance > 1e-3
+    )
+
+
+def _error_with(evidence: _Evidence, effect: str) -> float:
+    found = evidence.found
+    free = found.final.free.copy()
+    free[places_of(LIBRARY[effect])] = True
+    given: Geometry = evidence.drive.geometry
+    stack = stacked(mend(found.runs, found.slips))
+    model = model_of(fit_windows(stack, start_of(given, len(found.runs)), free, clock=found.final.clock))
+    runs: list[RobotRun] = [one.run for one in evidence.judged]
+    return figures([errors_of(model, run, given.mean_wheel_radius_m) for run in runs]).whole

@@ -1,0 +1,117 @@
+"""A robot's recordings made ready: wheel angles and measured pose on common rows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from pathlib import PurePath
+from typing import Final, final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.errors import DiagnosisError
+from nxt_twin.physics.robot.drive import DifferentialDrive
+from nxt_twin.physics.robot.odometry import Pose
+from nxt_twin.recording.columns import POSE_HEADING, POSE_X, POSE_Y, Port, power_column, tacho_column
+from nxt_twin.recording.recording import Recording
+
+_FEWEST_ROWS: Final = 20
+_LEAST_TRAVEL_RAD: Final = pi
+_POSE: Final = (POSE_X, POSE_Y, POSE_HEADING)
+
+
+@final
+@dataclass(frozen=True)
+class RobotRun:
+    """One recording, at the rows that hold a pose.
+
+    Attributes:
+        name: the recording's.
+        session: what its name shares with recordings of one sitting (see `session_of`).
+        time_s: stamps, shape (rows,), strictly rising.
+        left_rad: angle of the left wheel since the first row, likewise.
+        right_rad: of the right wheel.
+        pose: as measured.
+    """
+
+    name: str
+    session: str
+    time_s: FloatArray
+    left_rad: FloatArray
+    right_rad: FloatArray
+    pose: Pose
+
+    @property
+    def first(self) -> tuple[float, float, float]:
+        """The pose measured at the first row."""
+        return float(self.pose.x_m[0]), float(self.pose.y_m[0]), float(self.pose.heading_rad[0])
+
+    @property
+    def duration_s(self) -> float:
+        """From the first row to the last."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+
+def robot_runs(recordings: Sequence[Recording], drive: DifferentialDrive) -> tuple[RobotRun, ...]:
+    """Every recording made ready.
+
+    Raises:
+        DiagnosisError: a column is missing, or a recording holds too few poses or does not move.
+    """
+    return tuple(_run(recording, drive) for recording in recordings)
+
+
+def session_of(name: str) -> str:
+    """The name without its ending and its last number: `square_2306_01.csv` and `square_2306_02.csv` share one."""
+    return re.sub(r"[_\- ]?\d+$", "", PurePath(name).with_suffix("").as_posix())
+
+
+def wheels_of(recording: Recording, drive: DifferentialDrive) -> tuple[FloatArray, FloatArray]:
+    """Angles of the left and the right wheel at every row, rad; counts that a row lacks are interpolated.
+
+    Raises:
+        DiagnosisError: a wheel's tacho column is missing or empty.
+    """
+    left, right = (_wheel(recording, port) for port in (drive.left, drive.right))
+    return left, right
+
+
+def _run(recording: Recording, drive: DifferentialDrive) -> RobotRun:
+    columns = recording.columns
+    missing = [name for name in _POSE if name not in columns or not np.isfinite(columns[name]).any()]
+    if missing:
+        what = f"{', '.join(missing)} missing: without a pose from outside, wheels and track cannot be told"
+        raise DiagnosisError(
+            what, where=recording.name, mend="record the pose with a camera or by tape measure"
+        )
+    left, right = wheels_of(recording, drive)
+    fresh = np.diff(recording.time_s, prepend=-np.inf) > 0.0
+    kept = fresh & np.all([np.isfinite(columns[name]) for name in _POSE], axis=0)
+    if np.count_nonzero(kept) < _FEWEST_ROWS:
+        what = f"holds {np.count_nonzero(kept)} rows with a pose, fewer than {_FEWEST_ROWS}"
+        raise DiagnosisError(what, where=recording.name, mend="record the pose in every row")
+    left, right = left[kept] - left[kept][0], right[kept] - right[kept][0]
+    if max(np.ptp(left), np.ptp(right)) < _LEAST_TRAVEL_RAD:
+        what = "its wheels turn less than half a turn"
+        raise DiagnosisError(what, where=recording.name, mend="record a run in which the robot drives")
+    heading = np.unwrap(np.radians(columns[POSE_HEADING][kept]))
+    pose = Pose(columns[POSE_X][kept], columns[POSE_Y][kept], heading)
+    return RobotRun(recording.name, session_of(recording.name), recording.time_s[kept], left, right, pose)
+
+
+def _wheel(recording: Recording, port: Port) -> FloatArray:
+    name = tacho_column(port)
+    counts = recording.columns.get(name)
+    if counts is None or np.count_nonzero(np.isfinite(counts)) < _FEWEST_ROWS:
+        raise DiagnosisError(f"{name} is missing or empty", where=recording.name, mend="record both wheels")
+    known = np.isfinite(counts)
+    return np.radians(np.interp(recording.time_s, recording.time_s[known], counts[known]))
+
+
+def has_powers(recordings: Sequence[Recording], drive: DifferentialDrive) -> bool:
+    """Whether every recording tells what both motors were commanded."""
+    names = [power_column(port) for port in (drive.left, drive.right)]
+    return all(name in recording.columns for recording in recordings for name in names)

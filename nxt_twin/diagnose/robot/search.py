@@ -1,0 +1,150 @@
+"""From a robot's runs to what its model leaves out: clocks, slip, geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.robot.choice import GeometryChoice, choose, places_of
+from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
+from nxt_twin.diagnose.robot.runs import RobotRun
+from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, without_slip
+from nxt_twin.diagnose.robot.spread import SessionSpread, spreads
+from nxt_twin.diagnose.robot.stack import RunStack, stacked
+from nxt_twin.diagnose.robot.windows import PARAMETERS, DriveState, vector_of
+from nxt_twin.physics.robot.drive import Geometry
+
+Progress = Callable[[str], None]
+
+CLOCK_NATS: Final = 12.0
+"""What the recordings' own clocks have to gain beyond their share, all together or one recording's alone."""
+
+_SHARE_NATS: Final = 4.0  # of each recording's two numbers
+_LEAST_LAG_S: Final = 8e-3
+_BASE: Final = np.array([True, True, True, False, False, False])
+_ALL: Final = np.ones(len(PARAMETERS), dtype=bool)
+_ROUNDS: Final = 2
+_MOVED_SIGMAS: Final = 2.0
+
+
+@final
+@dataclass(frozen=True)
+class RobotFindings:
+    """What a search found.
+
+    Attributes:
+        runs: as they were recorded.
+        baseline: the geometry re-fitted alone.
+        final: with what was found.
+        full: with every parameter free.
+        choice: which effects of the geometry are named.
+        clock_nats: what the recordings' own clocks gain.
+        slips: spells, strongest first.
+        spread: how sessions differ, by parameter.
+    """
+
+    runs: tuple[RobotRun, ...]
+    baseline: FittedGeometry
+    final: FittedGeometry
+    full: FittedGeometry
+    choice: GeometryChoice
+    clock_nats: float
+    slips: tuple[SlipSpell, ...]
+    spread: dict[str, SessionSpread]
+
+
+def start_of(given: Geometry, runs: int) -> DriveState:
+    """The state at which a model came, without lags."""
+    return DriveState(vector_of(given), np.zeros(runs), np.zeros(runs))
+
+
+def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> RobotFindings:
+    """Fit everything, keep what the recordings call for.
+
+    Args:
+        runs: to fit.
+        given: the geometry as the model came.
+        progress: told in words what is being done.
+    """
+    start = start_of(given, len(runs))
+    progress("re-fitting wheels and track")
+    baseline = fit_windows(stacked(runs), start, _BASE, clock=False)
+    progress("fitting markers and clocks")
+    slips: tuple[SlipSpell, ...] = ()
+    for _ in range(_ROUNDS):
+        mended = mend(runs, slips)
+        full = _with_clock_if_needed(stacked(mended), start)
+        more = find_slip(mended, full.state.as_geometry, wheels_at(stacked(mended), full.state))
+        if not more:
+            break
+        progress("locating slip")
+        slips = merged(slips, more)
+    choice = choose(full, start.geometry)
+    free = _moved(full, start)
+    for effect in choice.named:
+        free[places_of(effect)] = True
+    stack = stacked(mend(runs, slips))
+    final = fit_windows(stack, start, free, clock=full.clock)
+    progress("comparing sessions")
+    spread = spreads(stack.runs, final, start)
+    return RobotFindings(runs, baseline, final, full, choice, clock_gain(full), slips, spread)
+
+
+def refit(
+    runs: tuple[RobotRun, ...], given: Geometry, found: RobotFindings, slips: Sequence[SlipSpell]
+) -> tuple[FittedGeometry, FittedGeometry]:
+    """Baseline and final structure fitted anew to other runs, of which `slips` are known."""
+    start = start_of(given, len(runs))
+    stack = stacked(mend(runs, slips))
+    baseline = fit_windows(stacked(runs), start, _BASE, clock=False)
+    return baseline, fit_windows(stack, start, found.final.free, clock=found.final.clock)
+
+
+def mend(runs: tuple[RobotRun, ...], slips: Sequence[SlipSpell]) -> tuple[RobotRun, ...]:
+    """The runs without the angles that slipped."""
+    return tuple(without_slip(run, [slip for slip in slips if slip.recording == run.name]) for run in runs)
+
+
+def merged(slips: Sequence[SlipSpell], more: Sequence[SlipSpell]) -> tuple[SlipSpell, ...]:
+    """Spells of two rounds, strongest first; what a second round finds of the same spell adds to it."""
+    return tuple(sorted([*slips, *more], key=lambda slip: -slip.strength))
+
+
+def wheels_at(stack: RunStack, state: DriveState) -> list[tuple[FloatArray, FloatArray]]:
+    """Each run's wheel angles when its poses were taken, at every row of the run."""
+    found = []
+    for index, run in enumerate(stack.runs):
+        phase = (run.time_s - run.time_s[0]) / max(float(stack.half_s[index]), 1e-9) - 1.0
+        late = state.lag_s[index] + state.rate[index] * stack.half_s[index] * phase
+        then = run.time_s - late
+        found.append((np.interp(then, run.time_s, run.left_rad), np.interp(then, run.time_s, run.right_rad)))
+    return found
+
+
+def clock_gain(fitted: FittedGeometry) -> float:
+    """What the recordings' own clocks gain beyond their share, nats: all together, or the best one alone."""
+    if not fitted.clock:
+        return 0.0
+    beyond = fitted.lag_nats - _SHARE_NATS
+    return float(max(np.sum(beyond), np.max(beyond)))
+
+
+def _moved(full: FittedGeometry, start: DriveState) -> BoolArray:
+    """Which of the wheels and the track the recordings move at all; what they do not stays as given."""
+    std = np.sqrt(np.maximum(np.diag(full.covariance), 1e-30))
+    return _BASE & (np.abs(full.state.geometry - start.geometry) > _MOVED_SIGMAS * std)
+
+
+def _with_clock_if_needed(stack: RunStack, start: DriveState) -> FittedGeometry:
+    clocked = fit_windows(stack, start, _ALL, clock=True)
+    ends = np.abs(clocked.state.lag_s) + np.abs(clocked.state.rate) * stack.half_s
+    if (
+        clock_gain(clocked) > CLOCK_NATS
+        and np.max(ends[clocked.lag_nats > _SHARE_NATS], initial=0.0) > _LEAST_LAG_S
+    ):
+        return clocked
+    return fit_windows(stack, start, _ALL, clock=False)

@@ -1,0 +1,176 @@
+"""What a robot's diagnosis says to a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import Fit, FoundEffect, NextExperiment, Verdict
+from nxt_twin.diagnose.robot.effects import LIBRARY
+from nxt_twin.diagnose.robot.held_out import JudgedRun, horizons_of
+from nxt_twin.diagnose.robot.leftover import RobotLeft
+from nxt_twin.diagnose.robot.runs import RobotRun
+from nxt_twin.diagnose.robot.slip import SlipSpell
+from nxt_twin.diagnose.robot.spread import SessionSpread
+
+_ONE_WAY: Final = 0.1
+_HARDLY_TURNS_RAD: Final = 2.0
+_MOST_NAMED: Final = 4
+_SQUARES: Final = (
+    "drive a square of 1 m five times to the left and five times to the right, rest 2 s at each corner, then drive "
+    "2 m straight forward and back at two headings"
+)
+_BY: Final = {
+    "mean_wheel_radius_m": ("mean wheel radius", 1e3, "mm"),
+    "wheel_radius_ratio": ("ratio of the wheels", 1.0, ""),
+    "track_m": ("track", 1e3, "mm"),
+    "heading_offset_deg": ("heading offset", 1.0, "°"),
+}
+
+
+def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
+    """What is wrong, in one sentence."""
+    unseen = "over whole runs that were not fitted"
+    if verdict == "adequate":
+        reached = f"{fit.improved:.3g} mm {unseen}"
+        return f"Nothing is missing: from the wheels alone the model predicts the position to {reached}."
+    if not effects:
+        left = f"the position errs by {fit.improved:.3g} mm {unseen}"
+        return f"Something is missing that no known effect accounts for; {left}."
+    named = listed([effect.name for effect in effects])
+    given = next((one.given for one in fit.horizons if one.seconds is None), fit.baseline)
+    falls = given > 1.02 * fit.improved
+    gain = f"from {given:.3g} to {fit.improved:.3g} mm {unseen}"
+    told = (
+        f"the position error falls {gain}"
+        if falls
+        else f"the position error stays at {fit.improved:.3g} mm {unseen}"
+    )
+    if verdict == "explained":
+        return f"The model leaves out {named}; with {'these' if len(effects) > 1 else 'it'} in, {told}."
+    return f"Something is missing that no known effect accounts for; with {named} in, {told}."
+
+
+def listed(items: Sequence[str]) -> str:
+    """Items as a person lists them."""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def notes(
+    judged: Sequence[JudgedRun],
+    spread: dict[str, SessionSpread],
+    slips: Sequence[SlipSpell],
+    left: RobotLeft | None,
+    runs: Sequence[RobotRun],
+) -> tuple[str, ...]:
+    """Plain remarks: runs that stay bad, sessions that disagree, slip, what is left, what cannot be told."""
+    return (
+        *_bad_runs(judged),
+        *_disagreements(spread),
+        *_slips(slips),
+        *_leftover(left),
+        *_cannot_tell(runs),
+    )
+
+
+def _bad_runs(judged: Sequence[JudgedRun]) -> list[str]:
+    mean = np.mean([np.mean(one.errors[2].whole) for one in judged])
+    bad = [one for one in judged if one.runs_out and np.mean(one.errors[2].whole) > mean]
+    if not bad:
+        return []
+    said = [
+        f"{one.run.name} stays bad: its own clock is off by up to {one.own_lag_s:.2f} s."
+        for one in bad[:_MOST_NAMED]
+    ]
+    if len(bad) > _MOST_NAMED:
+        said.append(f"So are the clocks of {len(bad) - _MOST_NAMED} more.")
+    rest = [one for one in judged if one not in bad]
+    if rest:
+        each = [
+            f"{one.improved:.3g} mm "
+            + (
+                "over whole runs"
+                if one.seconds is None
+                else f"after {one.metres or one.seconds:g} {'m' if one.metres else 's'}"
+            )
+            for one in horizons_of(rest)
+        ]
+        said.append(
+            f"Without {'this run' if len(bad) == 1 else 'these runs'} the improved model errs by {listed(each)}."
+        )
+    return said
+
+
+def _disagreements(spread: dict[str, SessionSpread]) -> list[str]:
+    said = []
+    for name, told in spread.items():
+        if told.between <= 0.0 or name not in _BY:
+            continue
+        words, factor, unit = _BY[name]
+        low, high = (factor * pick(told.values.values()) for pick in (min, max))
+        said.append(
+            f"The {words} depends on the path or the session: {low:.5g} to {high:.5g}{unit and ' '}{unit}, more than "
+            f"their doubts allow. Its interval holds this spread."
+        )
+    return said
+
+
+def _slips(slips: Sequence[SlipSpell]) -> list[str]:
+    said = [
+        f"The {slip.side} wheel slips in {slip.recording} from {slip.start_s:.1f} to {slip.end_s:.1f} s: it loses "
+        f"{100 * slip.ratio:.0f} % of its travel."
+        for slip in slips[:_MOST_NAMED]
+    ]
+    if len(slips) > _MOST_NAMED:
+        said.append(f"Wheels slip in {len(slips) - _MOST_NAMED} more spells.")
+    if slips:
+        said.append("Where a wheel slips next, its angle cannot tell: predictions go wrong there.")
+    return said
+
+
+def _leftover(left: RobotLeft | None) -> list[str]:
+    if left is None:
+        return []
+    channel = {"along": "travel", "sideways": "place across the heading", "turn": "turn"}[left.channel]
+    return [f"Most is left in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."]
+
+
+def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
+    """What these paths leave open."""
+    turns = np.concatenate([np.diff(run.pose.heading_rad[:: max(1, run.time_s.size // 200)]) for run in runs])
+    to_left, to_right = float(np.sum(turns[turns > 0.0])), float(-np.sum(turns[turns < 0.0]))
+    if to_left + to_right < _HARDLY_TURNS_RAD:
+        return ["The robot hardly turns, so the track cannot be told."]
+    if min(to_left, to_right) < _ONE_WAY * max(to_left, to_right):
+        return ["The robot turns only one way, so unequal wheels and a wrong track cannot be told apart."]
+    return []
+
+
+def why_confusable(effect: str, other: str) -> str:
+    """Why these recordings leave it open which of two effects it is."""
+    told = LIBRARY[effect].confusable_with.get(other) or LIBRARY[other].confusable_with.get(effect)
+    said = "these paths fit either nearly as well"
+    return f"{said}; {told}" if told else said
+
+
+def next_path(
+    effects: Sequence[FoundEffect], verdict: Verdict, left: RobotLeft | None, runs: Sequence[RobotRun]
+) -> NextExperiment | None:
+    """The path to drive next."""
+    confused = [(effect.id, other.id) for effect in effects for other in effect.confusable_with]
+    if confused:
+        one, other = confused[0]
+        return NextExperiment(why=f"these paths do not tell {one} from {other}", input=_SQUARES)
+    if verdict == "unexplained":
+        along = left.along if left else "nothing that was looked at"
+        why = f"what is left goes with {along}, and no known effect does so"
+        return NextExperiment(
+            why=why, input=f"{_SQUARES}; do all of it at two speeds and at two places of the floor"
+        )
+    if open_questions := _cannot_tell(runs):
+        return NextExperiment(why=open_questions[0].rstrip("."), input=_SQUARES)
+    return None

@@ -1,0 +1,191 @@
+"""A robot's missing physics, told from its wheels and a pose from outside."""
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from diagnose_robot_cases import PLANT, robot_case, square_run
+
+from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
+from nxt_twin.diagnose.robot.simulate import expected_pose
+from nxt_twin.diagnose.telling.to_json import to_json
+from nxt_twin.errors import DiagnosisError, MissingDataError, PlantError
+from nxt_twin.physics.robot.drive import Geometry, drive_from_config
+from nxt_twin.physics.robot.odometry import axle_path, measured_path
+from nxt_twin.recording.case import Case, read_case
+from nxt_twin.recording.realdata import data_root
+from nxt_twin.recording.recording import Recording
+from nxt_twin.view.report import render_report
+
+
+@cache
+def found(**truth):
+    return diagnose_robot(robot_case(**truth))
+
+
+def ids(answer):
+    return [effect.id for effect in answer.diagnosis.effects]
+
+
+def test_wheels_that_turn_alike_go_straight_and_one_wheel_alone_goes_round_the_other():
+    robot = Geometry(0.03, 1.0, 0.1)
+    turns = np.linspace(0.0, 20.0, 7)
+    path = axle_path(robot, turns, turns)
+    np.testing.assert_allclose(path.x_m, 0.03 * turns)
+    np.testing.assert_allclose(path.y_m, 0.0, atol=1e-15)
+    round_left = axle_path(robot, np.zeros(7), turns)
+    np.testing.assert_allclose(round_left.heading_rad, 0.03 * turns / 0.1)
+    np.testing.assert_allclose(np.hypot(round_left.x_m, round_left.y_m - 0.05), 0.05)
+
+
+def test_a_circle_closes_whatever_the_sampling():
+    robot = Geometry(0.03, 1.25, 0.1)
+    assert robot.right_wheel_radius_m == pytest.approx(1.25 * robot.left_wheel_radius_m)
+    whole = 2.0 * np.pi * 0.1 / (robot.right_wheel_radius_m - robot.left_wheel_radius_m)
+    for samples in (5, 50):
+        turns = np.linspace(0.0, whole, samples)
+        path = axle_path(robot, turns, turns)
+        assert np.hypot(path.x_m[-1], path.y_m[-1]) < 1e-12
+
+
+def test_markers_ahead_of_the_axle_swing_round_it_and_a_turned_frame_only_turns_headings():
+    robot = Geometry(0.03, 1.0, 0.1, offset_forward_m=0.2, heading_offset_deg=10.0)
+    turns = np.linspace(0.0, 0.1 / 0.06 * np.pi, 9)
+    path = measured_path(robot, -turns, turns, (0.2, 0.0, np.radians(10.0)))
+    np.testing.assert_allclose(np.hypot(path.x_m, path.y_m), 0.2)
+    assert np.degrees(path.heading_rad[-1]) == pytest.approx(190.0)
+    assert path.x_m[-1] == pytest.approx(-0.2)
+
+
+def test_a_robot_as_its_model_says_lacks_nothing():
+    answer = found()
+    assert answer.diagnosis.verdict == "adequate"
+    assert ids(answer) == []
+    assert answer.diagnosis.fit.improved < 1.3 * answer.diagnosis.fit.floor
+
+
+@pytest.mark.parametrize(
+    ("truth", "effect", "parameter", "value"),
+    [
+        ({"radius_m": 0.0283}, "wheel_radius", "mean_wheel_radius_m", 0.0283),
+        ({"ratio": 1.01}, "unequal_wheels", "wheel_radius_ratio", 1.01),
+        ({"track_m": 0.125}, "wrong_track", "track_m", 0.125),
+        ({"heading_deg": 1.5}, "pose_offset", "heading_offset_deg", 1.5),
+        ({"lags": (0.08, 0.12)}, "clock_skew", "lag_s", 0.096),
+        ({"slips": ((0, (4.0, 5.5, 0.4)), (2, (9.0, 10.5, 0.4)))}, "wheel_slip", "slip_ratio", 0.4),
+    ],
+)
+def test_what_is_hidden_is_named_and_its_size_lies_within_the_interval(truth, effect, parameter, value):
+    answer = found(**truth)
+    assert answer.diagnosis.verdict == "explained"
+    assert ids(answer) == [effect]
+    estimate = answer.diagnosis.effects[0].params[parameter]
+    low, high = estimate.interval_95
+    assert low - 0.5 * estimate.std <= value <= high + 0.5 * estimate.std
+
+
+def test_a_floor_that_pushes_one_way_is_known_to_no_effect_and_refused():
+    said = found(drift=0.04).diagnosis
+    assert said.verdict == "unexplained"
+    assert said.next_experiment is not None
+    assert any("goes with direction" in note for note in said.notes)
+
+
+def test_the_json_is_that_of_the_contract_and_the_model_predicts_unseen_runs():
+    case = robot_case(runs=6, hold_out=2, track_m=0.125)
+    answer = diagnose_robot(case)
+    said = json.loads(to_json(answer.diagnosis))
+    assert said["mismatch"]["equation"] == "torque_balance"
+    assert said["effects"][0]["params"]["track_m"]["unit"] == "m"
+    assert said["refit"]["track_m"]["from"] == 0.12
+    assert [one["recording"] for one in said["held_out"]] == ["r5.csv", "r6.csv"]
+    assert said["fit"]["unit"] == "mm"
+    horizons = said["fit"]["horizons"]
+    assert [one["seconds"] is None for one in horizons] == [False, False, True]
+    assert all(one["improved"] < one["given"] for one in horizons)
+    config = answer.model.to_config()
+    assert drive_from_config(config).geometry.track_m == pytest.approx(0.125, abs=4e-4)
+    after, before = (expected_pose(one, case.holdout[0], None) for one in (config, PLANT))
+    assert after[0].rmse < 0.3 * before[0].rmse
+
+
+def test_turning_one_way_only_leaves_open_whether_track_or_ratio_is_off():
+    circle = np.arange(0.0, 40.0, 0.05)
+    heading = 0.2 / 0.6 * circle
+    columns = {
+        "time_s": circle,
+        "b_tacho_deg": np.degrees(0.179 * circle / 0.028),
+        "c_tacho_deg": np.degrees(0.221 * circle / 0.028),
+        "pose_x_m": 0.6 * np.sin(heading),
+        "pose_y_m": 0.6 * (1.0 - np.cos(heading)),
+        "pose_heading_deg": np.degrees(heading),
+    }
+    noise = np.random.default_rng(1).standard_normal((3, circle.size))
+    for name, one, size in zip(
+        ("pose_x_m", "pose_y_m", "pose_heading_deg"), noise, (5e-4, 5e-4, 0.2), strict=True
+    ):
+        columns[name] = columns[name] + size * one
+    said = diagnose_robot(
+        Case("circle", robot_case().folder, PLANT, (Recording("r.csv", columns),), (), None)
+    ).diagnosis
+    assert any("only one way" in note for note in said.notes)
+    assert said.next_experiment is not None
+    assert "to the left and five times to the right" in said.next_experiment.input
+    assert len(said.effects) == 1
+    either = {said.effects[0].id, *(other.id for other in said.effects[0].confusable_with)}
+    assert {"wrong_track", "unequal_wheels"} <= either
+
+
+def test_the_report_draws_the_path_on_the_floor():
+    page = render_report(found(track_m=0.125).diagnosis)
+    assert "path on the floor" in page
+    assert "model as given" in page
+    assert "begun at its first measured pose" in page
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"left": "d"}, "'d' is no port"),
+        ({"right": "b"}, "both wheels are on port b"),
+        ({"track_m": 0.0}, "not positive"),
+        ({"trackm": 0.1}, "did you mean 'track_m'"),
+        ({"effects": {"wrong_track": {"track": 0.1}}}, "unknown key 'track'"),
+    ],
+)
+def test_a_wrong_key_of_the_robot_is_named(change, says):
+    with pytest.raises(PlantError, match=says):
+        drive_from_config({**PLANT, **change})
+
+
+def test_without_a_pose_from_outside_nothing_is_concluded():
+    run = square_run("r1.csv", 1)
+    bare = Recording("r1.csv", {name: run.columns[name] for name in ("time_s", "b_tacho_deg", "c_tacho_deg")})
+    case = Case("bare", robot_case().folder, PLANT, (bare,), (), None)
+    assert is_robot_case(case)
+    with pytest.raises(DiagnosisError, match="without a pose from outside"):
+        diagnose_robot(case)
+
+
+@pytest.mark.real_data
+def test_the_real_robots_markers_and_clock_are_named_and_unseen_runs_predicted():
+    try:
+        folder = data_root() / "robot-optiodom"
+    except MissingDataError as missing:
+        pytest.skip(str(missing))
+    if not folder.is_dir():
+        pytest.skip("the robot's recordings are not here")
+    said = diagnose_robot(read_case(folder)).diagnosis
+    assert {"pose_offset", "clock_skew"} <= {effect.id for effect in said.effects}
+    assert "unequal_wheels" not in {effect.id for effect in said.effects}
+    named = {effect.id: effect.params for effect in said.effects}
+    assert named["pose_offset"]["heading_offset_deg"].value == pytest.approx(-0.39, abs=0.1)
+    low, high = named["wrong_track"]["track_m"].interval_95
+    assert low < 0.2003 < 0.2028 < high
+    without = {"held_out/square_231220200029_02.csv", "held_out/free_030120210001_02.csv"}
+    kept = [run for run in said.held_out if run.recording not in without]
+    whole = np.sqrt(np.mean(np.concatenate([run.improved**2 for run in kept])))
+    assert whole < 18.0
+    assert said.fit.horizons[-1].given == pytest.approx(58.7, abs=0.1)
+    assert said.fit.improved < 27.3
