@@ -11,6 +11,7 @@ import typer
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.lingering import linger
 from nxt_twin.cli.output import JsonOption, fail
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, wanted_ports, wanted_sensors
 from nxt_twin.cli.watching import Showing, View, audience, conclude, get_ready, watch
@@ -98,9 +99,10 @@ def hold(
     clock = SystemClock()
     told = audience(tuple(options.plants), options.channels, showing, also)
     sitting = live_sitting(options, lambda: open_brick(url, clock, OPENERS), clock, told.sink())
-    watch(sitting, seconds, told)
+    ended = watch(sitting, seconds, told)
     outcome = sitting.outcome()
     document = conclude(outcome, told, showing)
+    linger(told.dashboards, until_interrupted=ended)
     if not outcome.polls:
         fail("not a single poll came about, so nothing was recorded: give it more --seconds")
         raise typer.Exit(1)

@@ -11,6 +11,7 @@ import typer
 
 from nxt_twin.brick.clock import PacedClock, SystemClock
 from nxt_twin.brick.links.recorded import RecordedBrick
+from nxt_twin.cli.lingering import linger
 from nxt_twin.cli.output import JsonOption, progress
 from nxt_twin.cli.wanted import wanted_ports
 from nxt_twin.cli.watching import Showing, View, audience, conclude, get_ready, watch
@@ -76,5 +77,6 @@ def replay(
         played, dict.fromkeys(watched, plant), clock, told.sink(), beside if adopt else None
     )
     with progress("replay"):
-        watch(sitting, duration_s, told)
+        ended = watch(sitting, duration_s, told)
     conclude(sitting.outcome(), told, showing)
+    linger(told.dashboards, until_interrupted=ended)

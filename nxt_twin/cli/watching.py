@@ -14,7 +14,8 @@ import typer
 import yaml
 
 from nxt_twin.brick.errors import LinkUrlError
-from nxt_twin.cli.output import emit_json, fail, progress
+from nxt_twin.cli.lingering import Outliving, linger
+from nxt_twin.cli.output import emit_json, progress
 from nxt_twin.cli.wanted import tidy_end
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
@@ -91,7 +92,7 @@ class Audience:
     def sink(self) -> Several:
         """All of them as one."""
         keepers = () if self.keeper is None else (self.keeper,)
-        return Several([*self.dashboards, *keepers, *self.others])
+        return Several([*map(Outliving, self.dashboards), *keepers, *self.others])
 
 
 def audience(
@@ -141,21 +142,35 @@ def get_ready(
         rehearse(plants, options, adopting=adopting)
 
 
-def watch(sitting: Sitting, seconds: float | None, told: Audience) -> None:
+def watch(sitting: Sitting, seconds: float | None, told: Audience) -> bool:
     """Run a session to its end, or to Ctrl-C or being told to terminate, which are ordinary ends of it too.
+
+    Its dashboards are still open then, for `linger` to end.
+
+    Returns:
+        Whether nobody interrupted it.
 
     Raises:
         typer.BadParameter: the URL is none.
     """
     try:
+        return _run(sitting, seconds)
+    except BaseException as error:
+        linger(told.dashboards, until_interrupted=False)
+        if isinstance(error, LinkUrlError):
+            raise typer.BadParameter(str(error), param_hint="URL") from error
+        raise
+
+
+def _run(sitting: Sitting, seconds: float | None) -> bool:
+    ended = False
+    try:
         with suppress(KeyboardInterrupt), tidy_end():
             sitting.run(seconds)
-    except LinkUrlError as error:
-        raise typer.BadParameter(str(error), param_hint="URL") from error
+            ended = True
     finally:
         sitting.close()
-        for trouble in (trouble for dashboard in told.dashboards for trouble in dashboard.troubles):
-            fail(trouble)
+    return ended
 
 
 def conclude(outcome: Outcome, told: Audience, showing: Showing) -> dict[str, Any]:

@@ -141,9 +141,13 @@ def test_an_ordinary_end_leaves_nothing_behind(tmp_path):
     family = _await_server(dashboard)
     for tick in some_ticks(50):
         dashboard.tick(tick)
+    dashboard.rest()
+    assert listens(_data_port(dashboard))
+    assert dashboard.serving
     dashboard.close()
     assert _all_end(family)
     assert not listens(_data_port(dashboard))
+    assert not dashboard.serving
 
 
 @_POSIX

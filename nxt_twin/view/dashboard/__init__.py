@@ -20,6 +20,7 @@ from nxt_twin.view.dashboard.job import Job
 from nxt_twin.view.dashboard.page import page_url
 from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_display
 
+_VIEWER: Final = "viewer"
 _VIEWER_PATIENCE_S: Final = 2.0
 _FILE_PATIENCE_S: Final = 10.0
 _LONGEST_TROUBLE: Final = 300
@@ -43,7 +44,7 @@ class Dashboard:
         self._troubles: list[str] = []
         self._parts: list[tuple[str, Feeder, IO[bytes]]] = []
         for name, job, patience_s in (
-            ("viewer", viewer, _VIEWER_PATIENCE_S),
+            (_VIEWER, viewer, _VIEWER_PATIENCE_S),
             ("file", file, _FILE_PATIENCE_S),
         ):
             if job is not None:
@@ -87,6 +88,17 @@ class Dashboard:
         """Take one event."""
         for feeder in self._feeders:
             feeder.put(event)
+
+    @property
+    def serving(self) -> bool:
+        """Whether browsers are served."""
+        return bool(self._url) and any(name == _VIEWER and feeder.alive for name, feeder, _ in self._parts)
+
+    def rest(self) -> None:
+        """The session is over: nothing more comes, and what is served to browsers goes on being served."""
+        for name, feeder, _ in self._parts:
+            if not (self._url and name == _VIEWER):
+                feeder.finish()
 
     def close(self) -> None:
         """End the processes; a viewer that hangs is given up, a native window stays open."""
