@@ -1,4 +1,4 @@
-"""Drive a square of 40 cm with a castor bot: motors on B (left) and C (right), wheels of 56 mm, 103 mm apart."""
+"""Drive a square of 25 cm with a castor bot: motors on B (left) and C (right), wheels of 56 mm, 103 mm apart."""
 
 import math
 import time
@@ -6,24 +6,26 @@ import time
 import nxt.locator
 import nxt.motor
 
-WHEEL_MM, TRACK_MM, SIDE_MM = 56.0, 103.0, 400.0
-GAIN_PER_DEG, RAMP, SLOWEST, QUICKEST = 0.3, 1, 5, 50
+WHEEL_MM, TRACK_MM, SIDE_MM = 56.0, 103.0, 250.0
+GAIN_PER_DEG, RAMP, SLOWEST, QUICKEST, NEAR_DEG = 0.2, 1, 2, 50, 2
 
 
 def turn_by(motors, degrees):
     """Turn each motor by so many degrees: quicker at first, slower towards the end, so that no tyre slips."""
-    goals = [motor.get_tacho().rotation_count + by for motor, by in zip(motors, degrees)]
-    settled, top = 0, 0
-    while settled < 10:
-        left = [goal - motor.get_tacho().rotation_count for motor, goal in zip(motors, goals)]
-        settled = settled + 1 if all(abs(by) <= 1 for by in left) else 0
+    goals = {motor: motor.get_tacho().rotation_count + by for motor, by in zip(motors, degrees)}
+    top = 0
+    while goals:
         top = min(top + RAMP, QUICKEST)
-        for motor, by in zip(motors, left):
-            power = min(max(abs(by) * GAIN_PER_DEG, SLOWEST), top)
-            motor.run(round(math.copysign(power, by)) if abs(by) > 1 else 0)
+        for motor, goal in list(goals.items()):
+            left = goal - motor.get_tacho().rotation_count
+            if abs(left) <= NEAR_DEG:
+                motor.brake()
+                del goals[motor]
+            else:
+                power = min(max(abs(left) * GAIN_PER_DEG, SLOWEST), top)
+                motor.run(round(math.copysign(power, left)))
         time.sleep(0.01)
-    for motor in motors:
-        motor.brake()
+    time.sleep(0.2)
 
 
 def main():

@@ -5,26 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, final
+from typing import final
 
 import numpy as np
 
 from nxt_twin.mock.body.battery import Battery
 from nxt_twin.mock.body.body import Body as BrickBody
 from nxt_twin.mock.body.motors import Motors
-from nxt_twin.mock.body.sensor import empty_socket
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.world.assembly import Vector, rotation
 from nxt_twin.world.bullet import Bullet
 from nxt_twin.world.engine import Body
+from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.load import Setting
 from nxt_twin.world.parts import metres, radians
 from nxt_twin.world.plants import WorldPlants
 from nxt_twin.world.pose import Pose
 from nxt_twin.world.scene import Scene
-
-SOCKETS: Final = 4
+from nxt_twin.world.senses.sockets import sockets
+from nxt_twin.world.senses.surroundings import Surroundings
 
 
 @final
@@ -73,7 +73,6 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
         WorldError: PyBullet is not installed, or what the file says cannot be built.
         PlantError: a motor's plant is none.
     """
-    del seed  # nothing random is on the robot yet
     scene, robot = setting.scene, setting.robot
     engine = Bullet(scene.floor.friction, _downhill(scene))
     things = {
@@ -98,7 +97,14 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
     world_plants = WorldPlants([plants[port] for port in PORTS], engine, ports, after)
     cells = setting.world.battery
     battery = Battery(cells.voltage_v, cells.internal_resistance_ohm, cells.drain_v_per_c)
-    brick = BrickBody(battery, Motors(world_plants), [empty_socket()] * SOCKETS)
+    around = Surroundings(
+        engine, body, things, scene, FloorPicture(scene.floor, setting.folder), setting.folder
+    )
+    brick = BrickBody(
+        battery,
+        Motors(world_plants),
+        sockets({int(port): mount for port, mount in robot.sensors.items()}, around, seed),
+    )
     return Arena(setting, engine, body, things, brick, watchers)
 
 

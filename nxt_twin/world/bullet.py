@@ -100,6 +100,7 @@ class Bullet:
         )
         plane = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._id)
         self.floor: Body = p.createMultiBody(0.0, plane, physicsClientId=self._id)
+        p.setCollisionFilterGroupMask(self.floor, -1, _SEEN, _ALL, physicsClientId=self._id)
         p.changeDynamics(
             self.floor,
             -1,
@@ -252,6 +253,10 @@ class Bullet:
         )
         bodies, _, shares, places, normals = zip(*rows, strict=True)
         return Hits(np.array(bodies), np.array(shares), np.array(places), np.array(normals))
+
+    def touching(self, body: Body, other: Body) -> int:
+        """At how many points two bodies touch each other."""
+        return len(self._p.getContactPoints(body, other, physicsClientId=self._id))
 
     def close(self) -> None:
         """Let go of it all; closing again does nothing."""

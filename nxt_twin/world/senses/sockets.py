@@ -1,0 +1,65 @@
+"""The brick's four sockets on a robot: each sensor as the mock takes it, looking at the world."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.mock.body.sensor import Analog, Sensor, Touch, empty_socket
+from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.world.senses.gyro import GyroSense
+from nxt_twin.world.senses.held import Held
+from nxt_twin.world.senses.light import LightSense
+from nxt_twin.world.senses.sound import SoundSense
+from nxt_twin.world.senses.surroundings import Surroundings
+from nxt_twin.world.senses.touch import TouchSense
+from nxt_twin.world.senses.ultrasonic import UltrasonicSense
+from nxt_twin.world.sensing import (
+    GyroMount,
+    LightMount,
+    SensorModel,
+    SoundMount,
+    TouchMount,
+    UltrasonicMount,
+)
+
+SOCKETS: Final = (1, 2, 3, 4)
+
+
+def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> list[Sensor]:
+    """The sensors on ports 1 to 4; nothing is on a port that is not named.
+
+    Raises:
+        PlantError: a sensor's configuration is none.
+        SensorError: likewise.
+    """
+    ultrasonic: list[Ultrasonic] = []
+    streams = np.random.default_rng(seed).spawn(len(SOCKETS))
+    return [
+        _socket(mounts[port], port, around, rng, ultrasonic) if port in mounts else empty_socket()
+        for port, rng in zip(SOCKETS, streams, strict=True)
+    ]
+
+
+def _socket(
+    mount: SensorModel, port: int, around: Surroundings, rng: Generator, ultrasonic: list[Ultrasonic]
+) -> Sensor:
+    match mount:
+        case UltrasonicMount():
+            sense = UltrasonicSense(
+                mount, around, rng, lambda: any(o.pinging for o in ultrasonic if o is not own)
+            )
+            own = Ultrasonic(sense)
+            ultrasonic.append(own)
+            return own
+        case LightMount():
+            unlit, lit = (LightSense(mount, around, rng, lit=lit) for lit in (False, True))
+            return Analog(Held(unlit.measure), lit_raw=Held(lit.measure))
+        case TouchMount():
+            return Touch(Held(TouchSense(mount, port, around, rng).measure))
+        case SoundMount():
+            return Analog(Held(SoundSense(mount, around, rng).measure))
+        case GyroMount():
+            return Analog(Held(GyroSense(mount, around, rng).measure))
