@@ -35,7 +35,7 @@ from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
 from nxt_twin.twin.sinks import Memory, Several
-from nxt_twin.twin.verdict import verdict
+from nxt_twin.twin.verdict import Seen, verdict
 from nxt_twin.view.dashboard import Dashboard, open_dashboard
 from nxt_twin.view.dashboard.drawing.colours import LINK
 from nxt_twin.view.live_report import Keeper, write_live_report
@@ -95,7 +95,8 @@ def _session(seconds: float) -> tuple[Memory, Keeper, str]:
         session = Session(parts)
         session.run(seconds)
     diverging = [port for port, monitor in session.monitors.items() if monitor.diverging]
-    return memory, kept, verdict(memory.events, diverging).sentence
+    seen = Seen(session.polls, session.lasted_s, session.unseen_s)
+    return memory, kept, verdict(memory.events, diverging, seen).sentence
 
 
 def _world() -> dict[str, object]:

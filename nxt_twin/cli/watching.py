@@ -190,15 +190,20 @@ def conclude(outcome: Outcome, told: Audience, showing: Showing) -> dict[str, An
 
 
 def _pages(report: Path, outcome: Outcome, told: Audience, title: str) -> list[str]:
-    from nxt_twin.view.live_report import write_live_report
+    from nxt_twin.view.live_report import Finding, write_live_report
     from nxt_twin.view.report import write_report
 
-    pages = []
+    named = [
+        (port, replace(each, name=f"live-{port}-{number}"))
+        for number, (port, each) in enumerate(outcome.diagnoses, start=1)
+    ]
+    made = [(port, diagnosis.sentence, write_report(diagnosis, report)) for port, diagnosis in named]
+    pages = [str(path) for _, _, path in made]
     if told.keeper is not None:
+        findings = [Finding(port, said, path.name) for port, said, path in made]
         sentence = outcome.verdict.sentence
-        pages.append(str(write_live_report(report, told.keeper, title=title, sentence=sentence)))
-    for number, (port, diagnosis) in enumerate(outcome.diagnoses, start=1):
-        pages.append(str(write_report(replace(diagnosis, name=f"live-{port}-{number}"), report)))
+        page = write_live_report(report, told.keeper, title=title, sentence=sentence, findings=findings)
+        pages.insert(0, str(page))
     return pages
 
 

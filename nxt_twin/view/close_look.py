@@ -34,7 +34,16 @@ def telling_part(run: HeldOutRun, baseline: Trace) -> slice:
     while half > _FEWEST_ASIDE and np.nanmax(measured[part]) - np.nanmin(measured[part]) > 5 * error[centre]:
         half = int(half / 1.5)
         part = _around(centre, half, run.time_s.size)
+    part = _unbroken(run, part, centre)
     return part if run.time_s[part.stop - 1] > run.time_s[part.start] else whole
+
+
+def _unbroken(run: HeldOutRun, part: slice, centre: int) -> slice:
+    """The stretch of `part` round `centre` in which nothing was left out."""
+    empty = np.flatnonzero(np.isnan(run.stale))
+    first = max([part.start, *(empty[empty < centre] + 1)])
+    last = min([part.stop, *empty[empty > centre]])
+    return slice(int(first), int(last))
 
 
 def _around(centre: int, half: int, size: int) -> slice:

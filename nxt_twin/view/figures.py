@@ -6,10 +6,11 @@ from matplotlib.figure import Figure
 
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.errors import DiagnosisError
+from nxt_twin.view.robot_plot import robot_figure
 from nxt_twin.view.run_plot import run_figure
 from nxt_twin.view.sensor_plot import is_of_sensor, sensor_figure
 from nxt_twin.view.telling import most_telling
-from nxt_twin.view.traces import picture_of
+from nxt_twin.view.traces import RunPicture, picture_of
 
 
 def diagnosis_figure(diagnosis: Diagnosis, number: int) -> Figure:
@@ -22,5 +23,11 @@ def diagnosis_figure(diagnosis: Diagnosis, number: int) -> Figure:
     if not 0 <= number < len(runs):
         mend = f"number them from 0 to {len(runs) - 1}" if runs else "record for longer"
         raise DiagnosisError(f"has no held-out run {number}", where=diagnosis.name, mend=mend)
-    picture = picture_of(diagnosis, runs[number])
-    return sensor_figure(picture) if is_of_sensor(runs[number]) else run_figure(picture)
+    return held_out_figure(picture_of(diagnosis, runs[number]))
+
+
+def held_out_figure(picture: RunPicture) -> Figure:
+    """The picture of a held-out run: of a sensor, of a robot's path, or of a motor or an axis."""
+    if picture.run.path is not None:
+        return robot_figure(picture, picture.run.path)
+    return sensor_figure(picture) if is_of_sensor(picture.run) else run_figure(picture)

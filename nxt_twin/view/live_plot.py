@@ -25,6 +25,8 @@ _COLUMNS: Final = 420
 _MOST_DOTS: Final = 1500
 _NIS_MEMORY: Final = 50
 _MARKED: Final = ("divergence", "effect_named", "adopted", "stall", "slip", "link_lost")
+_LEAST_TOLD: Final = 0.05
+_MOST_TOLD: Final = 4
 _EFFECTS: Final = ("#56616c", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6a00")
 
 
@@ -50,7 +52,8 @@ def motor_figure(port: Port, ticks: Sequence[Tick], events: Sequence[Event]) -> 
     squares = figure.add_subplot(grid[2, 0], sharex=angle)
     _draw_squares(squares, readings)
     states = _States(port, ticks)
-    _draw_cloud(figure.add_subplot(grid[0, 1]), states)
+    adopted_s = [event.time_s for event in events if event.port == port and event.kind == "adopted"]
+    _draw_cloud(figure.add_subplot(grid[0, 1]), states, adopted_s)
     torque = figure.add_subplot(grid[1, 1], sharex=angle)
     _draw_torque(torque, states)
     effects = figure.add_subplot(grid[2, 1], sharex=angle)
@@ -176,25 +179,33 @@ def _draw_squares(axes: Axes, readings: Sequence[Innovation]) -> None:
     axes.set_ylim(0.0, top)
 
 
-def _draw_cloud(axes: Axes, states: _States) -> None:
-    palette.dress(axes, "torque that the model does not have (mN·m) against speed")
+def _draw_cloud(axes: Axes, states: _States, adopted_s: Sequence[float]) -> None:
+    """Unknown torque against speed; anew, in another colour, from the moment that the last model was adopted."""
+    palette.dress(axes, "unknown torque (mN·m)")
     palette.name_abscissa(axes, "speed (deg/s)")
     if not states.time_s.size:
         return
-    chosen = some(np.arange(states.time_s.size), _MOST_DOTS)
-    axes.plot(
-        states.speed[chosen], states.torque[chosen],
-        linestyle="none", marker=".", markersize=2.2, color=palette.MEASURED,
-    )  # fmt: skip
-    along = trend(states.speed, states.torque)
-    if along.at.size:
-        axes.fill_between(along.at, along.low, along.high, color=palette.IMPROVED, alpha=0.14, linewidth=0)
-        axes.plot(along.at, along.median, color=palette.IMPROVED, linewidth=1.6)
+    after = states.time_s >= (max(adopted_s) if adopted_s else -np.inf)
+    epochs = [(after, palette.IMPROVED, "adopted model" if adopted_s else "this model")]
+    if adopted_s:
+        epochs.insert(0, (~after, palette.BASELINE, "model before"))
+    for chosen, colour, label in epochs:
+        _draw_epoch(axes, states.speed[chosen], states.torque[chosen], colour, label)
     axes.axhline(0.0, color=palette.LINE, linewidth=0.8)
+    _legend(axes)
+
+
+def _draw_epoch(axes: Axes, speed: FloatArray, torque: FloatArray, colour: str, label: str) -> None:
+    dots = some(np.arange(speed.size), _MOST_DOTS)
+    axes.plot(
+        speed[dots], torque[dots], linestyle="none", marker=".", markersize=2.2, color=colour, alpha=0.35
+    )
+    along = trend(speed, torque)
+    axes.plot(along.at, along.median, color=colour, linewidth=1.8, label=label)
 
 
 def _draw_torque(axes: Axes, states: _States) -> None:
-    palette.dress(axes, "the same torque over time, ± 2 σ (mN·m)")
+    palette.dress(axes, "unknown torque over time, ± 2 σ (mN·m)")
     if not states.time_s.size:
         return
     _draw_band(axes, states.time_s, states.torque, states.std)
@@ -203,20 +214,21 @@ def _draw_torque(axes: Axes, states: _States) -> None:
 
 
 def _draw_effects(axes: Axes, port: Port, ticks: Sequence[Tick]) -> None:
-    palette.dress(axes, "probability of each explanation")
+    palette.dress(axes, "probability")
     rows = [(tick.received_s, motor.effects) for tick in ticks for motor in tick.motors if motor.port == port]
     peaks: dict[str, float] = {}
     for _, effects in rows:
         for name, probability in effects.items():
             peaks[name] = max(peaks.get(name, 0.0), probability)
-    told = sorted(peaks, key=lambda name: (name != "nothing", -peaks[name]))[: len(_EFFECTS)]
+    likely = [name for name, peak in peaks.items() if name == "nothing" or peak >= _LEAST_TOLD]
+    told = sorted(likely, key=lambda name: (name != "nothing", -peaks[name]))[:_MOST_TOLD]
     for name, colour in zip(told, _EFFECTS, strict=False):
         curve = np.array([(at, effects[name]) for at, effects in rows if name in effects])
         words = "the model as it is" if name == "nothing" else name_of(name)
         axes.plot(*envelope(curve[:, 0], curve[:, 1], _COLUMNS), color=colour, linewidth=1.4, label=words)
     axes.set_ylim(-0.03, 1.03)
     if told:
-        _legend(axes, columns=2)
+        _legend(axes)
     else:
         axes.text(0.5, 0.5, "none were weighed", transform=axes.transAxes, ha="center", color=palette.MUTED)
 
@@ -249,8 +261,9 @@ def _mark(axes: Axes, events: Sequence[Event]) -> None:
             axes.axvline(event.time_s, color=palette.SPELL_INK, linewidth=0.9, linestyle=(0, (3, 2)))
 
 
-def _legend(axes: Axes, columns: int = 3) -> None:
+def _legend(axes: Axes) -> None:
+    """Name the curves above the panel, beside its title, where they hide nothing."""
     axes.legend(
-        loc="best", ncols=columns, fontsize=palette.SMALL_PT, frameon=False, labelcolor=palette.MUTED,
-        handlelength=1.4, borderaxespad=0.2,
+        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=4, columnspacing=1.0,
+        fontsize=palette.SMALL_PT, frameon=False, labelcolor=palette.MUTED, handlelength=1.4, borderaxespad=0.2,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Final, final
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 import nxt_twin
-from nxt_twin.recording.columns import tacho_column
+from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.live_plot import NIS_BOUND, link_figure, motor_figure, sensors_figure
@@ -19,6 +19,7 @@ from nxt_twin.view.svg import inline_svg
 MOST_TICKS: Final = 8000
 _MOST_EVENTS: Final = 2000
 _MOST_TOLD: Final = 200
+_TROUBLES: Final = ("divergence", "stall", "slip", "link_lost", "low_battery", "undiagnosed")
 
 
 @final
@@ -37,6 +38,16 @@ class Tally:
     believed: int = 0
     squares: float = 0.0
     within: int = 0
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """A diagnosis that was made meanwhile: of which motor, in one sentence, and the name of its page."""
+
+    port: Port
+    sentence: str
+    page: str
 
 
 @final
@@ -89,7 +100,13 @@ class Keeper:
 
 
 def write_live_report(
-    folder: Path, kept: Keeper, *, title: str, sentence: str = "", name: str = "live"
+    folder: Path,
+    kept: Keeper,
+    *,
+    title: str,
+    sentence: str = "",
+    name: str = "live",
+    findings: Sequence[Finding] = (),
 ) -> Path:
     """Write the report into `folder`, made where it is missing, as `<name>.html`.
 
@@ -99,17 +116,21 @@ def write_live_report(
         title: of the session, such as the brick's URL.
         sentence: the session's verdict; where it is empty, the last thing that was said.
         name: of the file.
+        findings: the diagnoses that were made, to be told first, with links to their pages.
 
     Raises:
         OSError: the folder or the file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.html"
-    path.write_text(render_live_report(kept, title=title, sentence=sentence), encoding="utf-8", newline="\n")
+    page = render_live_report(kept, title=title, sentence=sentence, findings=findings)
+    path.write_text(page, encoding="utf-8", newline="\n")
     return path
 
 
-def render_live_report(kept: Keeper, *, title: str, sentence: str = "") -> str:
+def render_live_report(
+    kept: Keeper, *, title: str, sentence: str = "", findings: Sequence[Finding] = ()
+) -> str:
     """The report as the text of one self-contained HTML page; the same session gives the same text."""
     environment = Environment(
         loader=PackageLoader("nxt_twin.view"),
@@ -120,6 +141,7 @@ def render_live_report(kept: Keeper, *, title: str, sentence: str = "") -> str:
     )
     environment.filters |= {
         "capitalise": wording.capitalise,
+        "ordinal": wording.ordinal,
         "plain": numbers.plain,
         "quantity": wording.quantity,
         "seconds": numbers.seconds,
@@ -130,6 +152,8 @@ def render_live_report(kept: Keeper, *, title: str, sentence: str = "") -> str:
         title=title,
         sentence=sentence or (said[-1] if said else "Nothing was said."),
         kept=kept,
+        findings=findings,
+        troubles=[event.words for event in kept.events if event.kind in _TROUBLES],
         seconds=kept.ticks[-1].received_s if kept.ticks else 0.0,
         told=kept.events[-_MOST_TOLD:],
         tallies=sorted(kept.tallies.items()),
@@ -147,8 +171,10 @@ def _pictures(
     ports = sorted({motor.port for tick in ticks for motor in tick.motors})
     for port in ports:
         caption = (
-            "Grey: measured, and what is left of it. Blue: the twin, with the band that it expects. Orange: bounds "
-            "within which 95 % should stay while the model holds. Dashed: events of this motor."
+            "Grey: measured, and the innovation (measured less predicted). Blue: the twin's prediction and its band "
+            "of two standard deviations. Orange lines: bounds within which 95 % stay while the model holds. "
+            "Dashed: events of this motor. Unknown torque: what the model would need in addition; orange before a "
+            "model was adopted, blue after."
         )
         svg = inline_svg(
             motor_figure(port, ticks, events), f"motor{port}", f"Motor {port.upper()} and its twin"

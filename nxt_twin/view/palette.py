@@ -22,6 +22,12 @@ MUTED = "#5b6570"
 LINE = "#c9d0d7"
 GRID = "#eceff2"
 
+THEMED = (
+    "MEASURED", "MEASURED_INK", "BASELINE", "IMPROVED", "NOISE", "STALE", "SPELL", "SPELL_INK", "INK", "MUTED", "LINE",
+    "GRID",
+)  # fmt: skip
+"""Colours that a page's style may replace, each by the variable `--c-` and its name."""
+
 TEXT_PT = 8.4
 SMALL_PT = 7.6
 

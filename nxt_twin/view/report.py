@@ -15,10 +15,9 @@ import nxt_twin
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
 from nxt_twin.diagnose.units import after_number
 from nxt_twin.view import numbers, wording
+from nxt_twin.view.figures import held_out_figure
 from nxt_twin.view.leftover_plot import leftover_figure
-from nxt_twin.view.robot_plot import robot_figure
-from nxt_twin.view.run_plot import run_figure
-from nxt_twin.view.sensor_plot import is_of_sensor, sensor_figure
+from nxt_twin.view.sensor_plot import is_of_sensor
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.telling import most_telling
 from nxt_twin.view.traces import picture_of
@@ -144,11 +143,8 @@ def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
     of_sensor, of_robot = is_of_sensor(run), run.path is not None
     if run.path is not None:
         label = f"{run.recording}: the path on the floor as measured and predicted, and the errors over time"
-        figure = robot_figure(picture, run.path)
-    else:
-        figure = sensor_figure(picture) if of_sensor else run_figure(picture)
-    svg = inline_svg(figure, f"run{number}", label)
-    shaded = bool(picture.spells) and not of_sensor
+    svg = inline_svg(held_out_figure(picture), f"run{number}", label, stacked=number == 0)
+    shaded = bool(picture.shaded) and not of_sensor
     return _DrawnRun(run, svg, of_sensor, of_robot, shaded, int(np.count_nonzero(run.stale > 0.5)))
 
 

@@ -86,15 +86,15 @@ def _draw_signal(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
 
 
 def _shade(axes: Axes, picture: RunPicture) -> None:
-    for spell in picture.spells:
+    for spell in picture.shaded:
         axes.axvspan(spell.start_s, spell.end_s, color=palette.SPELL, linewidth=0, zorder=0)
 
 
 def _name_strongest(axes: Axes, picture: RunPicture) -> None:
     """Write the strength of the strongest spell above it."""
-    if not picture.spells:
+    if not picture.shaded:
         return
-    strongest, time_s = picture.spells[0], picture.run.time_s
+    strongest, time_s = picture.shaded[0], picture.run.time_s
     middle_s = (max(strongest.start_s, time_s[0]) + min(strongest.end_s, time_s[-1])) / 2
     place = float((middle_s - time_s[0]) / (time_s[-1] - time_s[0]))
     leftmost = 0.05 + 0.013 * len(axes.get_title(loc="left"))

@@ -9,8 +9,16 @@ from html import escape
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from nxt_twin.view import palette
+from nxt_twin.view.stacking import stack
+
 _FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif"
 _NO_DATE = {"Date": None}
+_FEWEST_STACKED = 2
+_HEX = re.compile(r"#[0-9a-fA-F]{6}\b")
+_VARIABLES = {"#ffffff": "var(--page)"} | {
+    getattr(palette, name): f"var(--c-{name.lower().replace('_', '-')})" for name in palette.THEMED
+}
 
 
 def drawn_svg(figure: Figure) -> str:
@@ -21,15 +29,26 @@ def drawn_svg(figure: Figure) -> str:
     return _with_system_font(text.getvalue())
 
 
-def inline_svg(figure: Figure, key: str, label: str) -> str:
-    """The figure as an `<svg>` element for a page.
+def inline_svg(figure: Figure, key: str, label: str, *, stacked: bool = True) -> str:
+    """The figure as two `<svg>` elements for a page, of which its style shows one: wide, or stacked for a phone.
+
+    Their colours are the style's variables, so that they follow its dark mode.
 
     Args:
-        figure: what to draw.
+        figure: what to draw; it is left stacked.
         key: a prefix that makes the ids of this picture its own within the page.
         label: what the picture shows, for those who cannot see it.
+        stacked: whether it is drawn for a phone too; else it is scrolled there.
     """
-    document = drawn_svg(figure)
+    wide = _element(drawn_svg(figure), key, label)
+    if not stacked or len(figure.axes) < _FEWEST_STACKED:
+        return wide
+    stack(figure)
+    narrow = _element(drawn_svg(figure), f"{key}n", label)
+    return f'<div class="wide">{wide}</div><div class="narrow">{narrow}</div>'
+
+
+def _element(document: str, key: str, label: str) -> str:
     body = document[document.index("<svg") :].strip()
     body = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", body, flags=re.DOTALL)
     body = body.replace("xlink:href=", "href=")
@@ -37,7 +56,12 @@ def inline_svg(figure: Figure, key: str, label: str) -> str:
     body = re.sub(r">\s+<", "><", _own_ids(body, key))
     view_box = re.search(r'viewBox="[^"]*"', body)
     opening = f'<svg role="img" aria-label="{escape(label)}" {view_box.group() if view_box else ""}>'
-    return opening + body[body.index(">") + 1 :]
+    return opening + _themed(body[body.index(">") + 1 :])
+
+
+def _themed(svg: str) -> str:
+    """The house's colours as variables of the page's style."""
+    return _HEX.sub(lambda found: _VARIABLES.get(found.group().lower(), found.group()), svg)
 
 
 def _with_system_font(svg: str) -> str:

@@ -11,11 +11,20 @@ import numpy as np
 from nxt_twin.arrays import FloatArray, IntArray
 
 _LEAST_IN_BIN = 12
+_LEAST_GAP = 20.0  # times the usual step
+_LEAST_GAP_SHARE = 0.04
 
 
 def finite(values: FloatArray) -> FloatArray:
     """`values` with infinities turned into NaN, so that a run-away prediction leaves a gap."""
     return np.where(np.isfinite(values), values, np.nan)
+
+
+def gaps(time_s: FloatArray) -> IntArray:
+    """The samples after which the stamps leave out a stretch, shape (gaps,)."""
+    steps_s = np.diff(time_s)
+    usual_s = float(np.median(steps_s)) if steps_s.size else 0.0
+    return np.flatnonzero(steps_s > max(_LEAST_GAP * usual_s, _LEAST_GAP_SHARE * float(np.ptp(time_s))))
 
 
 def envelope(time_s: FloatArray, values: FloatArray, columns: int) -> tuple[FloatArray, FloatArray]:

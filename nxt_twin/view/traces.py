@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun, Spell
 from nxt_twin.view import palette
-from nxt_twin.view.thinning import envelope, finite, some
+from nxt_twin.view.thinning import envelope, finite, gaps, some
 from nxt_twin.view.wording import improves, quantity
 
 _MOST_MARKS = 120
+_MOST_SHADED = 0.6  # of a run
 
 
 @final
@@ -34,6 +35,13 @@ class RunPicture:
     spells: tuple[Spell, ...]
     improves: bool
     floor: float
+
+    @property
+    def shaded(self) -> tuple[Spell, ...]:
+        """The spells to shade: none where they cover most of the run, since then they tell nothing apart."""
+        start_s, end_s = float(self.run.time_s[0]), float(self.run.time_s[-1])
+        lengths_s = [min(spell.end_s, end_s) - max(spell.start_s, start_s) for spell in self.spells]
+        return self.spells if sum(lengths_s) <= _MOST_SHADED * (end_s - start_s) else ()
 
 
 @final
@@ -58,13 +66,26 @@ def picture_of(diagnosis: Diagnosis, run: HeldOutRun) -> RunPicture:
     ]
     spells.sort(key=lambda spell: -spell.strength)
     return RunPicture(
-        run=run,
+        run=_with_gaps(run),
         quantity=quantity(diagnosis.mismatch.channel),
         unit=diagnosis.fit.unit,
         spells=tuple(spells),
         improves=improves(diagnosis),
         floor=diagnosis.fit.floor,
     )
+
+
+def _with_gaps(run: HeldOutRun) -> HeldOutRun:
+    """The run with an empty sample in each stretch that was not held out, so that no curve is drawn across it."""
+    before = gaps(run.time_s)
+    if not before.size or run.path is not None:
+        return run
+    middle_s = (run.time_s[before] + run.time_s[before + 1]) / 2.0
+    emptied = {
+        name: np.insert(getattr(run, name), before + 1, np.nan)
+        for name in ("command", "measured", "baseline", "improved", "stale")
+    }
+    return replace(run, time_s=np.insert(run.time_s, before + 1, middle_s), **emptied)
 
 
 def traces_of(picture: RunPicture) -> list[Trace]:

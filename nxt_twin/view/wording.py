@@ -92,6 +92,12 @@ def counted(count: int, thing: str) -> str:
     return f"{number} {thing}" if count == 1 else f"{number} {thing}s"
 
 
+def ordinal(number: int) -> str:
+    """`2nd`, `3rd`, `11th`."""
+    ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
+
+
 def capitalise(text: str) -> str:
     """The text with its first letter large and the others untouched."""
     return text[:1].upper() + text[1:]

@@ -125,7 +125,7 @@ def test_the_page_shows_figures_and_contradictions_and_needs_nothing_else(tmp_pa
     reproduction = reproduce()
     page = write_paper_page(reproduction, tmp_path / "made").read_text(encoding="utf-8")
     assert page == render_paper_page(reproduction)
-    assert page.count("<svg") == 7
+    assert page.count('class="wide"') == page.count('class="narrow"') == 7
     for name in (
         "Figure 6",
         "Figures 7 and 8",

@@ -9,7 +9,7 @@ from view_ticks import CHANNELS, PORTS, some_events, some_ticks
 
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, Innovation, Tick
-from nxt_twin.view.live_report import Keeper, render_live_report, write_live_report
+from nxt_twin.view.live_report import Finding, Keeper, render_live_report, write_live_report
 
 
 def _kept(count: int = 300, most: int = 8000, ports: tuple[Port, ...] = PORTS) -> Keeper:
@@ -38,12 +38,38 @@ def test_sentence_events_and_every_motor_are_there(page: str):
         assert f"<code>{channel}</code>" in page
 
 
+def test_the_first_screen_says_what_was_wrong_and_where_the_diagnosis_is():
+    found = Finding("b", "The model leaves out constant load.", "live-b-1.html")
+    told = render_live_report(_kept(50), title="mock:", findings=[found])
+    head = told.split("What happened")[0]
+    assert "The model leaves out constant load." in head
+    assert 'href="live-b-1.html"' in head
+
+
+def test_without_a_diagnosis_the_first_screen_lists_the_troubles_or_their_absence(page: str):
+    troubles = [event.words for event in some_events() if event.kind in ("divergence", "stall")]
+    assert all(words[1:] in page.split("What happened")[0] for words in troubles)
+    calm = Keeper()
+    for tick in some_ticks(20):
+        calm.tick(tick)
+    assert "Nothing was wrong" in render_live_report(calm, title="mock:")
+
+
+def test_torque_against_speed_starts_anew_where_a_model_was_adopted():
+    kept = _kept(200, ports=("a",))
+    assert "model before" not in render_live_report(kept, title="mock:")
+    kept.event(Event(time_s=kept.ticks[100].received_s, kind="adopted", words="port A: taken over", port="a"))
+    page = render_live_report(kept, title="mock:")
+    assert "model before" in page
+    assert "adopted model" in page
+
+
 def test_pictures_are_drawn_in_the_page(page: str):
-    assert page.count("<svg") == len(PORTS) + 2
+    assert page.count("<svg") == 2 * (len(PORTS) + 2)  # wide, and stacked for a phone
     for words in (
         "innovation and the bounds",
-        "against speed",
-        "probability of each explanation",
+        "unknown torque (mN·m)",
+        "probability",
         "battery (V)",
     ):
         assert words in page
@@ -68,7 +94,7 @@ def test_a_long_session_is_thinned_and_its_numbers_are_not():
     assert [tick.number for tick in thinned.ticks] == list(range(0, 3000, 8))
     assert thinned.tallies == whole.tallies
     assert thinned.tallies["a_tacho_deg"].readings == 3000
-    assert "every 8th is drawn" in render_live_report(thinned, title="mock:")
+    assert "of which every 8th is drawn" in render_live_report(thinned, title="mock:")
 
 
 def test_tallies_are_means_over_all_readings():

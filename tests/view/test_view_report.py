@@ -189,7 +189,7 @@ def test_stale_samples_are_marked_and_counted(pages):
         f"{int(run.stale.sum())} samples judged stale" in pages["stale"].text("picture") for run in stale
     )
     assert "× stale sample, left out" in "".join(svgs_of(pages["stale"]))
-    assert "stale" not in pages["explained"].source
+    assert "stale" not in pages["explained"].source.split("</style>")[1]
 
 
 def test_every_held_out_run_is_in_the_table_and_five_are_drawn():
@@ -324,3 +324,41 @@ def test_no_case_name_escapes_the_folder(tmp_path, case, file):
     path = write_report(replace(samples.explained(runs=1, samples=300), name=case), tmp_path)
     assert path.parent == tmp_path
     assert path.name == file
+
+
+def drawn(run, **changes):
+    diagnosis = samples.explained(runs=1, samples=600)
+    return Page(render_report(replace(diagnosis, held_out=(run,), **changes)))
+
+
+def test_no_curve_is_drawn_across_a_stretch_that_was_not_held_out():
+    run = samples.explained(runs=1, samples=600).held_out[0]
+    kept = np.r_[0:200, 400:600]
+    fields = ("time_s", "command", "measured", "baseline", "improved", "stale")
+    broken = replace(run, **{name: getattr(run, name)[kept] for name in fields})
+
+    def pieces(page):
+        curves = [path for path in svgs_of(page)[0].split("<path")[1:] if "var(--c-improved)" in path]
+        return max(path.split('"')[1].count("M") for path in curves)
+
+    assert pieces(drawn(broken)) == pieces(drawn(run)) + 1
+
+
+def test_a_departure_is_shaded_only_where_it_leaves_most_of_the_run_alone():
+    run = samples.explained(runs=1, samples=600).held_out[0]
+    mismatch = samples.explained(runs=1, samples=600).mismatch
+    for until_s, shaded in ((2.0, True), (6.0, False)):
+        spells = (Spell(run.recording, 0.0, until_s, 9.0),)
+        page = drawn(run, mismatch=replace(mismatch, when=spells))
+        assert ("Shaded: where the baseline departs" in page.text("picture")) == shaded
+
+
+def test_colours_follow_the_page_and_pictures_stack_on_a_phone():
+    page = drawn(samples.explained(runs=1, samples=600).held_out[0])
+    assert "prefers-color-scheme: dark" in page.source
+    wide, narrow = svgs_of(page)[:2]
+    assert "var(--c-muted)" in wide
+    assert "#5b6570" not in wide
+    width, height = (float(size) for size in re.search(r'viewBox="0 0 (\S+) (\S+)"', narrow).groups())
+    assert width < 400
+    assert height > width
