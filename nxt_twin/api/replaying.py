@@ -10,17 +10,12 @@ import numpy as np
 
 from nxt_twin.api.files import Model, load_plant
 from nxt_twin.arrays import FloatArray
-from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import PacedClock, SystemClock
-from nxt_twin.brick.links.recorded import RecordedBrick, RecordedCommands
+from nxt_twin.brick.links.recorded import RecordedBrick
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.recording import Recording
-from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
-from nxt_twin.twin.bridge import plain_bridge
-from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Event, Innovation
-from nxt_twin.twin.session import Parts, Session
-from nxt_twin.twin.settings import AT_ARRIVAL
+from nxt_twin.twin.replayed import replay_sitting
 from nxt_twin.twin.sinks import Memory
 
 _ALL: Final = 10_000_000
@@ -73,21 +68,12 @@ def replay(plant: Model, recording: Recording) -> dict[str, Replayed]:
     {'a_tacho_deg': <Replayed a_tacho_deg: 301 readings; started, stopped>}
     """
     model, clock = load_plant(plant), PacedClock(SystemClock(), math.inf)
-    brick, memory = RecordedBrick(recording, clock), Memory(_ALL)
-    if not brick.ports:
+    memory, ports = Memory(_ALL), RecordedBrick(recording, clock).ports
+    if not ports:
         mend = "record a_power_pct and a_tacho_deg"
         raise RecordingError("holds no motor", where=recording.name, mend=mend)
-    parts = Parts(
-        open_brick=lambda: Brick(brick, clock),
-        clock=clock,
-        twin=BrickTwin(dict.fromkeys(brick.ports, model), TwinOptions(bridge=plain_bridge)),
-        sink=memory,
-        plan=Plan(sensors={}),
-        pace=AT_ARRIVAL,
-        driver=RecordedCommands(brick, brick.ports),
-        lags=recording.lags,
-    )
-    Session(parts).run(brick.duration_s)
+    sitting, lasts_s = replay_sitting(recording, dict.fromkeys(ports, model), clock, memory)
+    sitting.session.run(lasts_s)
     innovations = [innovation for tick in memory.ticks for innovation in tick.innovations]
     channels = dict.fromkeys(innovation.channel for innovation in innovations)
     return {channel: _replayed(channel, innovations, memory.events) for channel in channels}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def _with_gaps(run: HeldOutRun) -> HeldOutRun:
     if not before.size or run.path is not None:
         return run
     middle_s = (run.time_s[before] + run.time_s[before + 1]) / 2.0
-    emptied = {
+    emptied: dict[str, Any] = {
         name: np.insert(getattr(run, name), before + 1, np.nan)
         for name in ("command", "measured", "baseline", "improved", "stale")
     }
