@@ -207,6 +207,16 @@ class Fit:
 
 @final
 @dataclass(frozen=True)
+class Tolerance:
+    """The error that does not matter, and what the improved plant leaves, both in `unit`."""
+
+    value: float
+    unit: str
+    remaining: float
+
+
+@final
+@dataclass(frozen=True)
 class NextExperiment:
     """What to record next, and why.
 
@@ -349,6 +359,7 @@ class Diagnosis:
         false_alarm_rate: of the whole search on recordings like these.
         nearest: to what is left, where something is.
         plant: the improved model, where the case is about a plant and it was asked for.
+        tolerance: the error that does not matter, where one was asked about.
     """
 
     name: str
@@ -367,6 +378,7 @@ class Diagnosis:
     excitation: Excitation | None = None
     false_alarm_rate: FalseAlarmRate | None = None
     nearest: Nearest | None = None
+    tolerance: Tolerance | None = None
     plant: Plant | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:

@@ -9,15 +9,25 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Diagnosis, FalseAlarmRate, Fit, HeldOutRun, Leftover
+from nxt_twin.diagnose.diagnosis import (
+    Diagnosis,
+    FalseAlarmRate,
+    Fit,
+    HeldOutRun,
+    Horizon,
+    Leftover,
+    Tolerance,
+)
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.judging.evidence import Evidence, gather, is_patchwork, verdict_of
-from nxt_twin.diagnose.judging.judge import noise_floor, overall, stale_readings
+from nxt_twin.diagnose.judging.evidence import Evidence, gather
+from nxt_twin.diagnose.judging.horizons import Errors
+from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
+from nxt_twin.diagnose.judging.verdict import is_patchwork, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import searched
@@ -42,24 +52,32 @@ class Answer:
     plant: Plant
 
 
-def diagnose(case: Case, *, seed: int = 0, progress: Progress = lambda _: None) -> Answer:
+def diagnose(
+    case: Case,
+    *,
+    seed: int = 0,
+    tolerance: float | None = None,
+    progress: Progress = lambda _: None,
+) -> Answer:
     """Say what physics `case`'s baseline leaves out, if any.
 
     Args:
         case: the baseline and its recordings.
+        tolerance: error of a simulation that does not matter, SI (rad, m, or per second); without one, half a step of
+            the encoder or the roughness of its readings.
         seed: of the random shifts behind the regimes' p-values; nothing else is random.
         progress: told in words what is being done.
 
     Raises:
         NxtTwinError: the case cannot be diagnosed; its text says why.
     """
-    problem = problem_for(case)
+    problem = problem_for(case, tolerance)
     with Simulator(problem.plant.layout) as simulator:
         found = searched(simulator, problem, progress)
         progress("judging on what was held out")
         rng = np.random.default_rng(seed)
         evidence = gather(simulator, problem, found, rng)
-        return Answer(_diagnosis(simulator, evidence, seed, rng), found.final.plant)
+        return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written)
 
 
 def fit_as_it_stands(case: Case) -> Structure:
@@ -70,23 +88,17 @@ def fit_as_it_stands(case: Case) -> Structure:
         return fit_everything(Fitter(simulator, problem), problem.plant, noise)
 
 
-def problem_for(case: Case) -> Problem:
+def problem_for(case: Case, tolerance: float | None = None) -> Problem:
     """Make a case ready, with a named plant looked up."""
     config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
-    return problem_of(case.name, config, case.recordings, case.holdout, case.port)
+    return problem_of(case.name, config, case.recordings, case.holdout, case.port, tolerance)
 
 
 def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generator) -> Diagnosis:
     problem, units = evidence.problem, evidence.units
-    verdict = verdict_of(evidence)
+    verdict = verdict_of(evidence.record)
     effects = found_effects(simulator, evidence)
-    fit = Fit(
-        metric="free-run RMSE, held-out",
-        unit=units.reading,
-        baseline=overall(evidence.baseline_runs) * units.reading_factor,
-        improved=overall(evidence.final_runs) * units.reading_factor,
-        floor=noise_floor(problem, evidence.final.noise) * units.reading_factor,
-    )
+    fit = _fit(evidence)
     sizes, excitation = in_sight(simulator, problem, evidence.linear)
     held_out = tuple(_held_out(evidence))
     alarms = evidence.false_alarms
@@ -99,7 +111,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
             fit,
             excitation,
             {one.id: one.name for one in sizes},
-            patchwork=is_patchwork(evidence),
+            patchwork=is_patchwork(evidence.record),
         ),
         refit=refitted(evidence),
         mismatch=mismatch_of(simulator, evidence, verdict, seed),
@@ -114,7 +126,36 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         excitation=excitation,
         false_alarm_rate=FalseAlarmRate(alarms.rate, alarms.upper_95, alarms.of),
         nearest=nearest(evidence, verdict),
+        tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
+
+
+def _fit(evidence: Evidence) -> Fit:
+    factor = evidence.units.reading_factor
+    seconds = evidence.final_errors.seconds
+    columns = (
+        evidence.given_errors.rms,
+        evidence.baseline_errors.rms,
+        evidence.final_errors.rms,
+        evidence.floors,
+    )
+    floor = _at(Errors(seconds, evidence.floors), evidence.problem.window_s)
+    return Fit(
+        metric="free-run RMSE, held-out",
+        unit=evidence.units.reading,
+        baseline=overall(evidence.baseline_runs) * factor,
+        improved=overall(evidence.final_runs) * factor,
+        floor=floor * factor,
+        horizons=tuple(
+            Horizon(None if np.isinf(own) else own, *(float(value) * factor for value in row))
+            for own, *row in zip(seconds, *columns, strict=True)
+        ),
+    )
+
+
+def _at(errors: Errors, seconds: float) -> float:
+    """The error at the horizon nearest to `seconds`."""
+    return errors.rms[int(np.argmin([abs(np.log(min(own, 1e6) / seconds)) for own in errors.seconds]))]
 
 
 def _held_out(evidence: Evidence) -> list[HeldOutRun]:

@@ -32,12 +32,14 @@ class Noise:
         disturbance_std: of the unknown torque over inertia, rad/s² or m/s².
         disturbance_time_s: how long it takes to forget.
         damping_per_s: how fast the plant itself forgets its speed.
+        drift: how many times further off simulated readings are than these make them: a model's systematic error.
     """
 
     reading_std: float
     disturbance_std: float
     disturbance_time_s: float
     damping_per_s: float
+    drift: float = 1.0
 
 
 @final

@@ -60,7 +60,11 @@ def test_the_json_is_as_documented():
     assert {"channel", "when", "regimes", "equation"} <= set(content["mismatch"])
     assert content["mismatch"]["channel"] == "a_tacho_deg"
     assert content["mismatch"]["when"][0].keys() == {"recording", "start_s", "end_s", "strength"}
-    assert set(content["fit"]) == {"metric", "unit", "baseline", "improved", "floor"}
+    assert set(content["fit"]) == {"metric", "unit", "baseline", "improved", "floor", "horizons"}
+    lengths = [horizon["seconds"] for horizon in content["fit"]["horizons"]]
+    assert lengths == [0.5, 2.0, 10.0, None]
+    assert {"given", "baseline", "improved", "floor"} <= content["fit"]["horizons"][0].keys()
+    assert content["tolerance"].keys() == {"value", "unit", "remaining"}
     effect = content["effects"][0]
     assert effect["id"] == "gravity_load"
     assert {"value", "std", "unit"} <= set(effect["params"]["gravity_torque_nm"])

@@ -70,16 +70,21 @@ def test_slopes_keep_everything_but_what_lies_between_motors_that_are_alike():
     assert np.array_equal(told_apart(slopes, np.zeros(3)), slopes)
 
 
-def test_the_likeliest_of_them_is_where_the_priors_rest():
+@pytest.mark.parametrize("logs", [False, True])
+def test_the_likeliest_of_them_is_where_the_priors_rest(logs):
     centre, spread = np.array([2.0, 8.0, 1.0]), np.array([1.0, 0.8, 0.1])
     likeness = np.array([1.0, -1.0, 0.0])
     x = np.array([6.0, 3.0, 1.4])
-    best = most_likely(x, likeness, centre, spread)
-    assert best[2] == x[2]
+    moved = np.full(3, logs)
+    centre = np.log(centre) if logs else centre
+    found = most_likely(np.log(x) if logs else x, likeness, centre, spread, moved)
+    best = np.exp(found) if logs else found
+    assert best[2] == pytest.approx(x[2])
     assert best[0] * best[1] == pytest.approx(x[0] * x[1])
 
     def doubt(size):
-        return (((x * np.exp(likeness * size) - centre) / spread) ** 2).sum()
+        grown = x * np.exp(likeness * size)
+        return ((((np.log(grown) if logs else grown) - centre) / spread) ** 2).sum()
 
     sizes = np.linspace(-2.0, 2.0, 4001)
     assert np.log(best[0] / x[0]) == pytest.approx(sizes[np.argmin([doubt(s) for s in sizes])], abs=2e-3)

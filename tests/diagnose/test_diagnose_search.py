@@ -59,7 +59,7 @@ def test_a_screen_costs_about_one_run_a_start(lacking):
     before = lacking.steps
     starts = len(lacking.screened())
     seconds = sum(float(job.signals.time_s[-1]) for job in lacking.problem.target.jobs)
-    assert lacking.steps - before < 1.6 * starts * seconds / DRAFT_STEP_S
+    assert lacking.steps - before < 2.6 * starts * seconds / DRAFT_STEP_S
 
 
 def test_small_batches_promise_the_same(lacking, monkeypatch):
@@ -171,7 +171,7 @@ def test_coarse_steps_change_a_settled_weight_by_little(lacking):
     noise = bench.baseline.noise
     coarse = settled(bench.fitter, found.plant, noise)
     exact = Fitter(bench.simulator, bench.problem)
-    exact._targets = {1e-3: bench.problem.target, 2e-3: bench.problem.target}
+    exact._targets = {1e-3: bench.problem.objective, 2e-3: bench.problem.objective}
     fine = settled(exact, found.plant, noise)
     fine_base = settled(exact, plant, noise)
     assert weigh(bench.baseline, coarse).gain == pytest.approx(weigh(fine_base, fine).gain, abs=6.0)

@@ -22,7 +22,8 @@ class Checks:
 
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self._simulator = simulator
-        self._checking = replace(problem.target, counted=problem.check)
+        self._checking = problem.objective.checking()
+        self._predicting = problem.target.jobs
         self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
 
     def checked(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
@@ -39,5 +40,7 @@ class Checks:
         results = self._simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
         size = len(checking.jobs)
         costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
-        rms, believed = self._free_runs.rms(self._simulator, plant, noise, results[:size], step_s)
+        rms, believed = self._free_runs.rms(
+            self._simulator, plant, noise, results[: len(self._predicting)], step_s
+        )
         return Structure(fitted, noise, min(costs), rms, believed)

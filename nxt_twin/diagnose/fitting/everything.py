@@ -17,7 +17,7 @@ _LAST = replace(SETTLED, iterations=25)
 def fit_everything(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
     """Fit `plant` on target and check together, under the noise that suits it, to the last digit."""
     near = roughly_everything(fitter, plant, noise, rounds=2)
-    tuned = with_noise(fitter.problem.everything(), near.noise)
+    tuned = with_noise(fitter.problem.objective.everything(), near.noise)
     return fitter.checked(fitter.fit_on(tuned, near.plant, EXACT)[0], near.noise, EXACT)
 
 
@@ -26,7 +26,7 @@ def roughly_everything(fitter: Fitter, plant: Plant, noise: Noise, *, rounds: in
 
     Noise and parameters are estimated in turn for so many `rounds`; without a round, `noise` stays as it is.
     """
-    target = fitter.problem.everything().with_step(SETTLED.step_for(plant))
+    target = fitter.problem.objective.everything().with_step(SETTLED.step_for(plant))
     for _ in range(rounds):
         plant = fitter.fit_on(with_noise(target, noise), plant, _WHILE_NOISE_SETTLES)[0].plant
         noise, _ = estimate(fitter.simulator, plant, target, noise)

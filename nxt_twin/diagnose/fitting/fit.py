@@ -18,6 +18,9 @@ from nxt_twin.physics.simulate import Job, Result, Simulator
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
+SOFT = 2.0  # standard deviations of a simulated reading from which its loss grows linearly
+_LEAST_SHARE = 1e-3  # of its scale: the least value of a positive variable
+_LONGEST_LOG_STEP = 1.0
 _TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
 
 
@@ -33,6 +36,8 @@ class Variable:
         lower, upper: bounds, SI.
         centre, spread: mean and standard deviation of the weak prior, SI; spread inf is no prior.
         likeness: the power with which the value grows along the motors that these readings cannot tell apart.
+
+    A positive value moves by factors: its prior is normal in its logarithm.
     """
 
     slots: tuple[Slot, ...]
@@ -43,6 +48,11 @@ class Variable:
     centre: float
     spread: float
     likeness: float = 0.0
+
+    @property
+    def positive(self) -> bool:
+        """Whether the value can only be positive, so that a fit moves its logarithm."""
+        return self.lower >= 0.0
 
 
 @final
@@ -73,14 +83,91 @@ class Target:
     """The readings to fit.
 
     Attributes:
-        jobs: the recordings; one recording may come several times, thinned in different ways.
+        jobs: the recordings; one recording may come several times, thinned in different ways or simulated.
         counted: which samples of each count, shape (samples,).
-        evidence: what one reading is worth, less than 1 where a recording comes several times.
+        check: which samples of each only judge a choice, shape (samples,).
+        evidence: what one reading of each job is worth, less than 1 where readings tell of one another.
+        corrected: which samples correct the run, shape (samples,); None where all do. What is predicted between them
+            is simulation.
+        pull: how many times its evidence a job counts for while parameters are sought, so that they simulate.
     """
 
     jobs: tuple[Job, ...]
     counted: tuple[BoolArray, ...]
-    evidence: float = 1.0
+    check: tuple[BoolArray, ...]
+    evidence: tuple[float, ...]
+    corrected: tuple[BoolArray | None, ...]
+    pull: tuple[float, ...]
+
+    def beside(self, other: Target) -> Target:
+        """Both targets as one."""
+        return Target(
+            self.jobs + other.jobs,
+            self.counted + other.counted,
+            self.check + other.check,
+            self.evidence + other.evidence,
+            self.corrected + other.corrected,
+            self.pull + other.pull,
+        )
+
+    def checking(self) -> Target:
+        """The readings that only judge a choice, in the place of those that are fitted."""
+        return replace(self, counted=self.check)
+
+    def everything(self) -> Target:
+        """Fitted and checking readings together."""
+        both = tuple(a | b for a, b in zip(self.counted, self.check, strict=True))
+        return replace(self, counted=both)
+
+    def predicting(self) -> Target:
+        """The jobs that every reading corrects."""
+        return self._some([n for n, mask in enumerate(self.corrected) if mask is None])
+
+    def simulating(self) -> Target:
+        """The jobs that run freely between spells of correction."""
+        return self._some([n for n, mask in enumerate(self.corrected) if mask is not None])
+
+    def _some(self, rows: Sequence[int]) -> Target:
+        return Target(
+            tuple(self.jobs[n] for n in rows),
+            tuple(self.counted[n] for n in rows),
+            tuple(self.check[n] for n in rows),
+            tuple(self.evidence[n] for n in rows),
+            tuple(self.corrected[n] for n in rows),
+            tuple(self.pull[n] for n in rows),
+        )
+
+    def pulling(self) -> Target:
+        """With the evidence that counts while parameters are sought."""
+        evidence = tuple(a * b for a, b in zip(self.evidence, self.pull, strict=True))
+        return replace(self, evidence=evidence, pull=(1.0,) * len(self.pull))
+
+    def errors(self, number: int, result: Result) -> FloatArray:
+        """Errors of a job's predictions in standard deviations, shape (sets, samples)."""
+        job = self.jobs[number]
+        return np.asarray((job.signals.measured - result.predicted) / job.observer.innovation_std)
+
+    def weight(self, number: int, result: Result) -> FloatArray:
+        """What each reading of a job weighs in a step of a fit, shape (sets, samples)."""
+        if self.corrected[number] is None:
+            return result.weight
+        z = self.errors(number, result)
+        return np.asarray(1.0 / np.sqrt(1.0 + (z / SOFT) ** 2))
+
+    def reading_costs(self, number: int, result: Result) -> FloatArray:
+        """Negative log-likelihood of each reading of a job, nats, shape (sets, samples).
+
+        Of simulated readings by a soft loss: a model on the edge of sticking is at times far off.
+        """
+        if self.corrected[number] is None:
+            return result.cost
+        z = self.errors(number, result)
+        soft = SOFT**2 * (np.sqrt(1.0 + (z / SOFT) ** 2) - 1.0)
+        return np.asarray(soft + np.log(self.jobs[number].observer.innovation_std))
+
+    def worth(self) -> int:
+        """How many independent readings the counted ones are worth."""
+        return int(sum(w * mask.sum() for w, mask in zip(self.evidence, self.seen(), strict=True)))
 
     def with_step(self, step_s: float) -> Target:
         """The readings, simulated with steps of `step_s`."""
@@ -95,7 +182,11 @@ class Target:
 
     def cost(self, results: Sequence[Result]) -> FloatArray:
         """Negative log-likelihood of the counted readings for each parameter set, nats."""
-        return self.evidence * cost_of(results, self.counted)
+        total = sum(
+            worth * self.reading_costs(n, result)[:, mask].sum(axis=1)
+            for n, (result, mask, worth) in enumerate(zip(results, self.counted, self.evidence, strict=True))
+        )
+        return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
 
     def costs_of(self, simulator: Simulator, plants: Sequence[Plant]) -> FloatArray:
         """Negative log-likelihood of the counted readings for each of `plants`, nats, run a few at a time."""
@@ -138,8 +229,8 @@ def fit(
     Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
-    search = _Search(simulator, plant, tuple(variables), target)
-    x: FloatArray = search.centred(np.clip(values_of(plant, variables), search.lower, search.upper))
+    search = _Search(simulator, plant, tuple(variables), target.pulling())
+    x: FloatArray = search.centred(search.inside(values_of(plant, variables)))
     slopes = search.slopes(x) if slopes is None else search.brought(slopes, x)
     objective = search.objective_of(x, slopes)
     left = iterations if variables else 0
@@ -151,7 +242,7 @@ def fit(
         gain, exact = 0.0, slopes.exact
         if promised >= patience_nats:
             left -= 1
-            trials: FloatArray = np.clip(x + steps * search.scale, search.lower, search.upper)
+            trials: FloatArray = np.clip(x + search.bounded(steps), search.lower, search.upper)
             results = search.run(trials)
             objectives = search.objectives(trials, results)
             best = int(np.nanargmin(objectives))
@@ -165,25 +256,20 @@ def fit(
             break
         if gain < max(patience_nats, _TRUSTED * promised) and left > 0:
             slopes = search.slopes(x)
-    cost = objective - search.prior_cost(x)
+    cost = float(target.cost(slopes.results)[0])
     x = search.centred(x)
     hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
+    width = search.scale * search.si_per_unit(x)
     fitted = Fitted(
-        moved(plant, variables, x),
+        moved(plant, variables, search.si(x)),
         tuple(variables),
-        spread * np.outer(search.scale, search.scale),
+        spread * np.outer(width, width),
         cost,
         search.prior_cost(x),
-        search.readings,
+        target.worth(),
     )
     return fitted, slopes
-
-
-def cost_of(results: Sequence[Result], counted: Sequence[BoolArray]) -> FloatArray:
-    """Negative log-likelihood of the counted readings for each parameter set, nats; inf where a run blew up."""
-    total = sum(result.cost[:, mask].sum(axis=1) for result, mask in zip(results, counted, strict=True))
-    return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
 
 
 def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
@@ -214,7 +300,10 @@ class Slopes:
 
 @final
 class _Search:
-    """The fixed surroundings of one fit; variables are divided by their scale inside."""
+    """The fixed surroundings of one fit.
+
+    Inside, positive variables are logarithms; all are divided by their scale where they meet a linear equation.
+    """
 
     def __init__(
         self, simulator: Simulator, plant: Plant, variables: tuple[Variable, ...], target: Target
@@ -225,19 +314,44 @@ class _Search:
         index = plant.layout.index
         self._columns = [[index[slot] for slot in v.slots] for v in variables]
         self._ratios = [np.array(v.ratios) for v in variables]
-        self.scale = np.array([v.scale for v in variables])
-        self.lower = np.array([v.lower for v in variables])
-        self.upper = np.array([v.upper for v in variables])
+        self._log = np.array([v.positive for v in variables], dtype=bool)
+        self._least = np.array([max(v.lower, _LEAST_SHARE * v.scale) for v in variables])
+        self.scale = np.array([1.0 if v.positive else v.scale for v in variables])
+        self.lower = self.inside(np.array([v.lower for v in variables]))
+        self.upper = self.inside(np.array([v.upper for v in variables]))
         self._likeness = np.array([v.likeness for v in variables])
-        self._centre = np.array([v.centre for v in variables])
-        self._spread = np.array([v.spread for v in variables])
+        self._centre = self.inside(np.array([v.centre for v in variables]))
+        relative = np.array([v.scale if v.positive else 1.0 for v in variables])
+        self._spread = np.array([v.spread for v in variables]) / relative
         self._counted = target.seen()
-        self.readings = int(target.evidence * sum(mask.sum() for mask in self._counted))
+
+    def inside(self, si: FloatArray) -> FloatArray:
+        """Values as the search moves them, from SI."""
+        found = np.array(si, dtype=np.float64)
+        found[self._log] = np.log(np.maximum(found[self._log], self._least[self._log]))
+        return found
+
+    def si(self, x: FloatArray) -> FloatArray:
+        """Values in SI, of shape (…, variables)."""
+        found = np.array(x, dtype=np.float64)
+        found[..., self._log] = np.exp(found[..., self._log])
+        return found
+
+    def si_per_unit(self, x: FloatArray) -> FloatArray:
+        """How fast the SI value grows with the one that is moved."""
+        return np.where(self._log, self.si(x), 1.0)
+
+    def bounded(self, steps: FloatArray) -> FloatArray:
+        """Steps, in scales, as moves; no logarithm by more than a factor that slopes can still tell of."""
+        moves = steps * self.scale
+        moves[..., self._log] = np.clip(moves[..., self._log], -_LONGEST_LOG_STEP, _LONGEST_LOG_STEP)
+        return np.asarray(moves)
 
     def run(self, x: FloatArray) -> list[Result]:
         return self._simulator.run(*self._sets(x), self._target.jobs)
 
     def _sets(self, x: FloatArray) -> tuple[FloatArray, BoolArray]:
+        x = self.si(x)
         values = np.repeat(self._values[None], x.shape[0], axis=0)
         for i, (columns, ratios) in enumerate(zip(self._columns, self._ratios, strict=True)):
             values[:, columns] = x[:, i : i + 1] * ratios
@@ -252,7 +366,7 @@ class _Search:
 
     def centred(self, x: FloatArray) -> FloatArray:
         """The likeliest of the motors that these readings cannot tell from `x`."""
-        found = most_likely(x, self._likeness, self._centre, self._spread)
+        found = most_likely(x, self._likeness, self._centre, self._spread, self._log)
         return np.asarray(np.clip(found, self.lower, self.upper))
 
     def free(self, x: FloatArray, gradient: FloatArray) -> BoolArray:
@@ -263,7 +377,7 @@ class _Search:
     def slopes(self, x: FloatArray, *, central: bool = False) -> Slopes:
         """By one-sided differences, which do for a step, or by central ones, which a covariance needs."""
         size = x.size
-        step = _DIFFERENCE * np.maximum(np.abs(x), 0.1 * self.scale)
+        step = _DIFFERENCE * np.where(self._log, 1.0, np.maximum(np.abs(x), 0.1 * self.scale))
         ahead = np.where(x + step <= self.upper, x + step, np.maximum(x - step, self.lower))
         behind = np.maximum(x - step, self.lower) if central else x
         sets = np.repeat(x[None], 2 * size + 1 if central else size + 1, axis=0)
@@ -302,13 +416,12 @@ class _Search:
         tightness = (self.scale / self._spread) ** 2
         hessian = np.diag(tightness)
         gradient = tightness * (x - self._centre) / self.scale
-        for job, slope, result, mask in zip(
-            self._target.jobs, slopes.predicted, slopes.results, self._counted, strict=True
+        for number, (job, slope, result, mask) in enumerate(
+            zip(self._target.jobs, slopes.predicted, slopes.results, self._counted, strict=True)
         ):
-            inverse = (
-                np.sqrt(self._target.evidence * result.weight[0, mask]) / job.observer.innovation_std[mask]
-            )
-            weighted = told_apart(slope, self._likeness * x / self.scale) * inverse
+            weight = self._target.evidence[number] * self._target.weight(number, result)[0, mask]
+            inverse = np.sqrt(weight) / job.observer.innovation_std[mask]
+            weighted = told_apart(slope, self._likeness * np.where(self._log, 1.0, x / self.scale)) * inverse
             residual = (job.signals.measured[mask] - result.predicted[0, mask]) * inverse
             hessian += weighted @ weighted.T
             gradient -= weighted @ np.nan_to_num(residual)

@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.checks import Checks
 from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, Target, fit
-from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.noise import drift_of, with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, SETTLED_STEP_S, Structure, shares, step_for
 from nxt_twin.diagnose.fitting.variables import variables_of
@@ -18,6 +18,7 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
 
+_SIMULATING_ROUNDS = 3
 _SHARE_ROUNDS = 3
 _SHARE_RESTS = 0.03
 _TUNED_KEPT = 8
@@ -58,7 +59,7 @@ class Fitter:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.simulator = simulator
         self.problem = problem
-        self._targets: dict[float, Target] = {STEP_S: problem.target}
+        self._targets: dict[float, Target] = {STEP_S: problem.objective}
         self._tuned: dict[tuple[float, Noise], Target] = {}
         self._checks = Checks(simulator, problem)
 
@@ -93,6 +94,19 @@ class Fitter:
                 return replace(fitted, plant=plant), slopes
             slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
 
+    def simulating(self, plant: Plant, noise: Noise) -> tuple[Plant, Noise]:
+        """`plant` fitted on windows of simulation alone, and `noise` with how far these are off."""
+        variables = variables_of(plant, self.problem.plant, self.problem.scale)
+        target = self.target(step_for(plant, DRAFT_STEP_S))
+        for _ in range(_SIMULATING_ROUNDS):
+            noise = replace(noise, drift=drift_of(self.simulator, plant, target, noise))
+            tuned = with_noise(target.simulating(), noise)
+            fitted, _ = fit(
+                self.simulator, plant, variables, tuned, iterations=12, patience_nats=0.2, covariance=False
+            )
+            plant = fitted.plant
+        return plant, noise
+
     def checked(self, fitted: Fitted, noise: Noise, effort: Effort = SETTLED) -> Structure:
         """The fitted plant with what the checking readings say of it."""
         return self._checks.checked(fitted, noise, effort.step_for(fitted.plant))
@@ -100,7 +114,7 @@ class Fitter:
     def target(self, step_s: float) -> Target:
         """The target with steps of `step_s`."""
         if step_s not in self._targets:
-            self._targets[step_s] = self.problem.target.with_step(step_s)
+            self._targets[step_s] = self.problem.objective.with_step(step_s)
         return self._targets[step_s]
 
     def tuned(self, noise: Noise, step_s: float) -> Target:
@@ -117,6 +131,7 @@ class Fitter:
         if not shares(plant):
             return plant
         values, active = plant.vectors()
+        target = target.predicting()
         results = self.simulator.run(values[None], active[None], target.jobs)
         doubts = np.concatenate(
             [1.0 - result.weight[0, mask] for result, mask in zip(results, target.seen(), strict=True)]

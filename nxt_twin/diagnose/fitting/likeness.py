@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nxt_twin.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
 
 VOLTAGES = ("power_pct", "voltage_v")
 """Inputs under which a motor's motion tells nothing of the size of its torques."""
@@ -29,21 +29,24 @@ def told_apart(slopes: FloatArray, along: FloatArray) -> FloatArray:
     return np.asarray(slopes - np.outer(along, along @ slopes) / size) if size > 0.0 else slopes
 
 
-def most_likely(x: FloatArray, likeness: FloatArray, centre: FloatArray, spread: FloatArray) -> FloatArray:
+def most_likely(
+    x: FloatArray, likeness: FloatArray, centre: FloatArray, spread: FloatArray, logs: BoolArray
+) -> FloatArray:
     """Of all motors that move as that of `x` the one that the weak priors hold for the likeliest.
 
     Args:
-        x: values of the variables, SI, as all else shape (variables,).
+        x: values of the variables, as all else shape (variables,).
         likeness: the power with which each grows from one such motor to the next.
         centre: means of the priors.
         spread: their standard deviations, inf where there is none.
+        logs: which values, centres and deviations are of logarithms.
     """
     if not likeness.any():
         return x
     size = 0.0
     for _ in range(_ROUNDS):
-        grown = x * np.exp(likeness * size)
-        slope = likeness * grown / spread
+        grown = np.where(logs, x + likeness * size, x * np.exp(likeness * size))
+        slope = likeness * np.where(logs, 1.0, grown) / spread
         steepness = max(float(slope @ slope), 1e-300)
         size -= float(np.clip(float(slope @ ((grown - centre) / spread)) / steepness, -0.5, 0.5))
-    return np.asarray(x * np.exp(likeness * size))
+    return np.asarray(np.where(logs, x + likeness * size, x * np.exp(likeness * size)))

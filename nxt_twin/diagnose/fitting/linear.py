@@ -126,8 +126,8 @@ def linearise(
     counted = target.seen()
     predicted, last = predictions(simulator, sets, np.repeat(active[None], len(sets), axis=0), jobs, counted)
     gain = tuple(
-        np.sqrt(target.evidence * result.weight[0]) / job.observer.innovation_std
-        for job, result in zip(jobs, last, strict=True)
+        np.sqrt(worth * result.weight[0]) / job.observer.innovation_std
+        for worth, job, result in zip(target.evidence, jobs, last, strict=True)
     )
     slopes, innovations = [], []
     along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)

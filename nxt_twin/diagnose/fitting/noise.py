@@ -10,9 +10,9 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches, samples_of
-from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.diagnose.fitting.fit import SOFT, Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
-from nxt_twin.physics.observer import Noise, observer
+from nxt_twin.physics.observer import Noise, Observer, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator
@@ -32,14 +32,20 @@ _FLAT_NATS = 1e-3
 _RESTING_NATS = 0.2
 _SAME_DAMPING = 0.1
 _WORSE_NATS = 100.0
+_LARGEST_DRIFT = 1e4
+_DRIFT_ROUNDS = 30
 
 
 def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
     """Noise to start a search from; `torque` is one that is ordinary for the plant."""
     inertia = plant.values[Slot(BASE_OWNER, "inertia")]
-    rough = np.sqrt(np.mean([np.nanmean((s.measured - _fitted(s)) ** 2) for s in signals]))
-    floor = reading_floor(signals)
-    return Noise(max(floor, float(rough)), 0.1 * torque / inertia, DISTURBANCE_TIME_S, damping_per_s(plant))
+    reading_std = max(reading_floor(signals), roughness(signals))
+    return Noise(reading_std, 0.1 * torque / inertia, DISTURBANCE_TIME_S, damping_per_s(plant))
+
+
+def roughness(signals: Sequence[Signals]) -> float:
+    """How far readings lie off a smooth curve through them, RMS, SI: their noise, and that of their stamps."""
+    return float(np.sqrt(np.mean([np.nanmean((s.measured - _fitted(s)) ** 2) for s in signals])))
 
 
 def reading_floor(signals: Sequence[Signals]) -> float:
@@ -60,10 +66,40 @@ def damping_per_s(plant: Plant) -> float:
 def with_noise(target: Target, noise: Noise) -> Target:
     """The same readings, corrected by the gains that suit `noise`."""
     jobs = tuple(
-        replace(job, observer=observer(job.signals, noise), disturbance_time_s=noise.disturbance_time_s)
-        for job in target.jobs
+        replace(
+            job, observer=_observer(job.signals, noise, mask), disturbance_time_s=noise.disturbance_time_s
+        )
+        for job, mask in zip(target.jobs, target.corrected, strict=True)
     )
     return replace(target, jobs=jobs)
+
+
+def _observer(signals: Signals, noise: Noise, corrected: BoolArray | None) -> Observer:
+    if corrected is None:
+        return observer(signals, noise)
+    free = observer(replace(signals, measured=np.where(corrected, signals.measured, np.nan)), noise)
+    gains = free.gains.copy()
+    gains[:, 2] = 0.0  # an unknown torque is no part of a simulation
+    return Observer(gains, noise.drift * free.innovation_std)
+
+
+def drift_of(simulator: Simulator, plant: Plant, target: Target, noise: Noise) -> float:
+    """How far simulated readings are off, over what `noise` makes of single ones: the likeliest factor."""
+    tuned = with_noise(target.simulating(), replace(noise, drift=1.0))
+    values, active = plant.vectors()
+    results = simulator.run(values[None], active[None], tuned.jobs)
+    z = [
+        tuned.errors(n, result)[0, mask]
+        for n, (result, mask) in enumerate(zip(results, tuned.seen(), strict=True))
+    ]
+    square = np.nan_to_num(np.concatenate(z), nan=_WILD_NATS) ** 2 if z else np.zeros(0)
+    if not square.size:
+        return 1.0
+    drift2 = max(float(np.median(square)), 1e-12)
+    for _ in range(_DRIFT_ROUNDS):
+        scaled = square / drift2
+        drift2 *= float(np.mean(scaled / np.sqrt(1.0 + scaled / SOFT**2)))
+    return float(np.clip(math.sqrt(drift2), 1.0 / _LARGEST_DRIFT, _LARGEST_DRIFT))
 
 
 def estimate(
@@ -75,13 +111,14 @@ def estimate(
     the paraboloid through them gives the next centre, and the star shrinks as it comes to rest. A start that is `near`
     already gets a narrower star.
     """
+    whole, target = target, target.predicting()
     floor = reading_floor([job.signals for job in target.jobs])
     lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
     damping = _likelier_damping_per_s(simulator, plant, target, start)
 
     def noise_at(logs: FloatArray) -> Noise:
         reading, disturbance = np.exp(np.maximum(logs, lowest))
-        return Noise(float(reading), float(disturbance), start.disturbance_time_s, damping)
+        return Noise(float(reading), float(disturbance), start.disturbance_time_s, damping, start.drift)
 
     centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
     cost = math.inf
@@ -103,7 +140,8 @@ def estimate(
             np.abs(step).max() < 1.0
         ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
-    return noise_at(best), start_cost - cost
+    found = noise_at(best)
+    return replace(found, drift=drift_of(simulator, plant, whole, found)), start_cost - cost
 
 
 def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> float:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, IntArray
 from nxt_twin.diagnose.fitting.fit import Target
-from nxt_twin.diagnose.fitting.noise import damping_per_s
+from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
+from nxt_twin.diagnose.fitting.simulated import simulated
+from nxt_twin.diagnose.fitting.splits import (
+    WINDOW_S,
+    Split,
+    length_s,
+    with_blocks_that_check,
+    with_windows_held_out,
+)
 from nxt_twin.diagnose.fitting.variables import scale_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.parameter import Scale
@@ -21,15 +29,11 @@ from nxt_twin.physics.simulate import free_job, with_supply
 from nxt_twin.physics.start import Start, moving_start, restarts
 from nxt_twin.recording.recording import Recording
 
-WINDOW_S = 2.0
-"""Length of the free runs on which models are judged; a longer one rewards lucky drift of an integrator."""
-
-_WINDOWS_OF_ONE = 6  # a single recording is cut into at least this many windows, every third held out
-_PARTS = 4  # one recording, or block of time, in so many checks a choice of structure instead of being fitted
 _LONGEST_THINNING_S = 0.06
 _READINGS_PER_TIME_CONSTANT = 8.0
 _PHASES = 2  # where few readings are left, a thinned recording is fitted from each of so many first readings
 _FEW_READINGS = 2000
+_HALF = 0.5  # of an encoder's step does not matter
 _FEWEST_READINGS = 50
 _LARGEST_READING = 1e9
 
@@ -53,26 +57,38 @@ class Problem:
         name: the case's.
         plant: the baseline as it came.
         scale: torque and speed that are ordinary for it.
-        target: readings that a fit sees, thinned to what the plant's time constant leaves independent.
-        check: readings of the same recordings that only judge a choice of structure.
+        target: readings that a fit sees, thinned to what the plant's time constant leaves independent, each predicted
+            from those before it; those that only judge a choice of structure are marked.
+        simulated: the same readings, predicted by windows of simulation.
         held_out: what the final figures are about.
         signals: the recordings of `target`, unthinned.
         window_s: length of the free runs in `held_out`.
+        tolerance: the error of a simulation that does not matter, SI.
     """
 
     name: str
     plant: Plant
     scale: Scale
     target: Target
-    check: tuple[BoolArray, ...]
+    simulated: Target
     held_out: tuple[HeldOut, ...]
     signals: tuple[Signals, ...]
     window_s: float
+    tolerance: float
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""
-        both = tuple(a | b for a, b in zip(self.target.counted, self.check, strict=True))
-        return replace(self.target, counted=both)
+        return self.target.everything()
+
+    @property
+    def objective(self) -> Target:
+        """What a fit sees: each reading predicted from those before it, and simulated."""
+        return self.target.beside(self.simulated)
+
+    @property
+    def check(self) -> tuple[BoolArray, ...]:
+        """Readings of the target's recordings that only judge a choice of structure."""
+        return self.target.check
 
 
 def problem_of(
@@ -81,8 +97,11 @@ def problem_of(
     recordings: Sequence[Recording],
     holdout: Sequence[Recording],
     port: str | None,
+    tolerance: float | None = None,
 ) -> Problem:
     """Make a case ready. Without `holdout`, every third recording is held out; of one or two, windows of time.
+
+    `tolerance` is in SI; without one, half a step of the encoder or the roughness of its readings, if that is more.
 
     Raises:
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
@@ -103,31 +122,29 @@ def problem_of(
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart and len(fitted) >= 3:
         apart, fitted = fitted[2::3], [s for i, s in enumerate(fitted) if i % 3 != 2]
-    window_s = WINDOW_S
-    masks = [np.zeros(s.time_s.size, dtype=bool) for s in fitted]
-    held_out = [_whole(signals, window_s) for signals in apart]
-    if not apart:
-        shortest = min(float(s.time_s[-1] - s.time_s[0]) for s in fitted)
-        window_s = min(WINDOW_S, shortest / _WINDOWS_OF_ONE)
-        held_out = [_windows(signals, window_s) for signals in fitted]
-        masks = [part.counted for part in held_out]
-    target, check = _split(plant, fitted, masks)
-    count = int(target.evidence * sum(int(counted.sum()) for counted in target.counted))
-    if count < _FEWEST_READINGS:
-        raise DiagnosisError(
-            f"only {count} readings are left to fit, of {_FEWEST_READINGS} at least",
-            where=name,
-            mend="record for longer",
-        )
+    if apart:
+        splits, window_s = with_blocks_that_check(fitted), WINDOW_S
+        held_out = [
+            _held_out(signals, window_s, np.ones(signals.time_s.size, dtype=bool)) for signals in apart
+        ]
+    else:
+        splits, window_s = with_windows_held_out(fitted)
+        held_out = [
+            _held_out(signals, window_s, split.held_out)
+            for signals, split in zip(fitted, splits, strict=True)
+        ]
+    target = _target(plant, fitted, splits)
+    _refuse_too_few(name, target, held_out)
     return Problem(
         name=name,
         plant=plant,
         scale=scale_of(plant, fitted),
         target=target,
-        check=check,
+        simulated=simulated(target, window_s),
         held_out=tuple(held_out),
         signals=tuple(fitted),
         window_s=window_s,
+        tolerance=_default_tolerance(fitted) if tolerance is None else tolerance,
     )
 
 
@@ -144,38 +161,46 @@ def _refuse_no_motion(signals: Signals) -> None:
         )
 
 
-def _whole(signals: Signals, window_s: float) -> HeldOut:
-    start = restarts(signals, window_s)
-    return HeldOut(signals, start, np.isfinite(signals.measured))
+def _refuse_too_few(name: str, target: Target, held_out: Sequence[HeldOut]) -> None:
+    """Refuse a case of which some part would be empty, or too small to fit."""
+    count = int(sum(w * counted.sum() for w, counted in zip(target.evidence, target.counted, strict=True)))
+    if count < _FEWEST_READINGS:
+        raise DiagnosisError(
+            f"only {count} readings are left to fit, of {_FEWEST_READINGS} at least",
+            where=name,
+            mend="record for longer",
+        )
+    checking = sum(int(mask.sum()) for mask in target.checking().seen())
+    judged = sum(int((part.counted & ~part.start.at).sum()) for part in held_out)
+    if not checking or not judged:
+        missing = "check a choice" if not checking else "hold out"
+        raise DiagnosisError(f"no readings are left to {missing}", where=name, mend="record for longer")
 
 
-def _windows(signals: Signals, window_s: float) -> HeldOut:
-    number = np.floor((signals.time_s - signals.time_s[0]) / window_s).astype(int)
-    return HeldOut(signals, restarts(signals, window_s), np.isfinite(signals.measured) & (number % 3 == 2))
+def _default_tolerance(signals: Sequence[Signals]) -> float:
+    return max(_HALF * max(one.quantum for one in signals), roughness(signals))
 
 
-def _split(
-    plant: Plant, fitted: Sequence[Signals], excluded: Sequence[BoolArray]
-) -> tuple[Target, tuple[BoolArray, ...]]:
+def _held_out(signals: Signals, window_s: float, held: BoolArray) -> HeldOut:
+    return HeldOut(signals, restarts(signals, window_s), np.isfinite(signals.measured) & held)
+
+
+def _target(plant: Plant, fitted: Sequence[Signals], splits: Sequence[Split]) -> Target:
     interval_s = _thinning_s(plant)
     dense = all(interval_s > 1.5 * signals.interval_s for signals in fitted)
-    seconds = sum(float(signals.time_s[-1] - signals.time_s[0]) for signals in fitted)
-    phases = _PHASES if dense and seconds < _FEW_READINGS * interval_s else 1
+    phases = _PHASES if dense and sum(map(length_s, fitted)) < _FEW_READINGS * interval_s else 1
     jobs, counted, check = [], [], []
-    for number, (signals, mask) in enumerate(zip(fitted, excluded, strict=True)):
+    for signals, split in zip(fitted, splits, strict=True):
         start = moving_start(signals)
-        elapsed_s = signals.time_s - signals.time_s[0]
-        block_s = max(0.5, min(2.0, float(elapsed_s[-1]) / 16.0))
-        block = np.floor(elapsed_s / block_s).astype(int)
-        if len(fitted) >= _PARTS:  # other inputs are a harder check than other moments of the same run
-            block[:] = number
-        checks = block % _PARTS == _PARTS - 1
         for phase in range(phases):
             rows = _thinned(signals, interval_s, phase * interval_s / phases)
             jobs.append(free_job(signals.part(rows), start.part(rows)))
-            counted.append((~mask & ~checks)[rows])
-            check.append((~mask & checks)[rows])
-    return Target(tuple(jobs), tuple(counted), 1.0 / phases), tuple(check)
+            counted.append((~split.held_out & ~split.check)[rows])
+            check.append((~split.held_out & split.check)[rows])
+    size = len(jobs)
+    return Target(
+        tuple(jobs), tuple(counted), tuple(check), (1.0 / phases,) * size, (None,) * size, (1.0,) * size
+    )
 
 
 def _thinning_s(plant: Plant) -> float:

@@ -16,6 +16,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import smoothed
 
+_LOOSE = 1.0  # of what a plant file gives with nothing said of its doubt: a factor of three is not unheard of
 _RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 
@@ -87,7 +88,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool)
         lower=min(parameter.lower * parameter.si, centre),
         upper=max(parameter.upper * parameter.si, centre),
         centre=centre,
-        spread=scale * (parameter.spread if given is None else parameter.doubt),
+        spread=scale * (parameter.spread if given is None else min(parameter.doubt, _LOOSE)),
         likeness=parameter.likeness if alike else 0.0,
     )
 

@@ -1,4 +1,4 @@
-"""Everything that a diagnosis is put together from, and how the verdict follows from it."""
+"""Everything that a diagnosis is put together from."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Verdict
 from nxt_twin.diagnose.fitting.kalman import clean_innovations
 from nxt_twin.diagnose.fitting.linear import Linear, linearise, trials_of
 from nxt_twin.diagnose.fitting.problem import Problem
@@ -17,30 +16,24 @@ from nxt_twin.diagnose.fitting.residuals import Residuals, residuals
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.detectable import allowed
+from nxt_twin.diagnose.judging.horizons import (
+    Errors,
+    best_at_every_horizon,
+    errors_of,
+    floors_of,
+)
 from nxt_twin.diagnose.judging.intervals import robust_covariance
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
+from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.layout import BASE_OWNER, Slot
+from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
 STRUCTURED_NATS = 15.0
-STRUCTURED_TORQUE = 2e-3
-LARGE_TORQUE = 3e-2
-MOST_LEFT = 0.1
-FAR_OFF = 4.0
-UNSETTLED = 3.5e-3
-HARDLY = 0.15
-MOST_NAMED = 3
-"""When what is left is more than noise: a flexible function of the state foretells it by so many nats, more than in
-clean recordings made up like these, and it is at least the second, or it is the third whatever foretells it; as
-fractions of a torque ordinary for the plant. Where effects were found, it must also be the fourth of all that there
-was to explain. Where none was found, free runs over readings that only check must not be the fifth times as far off
-as noise alone. Where something was found, the unknown torque that it leaves, times the share that it leaves of the
-error of free runs, must not be above the sixth unless that share is below the seventh: a term that an unknown effect
-happens to resemble does not carry the motion. Where more effects than the last were needed, beside those that plant
-files mostly state, they are pieces of something else."""
+"""Least leftover of a clean recording, nats, below which no made-up one puts the limit."""
 
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
@@ -61,8 +54,10 @@ class Evidence:
         linear: `final` as a linear regression.
         covariance: of the variables of `final`, robust, SI.
         clean: innovations of made-up clean recordings, as those of `linear`.
-        leftover_limit: nats that a clean case leaves at most.
         false_alarms: what the search would have made of the clean cases.
+        given_errors, baseline_errors, final_errors: of the three plants on what is held out.
+        floors: what a plant that lacks nothing would reach there, at each horizon, SI.
+        record: what the verdict rests on.
     """
 
     problem: Problem
@@ -77,8 +72,22 @@ class Evidence:
     linear: Linear
     covariance: FloatArray
     clean: FloatArray
-    leftover_limit: float
     false_alarms: FalseAlarms
+    given_errors: Errors
+    baseline_errors: Errors
+    final_errors: Errors
+    floors: tuple[float, ...]
+    record: Record
+
+    @property
+    def written(self) -> Plant:
+        """The plant that is handed on: the best of improved, re-fitted and given plant on what no fit has seen."""
+        ranked = [
+            (self.final.plant, self.final_errors),
+            (self.baseline.plant, self.baseline_errors),
+            (self.problem.plant, self.given_errors),
+        ]
+        return best_at_every_horizon(ranked, self.problem.tolerance)
 
 
 def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:
@@ -94,6 +103,12 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
     limit = leftover_threshold(clean_left, STRUCTURED_NATS)
     trials = [trial for effect in allowed(problem, final.plant) for trial in trials_of(effect, problem.scale)]
     alarmed = alarms(simulator, linear, trials, clean)
+    given_errors, baseline_errors, final_errors = (
+        errors_of(simulator, problem, plant, final.plant, final.noise)
+        for plant in (problem.plant, baseline.plant, final.plant)
+    )
+    floors = floors_of(problem, final.noise, final_errors.seconds)
+    left = leftover_nats(after), limit
     return Evidence(
         problem=problem,
         units=units_of(problem.plant.layout.frame, problem.signals[0]),
@@ -107,8 +122,12 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         linear=linear,
         covariance=robust_covariance(simulator, linear),
         clean=linear.left_of(clean),
-        leftover_limit=limit,
         false_alarms=FalseAlarms(int(np.sum(alarmed)), len(alarmed)),
+        given_errors=given_errors,
+        baseline_errors=baseline_errors,
+        final_errors=final_errors,
+        floors=floors,
+        record=_record(problem, searched, left, (baseline_errors, final_errors)),
     )
 
 
@@ -127,33 +146,29 @@ def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:
     return np.concatenate(parts, axis=1)
 
 
-def verdict_of(evidence: Evidence) -> Verdict:
-    """Adequate, explained or unexplained, by what is left beside what was found."""
-    left = leftover_nats(evidence.after)
-    before, after = (torque_share(evidence.problem, s) for s in (evidence.baseline, evidence.final))
-    structured = left > evidence.leftover_limit and after > STRUCTURED_TORQUE
-    large = after > LARGE_TORQUE
-    if not evidence.explanation.found:
-        floor = noise_floor(evidence.problem, evidence.final.noise)
-        runs_away = evidence.final.free_run_rms[0] > FAR_OFF * floor
-        return "unexplained" if structured or large or runs_away else "adequate"
-    gained = evidence.baseline.fitted.cost - evidence.final.fitted.cost
-    mostly_left = structured and left > MOST_LEFT * (left + gained)
-    share = _free_run_ratio(evidence)
-    hardly = share > HARDLY and share * after > UNSETTLED
-    still_large = large and after > 0.5 * before
-    return "unexplained" if mostly_left or hardly or still_large or is_patchwork(evidence) else "explained"
-
-
-def is_patchwork(evidence: Evidence) -> bool:
-    """Whether it took more effects than are likely to be missing at once, so that they stand for something else."""
-    return sum(not effect.plain for effect, _ in evidence.explanation.found) > MOST_NAMED
-
-
-def _free_run_ratio(evidence: Evidence) -> float:
-    """The error of free runs over checking readings, with what was found over without."""
-    before, after = evidence.baseline.free_run_rms[0], evidence.final.free_run_rms[0]
-    return after / max(before, 1e-15)
+def _record(
+    problem: Problem,
+    searched: Searched,
+    left: tuple[float, float],
+    errors: tuple[Errors, Errors],
+) -> Record:
+    baseline, final = searched.refit, searched.final
+    before, after = errors
+    found = searched.explanation.found
+    mattering = [n for n, rms in enumerate(after.rms) if rms > problem.tolerance]
+    return Record(
+        named=sum(not effect.plain for effect, _ in found),
+        found=bool(found),
+        left_nats=left[0],
+        left_limit_nats=left[1],
+        gained_nats=baseline.fitted.cost - final.fitted.cost,
+        torque_before=torque_share(problem, baseline),
+        torque_after=torque_share(problem, final),
+        run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
+        off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
+        matters=any(after.seconds[n] <= problem.window_s for n in mattering),
+        worst_ratio=max((after.rms[n] / max(before.rms[n], 1e-15) for n in mattering), default=0.0),
+    )
 
 
 def torque_share(problem: Problem, structure: Structure) -> float:

@@ -39,7 +39,7 @@ def draft_cost(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tup
     values, active = plant.vectors()
     target = fitter.tuned(noise, step_s)
     results = fitter.simulator.run(values[None], active[None], target.jobs)
-    checking = replace(target, counted=fitter.problem.check)
+    checking = target.checking()
     return float(target.cost(results)[0]), float(checking.cost(results)[0])
 
 

@@ -25,6 +25,7 @@ Progress = Callable[[str], None]
 
 MOST_EFFECTS = 4
 GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose from
+SILENT_NATS = 25.0  # where a simulation of two seconds is off by less than the tolerance already
 CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
@@ -312,8 +313,10 @@ class _Search:
         )
 
     def _needed(self, best: Structure) -> float:
+        """What a further effect has to gain; more where what `best` leaves does not matter to a simulation."""
         explained = self._doubting(best).fitted_cost - best.fitted_cost
-        return max(GAIN_NATS, _FORM_SHARE * explained)
+        silent = best.free_run_rms[0] <= self._fitter.problem.tolerance
+        return max(SILENT_NATS if silent else GAIN_NATS, _FORM_SHARE * explained)
 
     def _doubting(self, best: Structure) -> Structure:
         """The baseline with just those of `best`'s effects that doubt readings."""

@@ -13,7 +13,7 @@ def moments_gained(fitter: Fitter, simpler: Structure, richer: Structure) -> flo
 
     Both under the noise of `simpler`: a noise that one moment forced upon a model costs it all the others.
     """
-    tuned = fitter.tuned(simpler.noise, SETTLED.step_for(richer.plant))
+    tuned = fitter.tuned(simpler.noise, SETTLED.step_for(richer.plant)).predicting()
     gains: dict[tuple[str, int], float] = {}
     for sign, structure in ((1.0, simpler), (-1.0, richer)):
         values, active = structure.plant.vectors()

@@ -93,8 +93,10 @@ class _Nuisance:
         self._slopes: list[FloatArray] = []
         hessian = np.diag([(v.scale / v.spread) ** 2 for v in variables])
         gradient = np.zeros(len(variables))
-        for job, seen, moved, own in zip(target.jobs, self._masks, predicted, weighed, strict=True):
-            inverse = np.sqrt(target.evidence * own.weight[0, seen]) / job.observer.innovation_std[seen]
+        jobs = zip(target.jobs, self._masks, predicted, weighed, strict=True)
+        for number, (job, seen, moved, own) in enumerate(jobs):
+            weight = target.evidence[number] * target.weight(number, own)[0, seen]
+            inverse = np.sqrt(weight) / job.observer.innovation_std[seen]
             residual = (job.signals.measured[seen] - own.predicted[0, seen]) * inverse
             slopes = np.nan_to_num((moved[:-1] - moved[-1]) * inverse)
             slopes /= _DIFFERENCE

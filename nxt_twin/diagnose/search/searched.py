@@ -47,7 +47,7 @@ def settled_baseline(fitter: Fitter) -> Structure:
     """The problem's own plant, fitted and settled from a first guess of the noise."""
     problem = fitter.problem
     noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
-    return settled(fitter, fitter.fit(problem.plant, noise)[0].plant, noise)
+    return settled(fitter, problem.plant, noise)
 
 
 def _best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Structure:

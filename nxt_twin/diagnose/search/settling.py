@@ -22,7 +22,7 @@ def settled(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
     """`plant` under the noise that suits it best, both searched from what is given."""
     coarse_s = step_for(plant, DRAFT_STEP_S)  # a likelihood that is flat at its best needs no finer steps
     target = fitter.target(coarse_s)
-    noise, _ = estimate(fitter.simulator, plant, target, noise)
+    plant, noise = _begun(fitter, plant, noise, coarse_s)
     fitted, slopes = fitter.fit(plant, noise)
     noise_rests = False
     for _ in range(_ROUNDS):
@@ -44,6 +44,18 @@ def settled(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
         else:  # what looked likelier by coarse steps is not by these
             noise_rests = True
     return fitter.checked(fitted, noise)
+
+
+def _begun(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[Plant, Noise]:
+    """Where to settle from: `plant` as it stands or fitted on simulation alone, whichever is likelier.
+
+    Under an unknown torque that grows as it likes, single readings forgive parameters that do not simulate. Windows of
+    simulation bring these into reach first; an onset or a period they may lose.
+    """
+    simulated, drifting = fitter.simulating(plant, noise)
+    settled_noise, _ = estimate(fitter.simulator, simulated, fitter.target(step_s), drifting)
+    costs = fitter.tuned(settled_noise, step_s).pulling().costs_of(fitter.simulator, [plant, simulated])
+    return (plant if costs[0] < costs[1] else simulated), settled_noise
 
 
 def _polled(fitter: Fitter, tuned: Target, fitted: Fitted) -> tuple[Plant, float]:

@@ -24,6 +24,7 @@ def to_json(diagnosis: Diagnosis) -> str:
         "effects": [asdict(effect) for effect in diagnosis.effects],
         "alternatives": [asdict(alternative) for alternative in diagnosis.alternatives],
         "fit": asdict(diagnosis.fit),
+        "tolerance": asdict(diagnosis.tolerance) if diagnosis.tolerance else None,
         "held_out": [
             {"recording": run.recording, "baseline": run.baseline_rmse, "improved": run.improved_rmse}
             for run in diagnosis.held_out

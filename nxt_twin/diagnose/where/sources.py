@@ -135,7 +135,7 @@ def _scene(simulator: Simulator, problem: Problem, linear: Linear) -> _Scene:
     deviations = tuple(
         deviation(job, predicted, noise) for job, predicted in zip(linear.jobs, linear.predicted, strict=True)
     )
-    return _Scene(simulator, problem.target.evidence, tuple(courses), deviations, yardstick(courses))
+    return _Scene(simulator, problem.target.evidence[0], tuple(courses), deviations, yardstick(courses))
 
 
 def _log_likelihood(scene: _Scene, linear: Linear) -> float:

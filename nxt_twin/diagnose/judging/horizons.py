@@ -1,0 +1,110 @@
+"""How far off a plant is over what no fit has seen, by how long it has been simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.observed import observed_starts
+from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
+from nxt_twin.diagnose.judging.judge import stale_readings
+from nxt_twin.physics.observer import Noise, free_run_std
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.start import Start, moving_start, restarts
+
+_ROUNDING = 1.02
+HORIZONS_S = (0.5, 2.0, 10.0, np.inf)
+"""Lengths of the simulated windows, s; inf is a whole recording."""
+
+
+@final
+@dataclass(frozen=True)
+class Errors:
+    """RMS error over all held-out readings at each of `HORIZONS_S` that the recordings are long enough for, SI."""
+
+    seconds: tuple[float, ...]
+    rms: tuple[float, ...]
+
+    def at(self, seconds: float) -> float:
+        """The error at one of the horizons."""
+        return self.rms[self.seconds.index(seconds)]
+
+
+def horizons_of(problem: Problem) -> tuple[float, ...]:
+    """Those of `HORIZONS_S` that are shorter than the longest recording; the whole always."""
+    longest = max(float(part.signals.time_s[-1] - part.signals.time_s[0]) for part in problem.held_out)
+    return tuple(seconds for seconds in HORIZONS_S if seconds < longest or np.isinf(seconds))
+
+
+def errors_of(simulator: Simulator, problem: Problem, plant: Plant, best: Plant, noise: Noise) -> Errors:
+    """Simulate `plant` over all that is held out; `best` and `noise` tell which readings are stale.
+
+    Each window starts from the state that the plant, corrected at each reading until then, has reached.
+    """
+    clean = [(part, _without_stale(simulator, part, best, noise)) for part in problem.held_out]
+    seconds = horizons_of(problem)
+    found = []
+    for horizon_s in seconds:
+        errors = [_errors(simulator, part, shown, plant, noise, horizon_s) for part, shown in clean]
+        found.append(_rms(errors))
+    return Errors(seconds, tuple(found))
+
+
+def floors_of(problem: Problem, noise: Noise, seconds: Sequence[float]) -> tuple[float, ...]:
+    """The RMS error of a model that lacks nothing, at each horizon: what noise makes of a simulation, SI.
+
+    Linear theory says how an unknown torque's effect grows. It takes the torque to act at rest too, where friction
+    holds the motor, so it is scaled by what simulated readings that were fitted really show.
+    """
+    scale = min(noise.drift, 1.0)
+    found = []
+    for horizon_s in seconds:
+        variances = []
+        for part in problem.held_out:
+            start = restarts(part.signals, horizon_s)
+            variances.append((free_run_std(part.signals, noise, start) ** 2)[part.counted & ~start.at])
+        quantum = max(part.signals.quantum for part in problem.held_out)
+        mean = float(np.mean(np.concatenate(variances)))
+        found.append(float(np.sqrt(max(scale**2 * mean, quantum**2 / 12.0))))
+    return tuple(found)
+
+
+def best_at_every_horizon(ranked: Sequence[tuple[Plant, Errors]], tolerance: float) -> Plant:
+    """The first plant that no other beats at any horizon by more than rounding, above what does not matter.
+
+    Where each is beaten somewhere, the one with the least error over all horizons, in logarithms.
+    """
+    for plant, errors in ranked:
+        rivals = [np.array(other.rms) for _, other in ranked]
+        if all((np.array(errors.rms) <= np.maximum(_ROUNDING * rms, tolerance)).all() for rms in rivals):
+            return plant
+    sizes = [float(np.sum(np.log(np.maximum(errors.rms, max(tolerance, 1e-15))))) for _, errors in ranked]
+    return ranked[int(np.argmin(sizes))][0]
+
+
+def _errors(
+    simulator: Simulator, part: HeldOut, shown: FloatArray, plant: Plant, noise: Noise, horizon_s: float
+) -> FloatArray:
+    signals = replace(part.signals, measured=shown)
+    first = moving_start(signals)
+    start: Start = first
+    if np.isfinite(horizon_s):
+        start = observed_starts(simulator, plant, signals, first, noise, horizon_s)
+    predicted = simulator.trace(plant, free_job(signals, start))["predicted"]
+    judged = part.counted & np.isfinite(shown) & ~start.at
+    return np.asarray((shown - predicted)[judged])
+
+
+def _without_stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Noise) -> FloatArray:
+    stale = stale_readings(simulator, part.signals, best, noise)
+    return np.asarray(np.where(stale, np.nan, part.signals.measured))
+
+
+def _rms(errors: Sequence[FloatArray]) -> float:
+    every = np.concatenate(errors)
+    return float(np.sqrt(np.mean(every**2))) if np.isfinite(every).all() else float("inf")

@@ -1,0 +1,103 @@
+"""The verdict as a pure function of a small record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.diagnose.diagnosis import Verdict
+
+
+@final
+@dataclass(frozen=True)
+class VerdictLimits:
+    """Where the verdict changes. Set on the development sets that docs/results.md names.
+
+    Attributes:
+        structured_torque: least unknown torque, as a fraction of an ordinary one, that counts as structured.
+        large_torque: unknown torque, as such a fraction, that counts whatever foretells it.
+        most_left: share of all that there was to explain that may be left structured beside found effects.
+        far_off: error in free runs over that of noise alone, from which a plant without a found effect lacks something.
+        unsettled: unknown torque times the share of the error that is left, which found effects may leave.
+        hardly: share of the error left below which `unsettled` is not asked.
+        still_large: share of the baseline's unknown torque below which a large one is no objection.
+        most_named: effects, beside those that plant files state, that are likely to be missing at once.
+        worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
+    """
+
+    structured_torque: float = 2e-3
+    large_torque: float = 3e-2
+    most_left: float = 0.1
+    far_off: float = 4.0
+    unsettled: float = 3.5e-3
+    hardly: float = 0.15
+    still_large: float = 0.5
+    most_named: int = 3
+    worse: float = 1.05
+
+
+LIMITS = VerdictLimits()
+
+
+@final
+@dataclass(frozen=True)
+class Record:
+    """What a verdict rests on.
+
+    Attributes:
+        named: effects found, those left out that plant files mostly state.
+        found: whether any effect was found.
+        left_nats: how much of the innovations a flexible function of the state foretells.
+        left_limit_nats: what it foretells of clean recordings at most.
+        gained_nats: what the found effects gained.
+        torque_before, torque_after: the unknown torque left by the baseline and by the improved plant, as a fraction
+            of an ordinary one.
+        run_ratio: error in free runs of the improved plant over that of the baseline, on readings that check.
+        off: error of the improved plant in free runs over that of noise alone, on readings that check.
+        matters: whether what is left matters: the error of windows of two seconds, or shorter, is above the tolerance.
+        worst_ratio: largest error of the improved plant over that of the baseline, of all horizons where it matters.
+    """
+
+    named: int
+    found: bool
+    left_nats: float
+    left_limit_nats: float
+    gained_nats: float
+    torque_before: float
+    torque_after: float
+    run_ratio: float
+    off: float
+    matters: bool
+    worst_ratio: float
+
+
+def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
+    """Adequate, explained or unexplained."""
+    missing = record.matters and _lacks_more(record, limits)
+    if not record.found:
+        return "unexplained" if missing else "adequate"
+    return (
+        "unexplained" if missing or is_patchwork(record, limits) or is_worse(record, limits) else "explained"
+    )
+
+
+def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether it took more effects than are likely to be missing at once, so that they stand for something else."""
+    return record.named > limits.most_named
+
+
+def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the found effects predict unseen recordings worse than the re-fitted baseline does."""
+    return record.found and record.worst_ratio > limits.worse
+
+
+def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
+    """Whether what is left is more than noise."""
+    structured = record.left_nats > record.left_limit_nats and record.torque_after > limits.structured_torque
+    large = record.torque_after > limits.large_torque
+    if not record.found:
+        return structured or large or record.off > limits.far_off
+    mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
+    hardly = record.run_ratio > limits.hardly and record.run_ratio * record.torque_after > limits.unsettled
+    still_large = large and record.torque_after > limits.still_large * record.torque_before
+    return mostly_left or hardly or still_large

@@ -1,0 +1,86 @@
+"""Each limit of the verdict: on either side of it the answer is another."""
+
+from dataclasses import fields, replace
+
+import pytest
+
+from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, verdict_of
+
+QUIET = Record(
+    named=0,
+    found=False,
+    left_nats=0.0,
+    left_limit_nats=15.0,
+    gained_nats=0.0,
+    torque_before=1e-3,
+    torque_after=1e-3,
+    run_ratio=1.0,
+    off=1.0,
+    matters=True,
+    worst_ratio=1.0,
+)
+FOUND = replace(
+    QUIET, found=True, named=1, gained_nats=500.0, torque_before=2e-2, run_ratio=0.1, worst_ratio=0.1
+)
+STRUCTURED = replace(QUIET, left_nats=100.0, torque_after=1.0)
+ABOVE = 1.01
+
+EDGES = {
+    "structured_torque": (replace(STRUCTURED, torque_after=LIMITS.structured_torque), "torque_after"),
+    "large_torque": (replace(QUIET, torque_after=LIMITS.large_torque), "torque_after"),
+    "far_off": (replace(QUIET, off=LIMITS.far_off), "off"),
+    "most_left": (
+        replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / LIMITS.most_left - 100.0),
+        "left_nats",
+    ),
+    "unsettled": (replace(FOUND, run_ratio=0.5, torque_after=2.0 * LIMITS.unsettled), "torque_after"),
+    "hardly": (replace(FOUND, run_ratio=LIMITS.hardly, torque_after=2.5e-2, torque_before=1.0), "run_ratio"),
+    "still_large": (
+        replace(FOUND, torque_after=0.1, torque_before=0.1 / LIMITS.still_large),
+        "torque_after",
+    ),
+    "worse": (replace(FOUND, worst_ratio=LIMITS.worse), "worst_ratio"),
+}
+
+
+@pytest.mark.parametrize("limit", sorted(EDGES))
+def test_just_above_a_limit_the_verdict_is_another_than_at_it(limit):
+    at, key = EDGES[limit]
+    beyond = replace(at, **{key: ABOVE * getattr(at, key)})
+    assert verdict_of(at) == ("explained" if at.found else "adequate")
+    assert verdict_of(beyond) == "unexplained"
+
+
+@pytest.mark.parametrize("limit", sorted(EDGES))
+def test_a_limit_that_is_moved_moves_the_verdict(limit):
+    at, _ = EDGES[limit]
+    tighter = replace(LIMITS, **{limit: 0.98 * getattr(LIMITS, limit)})
+    if limit == "most_left":
+        tighter = replace(LIMITS, most_left=0.9 * LIMITS.most_left)
+    assert verdict_of(at, tighter) == "unexplained"
+
+
+def test_more_effects_than_are_likely_to_be_missing_at_once_are_refused():
+    assert verdict_of(replace(FOUND, named=LIMITS.most_named)) == "explained"
+    assert verdict_of(replace(FOUND, named=LIMITS.most_named + 1)) == "unexplained"
+
+
+def test_each_limit_has_a_case_at_its_edge():
+    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named"}
+
+
+def test_what_is_left_and_does_not_matter_is_no_objection():
+    left = replace(STRUCTURED, off=100.0)
+    assert verdict_of(left) == "unexplained"
+    assert verdict_of(replace(left, matters=False)) == "adequate"
+    found = replace(FOUND, left_nats=1e4, torque_after=1.0, torque_before=1.0, run_ratio=1.0)
+    assert verdict_of(found) == "unexplained"
+    assert verdict_of(replace(found, matters=False)) == "explained"
+
+
+def test_with_nothing_found_and_nothing_left_nothing_is_missing():
+    assert verdict_of(QUIET) == "adequate"
+
+
+def test_what_was_found_and_leaves_noise_explains():
+    assert verdict_of(FOUND) == "explained"
