@@ -28,6 +28,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "diagnose": "Find the physics that a model leaves out, from recordings.",
         "simulate": "Predict a recording's outputs from its inputs.",
         "fit": "Fit a plant's parameters to a case; look for nothing else.",
+        "map": "Guess what the columns of a table are, and write the mapping.",
         "identify": "Carry out an experiment on a brick and write the fitted plant or sensor.",
         "prepare": "Make a case of a real data set that is on this machine.",
         "blind": "Make, solve and score cases with concealed effects.",

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any, final
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
+from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.errors import NxtTwinError
 
 if TYPE_CHECKING:
     from nxt_twin.diagnose.diagnosis import Diagnosis
+    from nxt_twin.recording.mappings import MappingOf
 
 
 def diagnose(
@@ -31,6 +33,8 @@ def diagnose(
         Path | None,
         typer.Option(help="Write the next experiment as a motor program (of several cases: a folder)."),
     ] = None,
+    mapping: MappingOption = None,
+    columns: ColumnsOption = None,
     seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
 ) -> None:
     """Find the physics that a model leaves out, from recordings.
@@ -41,9 +45,10 @@ def diagnose(
     from nxt_twin.diagnose.telling.to_json import to_json
 
     failed = False
+    mapping_of = stated_mapping(mapping, columns)
     for path, label in zip(paths, _labels(paths), strict=True):
         try:
-            answer = _diagnose_one(path, label, seed)
+            answer = _diagnose_one(path, label, seed, mapping_of)
         except NxtTwinError as error:
             fail(str(error))
             failed = True
@@ -138,14 +143,14 @@ class _Answered:
     model: dict[str, Any]
 
 
-def _diagnose_one(path: Path, label: str | None, seed: int) -> _Answered:
+def _diagnose_one(path: Path, label: str | None, seed: int, mapping_of: MappingOf | None) -> _Answered:
     from nxt_twin.diagnose.engine import diagnose as run_diagnosis
     from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
     from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
     from nxt_twin.recording.case import read_as_case
 
     with progress(str(path)) as tell:
-        case = read_as_case(path)
+        case = read_as_case(path, mapping_of)
         case = replace(case, name=label or case.name)
         if is_sensor_case(case):
             told = diagnose_sensor(case, seed=seed, progress=tell)

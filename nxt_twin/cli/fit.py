@@ -12,6 +12,7 @@ import typer
 import yaml
 
 from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.diagnose.engine import fit_as_it_stands
 from nxt_twin.diagnose.robot.engine import fit_robot, is_robot_case
 from nxt_twin.diagnose.sensor.engine import is_sensor_case
@@ -21,11 +22,13 @@ from nxt_twin.recording.case import Case, read_as_case
 
 def fit(
     path: Annotated[Path, typer.Argument(help="A case folder or a recording.")],
+    mapping: MappingOption = None,
+    columns: ColumnsOption = None,
     json: JsonOption = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the fitted plant as YAML.")] = None,
 ) -> None:
     """Fit the parameters of a case's plant on everything that it does not hold out."""
-    case = read_as_case(path)
+    case = read_as_case(path, stated_mapping(mapping, columns))
     if is_sensor_case(case):
         _show_sensor(case, json, model_out)
         return

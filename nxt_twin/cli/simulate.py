@@ -9,16 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 
 if TYPE_CHECKING:
     from nxt_twin.api.prediction import Predicted
+    from nxt_twin.recording.mappings import MappingOf
     from nxt_twin.recording.recording import Recording
 
 
 def simulate(
     model: Annotated[str, typer.Argument(help="A plant: a YAML file, or the name of one that comes along.")],
     recording: Annotated[Path, typer.Argument(help="The recording whose commands to run it on.")],
-    mapping: Annotated[Path | None, typer.Option(help="Mapping file for a table from elsewhere.")] = None,
+    mapping: MappingOption = None,
+    columns: ColumnsOption = None,
     restart_every: Annotated[
         float | None, typer.Option(min=1e-3, help="Set the state anew from the measurement every S seconds.")
     ] = None,
@@ -30,15 +33,14 @@ def simulate(
     Prints the error against what was recorded. Rows at which the state is set anew are not counted in it. Readings are
     not needed: a table of `time_s` and `a_power_pct` is enough, and the motor then starts at 0 degrees.
     """
-    from nxt_twin.api.files import read_recording
     from nxt_twin.recording.files import write_recording
     from nxt_twin.recording.recording import Recording
 
-    source = read_recording(recording, mapping)
+    source = _source(recording, stated_mapping(mapping, columns))
     found = _predicted(model, source, restart_every)
     if out:
-        columns = {**source.columns, **{each.channel: each.values for each in found}}
-        write_recording(Recording(out.name, columns, kinds=source.kinds), out)
+        whole = {**source.columns, **{each.channel: each.values for each in found}}
+        write_recording(Recording(out.name, whole, kinds=source.kinds), out)
     if json:
         errors = [
             {"channel": each.channel, "rmse": each.rmse, "unit": each.unit, "readings": each.readings}
@@ -50,6 +52,14 @@ def simulate(
             print(_told(each))
         if out:
             print(f"prediction: {out}")
+
+
+def _source(path: Path, mapping_of: MappingOf | None) -> Recording:
+    from nxt_twin.api.files import read_recording
+    from nxt_twin.recording.mapped import read_mapped
+
+    mapping = mapping_of(path.name) if mapping_of else None
+    return read_mapped(path, mapping) if mapping else read_recording(path)
 
 
 def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[Predicted, ...]:

@@ -146,16 +146,17 @@ def read_transposed(path: Path, layout: TextLayout, choose: Choose) -> Table:
         cells_of[names[-1]] = (number, cells[1:] if layout.header else cells)
     wanted = choose(names)
     numbers: dict[str, FloatArray] = {}
-    for name in wanted:
+    words = {name: tuple(cells_of[name][1]) for name, kind in wanted.items() if kind != "number"}
+    for name in (name for name, kind in wanted.items() if kind == "number"):
         number, cells = cells_of[name]
         values = [_number(cell, layout, (path, number, name)) for cell in cells]
         numbers[name] = np.array(values, dtype=np.float64)
-        if len(cells) != len(numbers[next(iter(wanted))]):
+        if len(cells) != len(numbers[next(iter(numbers))]):
             what = f"has {len(cells)} values, unlike the other columns' lines"
             raise RecordingError(what, where=f"{path}, row {number}", mend="give each line as many values")
     return Table(
         numbers=numbers,
-        words={},
+        words=words,
         place=lambda index, name: f"{path}, row {cells_of[name][0]}, value {index + 1}, column {name}",
     )
 

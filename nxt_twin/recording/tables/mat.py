@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
-from nxt_twin.recording.tables.nested import element, element_names, split_name
+from nxt_twin.recording.tables.nested import element, element_names, innermost, split_name
 from nxt_twin.recording.tables.table import Choose, Table, cells_allowed, check_unfolded
 
 _READER: Final = Path(__file__).with_name("mat_reader.py")
@@ -47,7 +47,22 @@ def read_mat(path: Path, choose: Choose) -> Table:
     return Table(numbers, {}, lambda index, name: f"{path}, row {index + 1}, column {name}")
 
 
-def _load(path: Path, choose: Choose) -> Mapping[str, NDArray[Any]]:
+def read_vectors(path: Path) -> dict[str, FloatArray]:
+    """Every vector of numbers in a MAT file, by its full name, of whatever length.
+
+    Raises:
+        RecordingError: the file is no MAT file of version 7 or less, or unfolds to too much.
+    """
+    found: dict[str, FloatArray] = {}
+    for name, values in _load(
+        path, lambda names: dict.fromkeys(innermost(names), "number"), all_kinds=True
+    ).items():
+        with suppress(RecordingError):
+            found[name] = _column(values, path, name)
+    return found
+
+
+def _load(path: Path, choose: Choose, *, all_kinds: bool = False) -> Mapping[str, NDArray[Any]]:
     """The chosen variables, read by a program of its own: a damaged byte can end scipy's reader, and who runs it."""
     most_bytes = 3 * _CELL_BYTES * cells_allowed(path)
     command = [sys.executable, "-P", str(_READER), str(path), str(most_bytes)]
@@ -58,6 +73,9 @@ def _load(path: Path, choose: Choose) -> Mapping[str, NDArray[Any]]:
             held = list(dict.fromkeys(_holder(name, shapes) for name in wanted))
             check_unfolded(sum(prod(shapes[name]) for name in held), path)
             variables = {name: _variable(reader, held, path, name) for name in held}
+            if not all_kinds:
+                for name, values in variables.items():
+                    _refuse_other_kind(values, path, name)
             return {name: _part(variables, name, shapes) for name in wanted}
         finally:
             reader.kill()
@@ -82,19 +100,23 @@ def _part(
 
 
 def _variable(reader: Popen[bytes], wanted: Sequence[str], path: Path, name: str) -> NDArray[Any]:
-    """The next variable that the reader sends, once it knows which are wanted."""
+    """The next variable that the reader sends once it knows which are wanted; of what is no numbers, its kind."""
     if name == wanted[0]:
         _ask(reader, wanted)
     told = _told(reader, path)
     if "kind" in told:
-        raise RecordingError(
-            f"is {told['kind']}, not a vector of numbers", where=f"{path}, column {name}", mend="map a vector"
-        )
+        return np.array(str(told["kind"]))
     shape, kind = tuple(told["shape"]), np.dtype(told["dtype"])
     data = _output(reader).read(prod(shape) * kind.itemsize)
     if len(data) < prod(shape) * kind.itemsize:
         raise _unreadable(path, "its reader came to an end")
     return np.frombuffer(data, dtype=kind).reshape(shape)
+
+
+def _refuse_other_kind(values: NDArray[Any], path: Path, name: str) -> None:
+    if values.dtype.kind == "U":
+        what = f"is {values}, not a vector of numbers"
+        raise RecordingError(what, where=f"{path}, column {name}", mend="map a vector")
 
 
 def _ask(reader: Popen[bytes], wanted: Sequence[str]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
@@ -20,6 +22,14 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 def element(matrix: NDArray, index: int) -> NDArray:  # type: ignore[type-arg]  # of any numbers
     """Column `index` of a matrix, along its shorter side."""
     return matrix[:, index] if matrix.shape[1] <= matrix.shape[0] else matrix[index]
+
+
+def innermost(names: Sequence[str]) -> list[str]:
+    """The names without those whose elements or fields are named too."""
+    outer = {
+        stem for name in names for stem in (split_name(name)[0], name.rpartition(".")[0]) if stem != name
+    }
+    return [name for name in names if name not in outer]
 
 
 def split_name(name: str) -> tuple[str, int | None]:

@@ -1,0 +1,41 @@
+"""What commands that read tables from elsewhere share: `--mapping` and `--columns`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from nxt_twin.recording.mappings import MappingOf
+
+MappingOption = Annotated[
+    Path | None,
+    typer.Option("--mapping", help="Mapping file for tables from elsewhere; nxt-twin map writes one."),
+]
+ColumnsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--columns",
+        metavar="ROLE=COLUMN:UNIT,…",
+        help="What a table's columns are, such as time=ms:ms,power=pwm,angle=ticks:0.088deg.",
+    ),
+]
+
+
+def stated_mapping(mapping: Path | None, columns: str | None) -> MappingOf | None:
+    """The mapping that the command line states for all its tables; None leaves it to cases and sidecars.
+
+    Raises:
+        MappingError: it is none.
+    """
+    from nxt_twin.recording.column_words import mapping_of_words
+    from nxt_twin.recording.mapping import read_mapping
+    from nxt_twin.recording.mappings import one_mapping
+
+    if mapping and columns:
+        raise typer.BadParameter("say --mapping or --columns, not both")
+    if columns:
+        return one_mapping(mapping_of_words(columns))
+    return one_mapping(read_mapping(mapping)) if mapping else None

@@ -1,0 +1,1 @@
+"""Guess what the columns of a stranger's table are, and say why."""

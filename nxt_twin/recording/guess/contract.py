@@ -1,0 +1,28 @@
+"""Whether a table is a recording as it stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.recording.columns import PORTS, power_column, tacho_column
+from nxt_twin.recording.files import read_recording
+
+
+def is_recording(path: Path) -> bool:
+    """Whether the table has a recording's own columns, and the encoders of its driven motors count in known steps.
+
+    Fractions of a degree, where no sidecar tells of such, are better read through a mapping that states the step.
+    """
+    try:
+        recording = read_recording(path)
+    except NxtTwinError:
+        return False
+    driven = [port for port in PORTS if power_column(port) in recording.columns]
+    counts = {port: recording.columns.get(tacho_column(port), np.zeros(0)) for port in driven}
+    return all(
+        port in recording.tacho_step_deg or bool(np.all(np.isnan(count) | (count == np.rint(count))))
+        for port, count in counts.items()
+    )

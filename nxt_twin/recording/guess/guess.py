@@ -1,0 +1,174 @@
+"""A whole mapping, guessed: each key with the reason for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from nxt_twin.errors import MappingError
+from nxt_twin.recording.column_words import INPUTS, OUTPUTS
+from nxt_twin.recording.guess.profile import Column, Profile, profile_of
+from nxt_twin.recording.guess.roles import Roles, names, roles_of
+from nxt_twin.recording.guess.scales import input_scale, output_scale, step_of, time_unit, turn_of
+from nxt_twin.recording.source import quoted
+from nxt_twin.recording.tables.nested import split_name
+
+_IN_NAME = re.compile(
+    r"(power|pwm|duty|volt(?:age)?|spannung)[^\d+-]{0,3}([+-]?\d+(?:\.\d+)?)", re.IGNORECASE
+)
+_HIGHEST_V = 24.0
+
+
+class Guess(NamedTuple):
+    """One key of a mapping: what stands under it, and why."""
+
+    key: str
+    value: dict[str, Any]
+    why: str
+
+
+@final
+@dataclass(frozen=True)
+class Guessed:
+    """What a table seems to be.
+
+    Attributes:
+        profile: the table as it was found.
+        guesses: the keys of its mapping, in order.
+        lacking: why it is no whole mapping, where one of the keys could not be guessed.
+    """
+
+    profile: Profile
+    guesses: tuple[Guess, ...]
+    lacking: MappingError | None = None
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The mapping's keys."""
+        return {guess.key: guess.value for guess in self.guesses}
+
+
+def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
+    """Guess a table's mapping.
+
+    Args:
+        path: the table.
+        joint: by name or index, of a table with several; None takes the one that moves most.
+
+    Raises:
+        RecordingError: it is no table of numbers.
+    """
+    profile = profile_of(path)
+    roles = roles_of(profile, joint)
+    found = [_table(profile)]
+    lacking = None
+    for guess in (_time, _input, _output):
+        try:
+            found.append(guess(profile, roles))
+        except MappingError as error:
+            lacking = lacking or error
+    return Guessed(profile, (*found, *_optional(roles)), lacking)
+
+
+def _optional(roles: Roles) -> Iterator[Guess]:
+    if roles.supply is not None:
+        gain = 1e-3 if roles.supply.largest > 1000.0 else 1.0
+        yield Guess("supply", _column(roles.supply) | _gain(gain), "named like a supply, and in its range")
+    if roles.mode is not None:
+        on = {f"{value:g}": "drive" if value else "coast" for value in np.unique(roles.mode.known).tolist()}
+        why = "few values; CHECK what each of them means"
+        yield Guess("mode", _column(roles.mode) | {"values": on}, why)
+    if roles.split is not None:
+        runs = np.unique(roles.split.known).size
+        yield Guess("split", _column(roles.split), f"{runs} runs, one after the other")
+
+
+def _table(profile: Profile) -> Guess:
+    """The format, as far as the content of another file might not tell it."""
+    layout = profile.layout
+    if layout is None:
+        return Guess("table", {"format": profile.kind}, "by the file's first bytes")
+    keys: dict[str, Any] = {"format": "csv", "delimiter": layout.delimiter, "header": layout.header}
+    optional = {
+        "decimal": "," if layout.decimal == "," else None,
+        "transposed": layout.transposed or None,
+        "skip": layout.skip or None,
+        "units_row": layout.units_row or None,
+        "encoding": layout.encoding if layout.encoding in ("utf-16", "cp1252") else None,
+    }
+    keys |= {key: value for key, value in optional.items() if value is not None}
+    head = "the first line names the columns" if layout.header else "the first line holds numbers"
+    return Guess("table", keys, f"the delimiter that cuts all lines into as many numbers; {head}")
+
+
+def _time(profile: Profile, roles: Roles) -> Guess:
+    if roles.time is None:
+        known = names(profile.columns)
+        which = "no column that grows from row to row as time does"
+        mend = f"write `time: {{period_s: 0.01}}` in a mapping, with the log's own period; its columns are {known}"
+        raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+    unit, why = time_unit(roles.time)
+    return Guess("time", _column(roles.time) | {"unit": unit}, why)
+
+
+def _output(profile: Profile, roles: Roles) -> Guess:
+    column = roles.output
+    if column is None:
+        which = "no column that looks like a measured angle, position or speed"
+        known = names(profile.columns)
+        mend = f"write `output: {{column: …, kind: position_deg}}` in a mapping; its columns are {known}"
+        raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+    role, unit, size, why = output_scale(column)
+    kind, gain = OUTPUTS[role][unit]
+    gain *= size
+    step = step_of(column) * abs(gain)
+    turn = turn_of(column)
+    keys = {**_column(column), "kind": kind, **_gain(gain), **({"step": _short(step)} if step else {})}
+    keys |= {"wraps_at": turn} if turn else {}
+    rest = [c for c in profile.columns if c is not column and _alike(c, column)]
+    others = f"; others that might be meant: {names(rest)} (--joint)" if rest else ""
+    return Guess(
+        "output", keys, f"{why}; spans {_short(column.span * gain)} {kind.rpartition('_')[2]}{others}"
+    )
+
+
+def _alike(one: Column, other: Column) -> bool:
+    return split_name(one.name)[0] == split_name(other.name)[0] and one.index is not None
+
+
+def _input(profile: Profile, roles: Roles) -> Guess:
+    if roles.input is not None and roles.output is not None:
+        role, unit, size, why = input_scale(roles.input, roles.output)
+        kind, gain = INPUTS[role][unit]
+        return Guess("input", _column(roles.input) | {"kind": kind} | _gain(gain * size), why)
+    named = _IN_NAME.search(profile.path.name)
+    if named:
+        value = float(named[2])
+        is_volts = named[1].lower()[0] in "vs" and abs(value) <= _HIGHEST_V
+        kind = "voltage_v" if is_volts else "power_pct"
+        why = f"the file's name says {quoted(named[0])}; CHECK that it is constant throughout"
+        return Guess("input", {"value": value, "kind": kind}, why)
+    known = names([column for column in profile.columns if column not in (roles.time, roles.output)])
+    which = "no column that looks like a command, and no constant one in its name"
+    rest = f"; its other columns are {known}" if known else ""
+    either = "`input: {column: …, kind: power_pct}` or `input: {value: 60, kind: power_pct}`"
+    mend = f"write {either} in a mapping{rest}"
+    raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+
+
+def _column(column: Column) -> dict[str, Any]:
+    stem, index = split_name(column.name)
+    return {"column": column.name} if index is None else {"column": stem, "index": index}
+
+
+def _gain(gain: float) -> dict[str, Any]:
+    return {} if gain == 1.0 else {"gain": _short(gain)}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.8g}")

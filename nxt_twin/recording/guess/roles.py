@@ -1,0 +1,171 @@
+"""Which column is the time, the command, the reading, the supply: by name, unit and values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+
+from nxt_twin.recording.guess.profile import Column, Profile
+from nxt_twin.recording.guess.vocabulary import has, unit_of
+from nxt_twin.recording.tables.nested import split_name
+
+_COMMANDS = ("power", "voltage", "current", "torque", "force", "command", "goal")
+_MOST_RUNS = 1000
+_MODES = 4
+_SUPPLY_V = (2.0, 100.0)
+
+
+@final
+@dataclass(frozen=True)
+class Roles:
+    """The columns by role; None where none is found."""
+
+    time: Column | None
+    split: Column | None
+    output: Column | None
+    input: Column | None
+    supply: Column | None
+    mode: Column | None
+
+
+def roles_of(profile: Profile, joint: str | None) -> Roles:
+    """The likeliest column for each role, each column in one role.
+
+    Args:
+        profile: the table.
+        joint: the name or index of the joint in question, where the table holds several; None takes the one that
+            moves most.
+    """
+    left = [column for column in profile.columns if not has(column, "aside")]
+    split = _take(left, _as_split)
+    groups = _groups(split, profile.rows)
+    time = _take(left, lambda column: _as_time(column, groups))
+    own = [column for column in left if _is_of(column, joint)]
+    output = _take(own, _as_output)
+    left = [column for column in left if column is not output]
+    given = [column for column in own if column is not output]
+    command = _take(given, lambda column: _as_input(column, output)) if output else None
+    left = [column for column in left if column is not command]
+    return Roles(time, split, output, command, _take(left, _as_supply), _take(left, _as_mode))
+
+
+def _take(columns: list[Column], rating: Callable[[Column], float]) -> Column | None:
+    """The column that rates best above 0, taken out of the list; of equals the first."""
+    rated = [(rating(column), -place) for place, column in enumerate(columns)]
+    best, place = max(rated, default=(0.0, 0))
+    return columns.pop(-place) if best > 0.0 else None
+
+
+def _is_of(column: Column, joint: str | None) -> bool:
+    if joint is None or (column.index is None and not column.joint and joint.lower() not in column.words):
+        return joint is None
+    return joint == str(column.index) or joint.lower() in (column.joint.lower(), *column.words)
+
+
+def _groups(split: Column | None, rows: int) -> list[slice]:
+    """The rows of each recording."""
+    if split is None:
+        return [slice(0, rows)]
+    edges = [0, *(np.flatnonzero(np.diff(split.values)) + 1).tolist(), rows]
+    return [slice(low, high) for low, high in pairwise(edges)]
+
+
+def _as_split(column: Column) -> float:
+    if not has(column, "split") or not column.is_whole or not 1 < np.unique(column.known).size <= _MOST_RUNS:
+        return 0.0
+    return 1.0 if np.count_nonzero(np.diff(column.values)) < 0.2 * column.values.size else 0.0
+
+
+def _as_time(column: Column, groups: Iterable[slice]) -> float:
+    steps = np.concatenate([np.diff(column.values[group]) for group in groups])
+    if (
+        not steps.size
+        or has(column, "angle")
+        or not np.isfinite(column.values).all()
+        or np.any(steps < 0.0)
+        or np.mean(steps > 0.0) < 0.5
+    ):
+        return 0.0
+    evenness = 1.0 - min(float(np.std(steps) / np.mean(steps)), 1.0) + 2.0 * bool(np.all(steps > 0.0))
+    named = 5.0 * has(column, "time") + 3.0 * (unit_of(column)[0] == "time") - 4.0 * has(column, "counter")
+    return max(2.0 + named + evenness - 2.0 * _is_mere_count(column), 0.0)
+
+
+def _is_mere_count(column: Column) -> bool:
+    """Rows that are numbered."""
+    return column.is_whole and bool(np.all(np.diff(column.values) == 1.0))
+
+
+def _as_output(column: Column) -> float:
+    if column.span == 0.0 or has(column, "goal") or has(column, "split") or has(column, "supply"):
+        return 0.0
+    measures, _ = unit_of(column)
+    named = 5.0 * has(column, "angle") + 3.0 * has(column, "speed") - 2.0 * has(column, "derived")
+    united = 4.0 * (measures in ("angle", "ticks", "position")) + 3.0 * (measures == "speed")
+    other = 6.0 * (measures in ("time", "power", "voltage", "current", "torque", "force"))
+    other += 4.0 * any(has(column, each) for each in _COMMANDS[:-1]) * (not has(column, "angle"))
+    smooth = float(np.mean(np.abs(np.diff(column.known))) < 0.1 * column.span)
+    moving = 0.5 * column.span / (column.span + 100.0)
+    return max(2.0 + named + united - other + smooth + moving - 1.5 * _is_stepped(column), 0.0)
+
+
+def _is_stepped(column: Column) -> bool:
+    """It rests, and leaps: as commands do, and motion cannot."""
+    steps = np.abs(np.diff(column.known))
+    return bool(steps.size and np.mean(steps == 0.0) > 0.5 and steps.max() > 0.2 * column.span)
+
+
+def _as_input(column: Column, output: Column | None) -> float:
+    measures, _ = unit_of(column)
+    named = 5.0 * any(has(column, each) for each in _COMMANDS) - 3.0 * has(column, "derived")
+    united = 3.0 * (measures in ("power", "voltage", "current", "torque", "force"))
+    other = 5.0 * (
+        has(column, "supply") or (has(column, "angle") and not has(column, "goal")) or has(column, "counter")
+    )
+    other += 4.0 * (has(column, "speed") or has(column, "mode") or measures in ("time", "speed"))
+    beside = 2.0 * _is_beside(column, output)
+    bare = 1.5 * (_is_bare(column) or _is_of_one_matrix(column, output)) + 1.0 * _is_stepped(column)
+    constant = 2.0 * (column.span == 0.0)
+    drive = 1.0 * any(has(column, each) for each in ("power", "voltage"))
+    return max(named + united + beside + bare + drive - other - constant, 0.0)
+
+
+def _is_bare(column: Column) -> bool:
+    """Its name says nothing: c3."""
+    return not any(map(str.isalpha, "".join(column.words).replace("c", "")))
+
+
+def _is_of_one_matrix(column: Column, output: Column | None) -> bool:
+    is_element = output is not None and column.index is not None
+    return is_element and split_name(column.name)[0] == split_name(output.name if output else "")[0]
+
+
+def _is_beside(column: Column, output: Column | None) -> bool:
+    """Of the joint of the output, as its index or a word that is not about what is measured tells."""
+    if output is None or _is_of_one_matrix(column, output):
+        return False
+    if column.index is not None or output.index is not None:
+        return column.index == output.index
+    shared = set(column.words) & set(output.words)
+    return any(len(word) > 1 or word in "abc" for word in shared)
+
+
+def _as_supply(column: Column) -> float:
+    low, high = _SUPPLY_V
+    scale = 1e-3 if column.largest > 1000.0 else 1.0
+    middle = float(np.median(column.known)) * scale if column.known.size else 0.0
+    return float(has(column, "supply") and low <= middle <= high)
+
+
+def _as_mode(column: Column) -> float:
+    few = np.unique(column.known)
+    return float(has(column, "mode") and column.is_whole and 1 < few.size <= _MODES)
+
+
+def names(columns: Sequence[Column]) -> str:
+    """The names of columns, for people."""
+    return ", ".join(column.name for column in columns[:12]) + (", …" if len(columns) > 12 else "")

@@ -1,0 +1,145 @@
+"""In which unit a column is: what its name states, else what its values suggest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nxt_twin.recording.column_words import INPUTS, OUTPUTS
+from nxt_twin.recording.guess.profile import ISO, Column
+from nxt_twin.recording.guess.vocabulary import has, unit_of
+
+Scale = tuple[str, str, float, str]
+"""Role, unit, size of one, and why."""
+
+_EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
+_LARGEST_RAD = 4.0 * np.pi
+_FULL_SCALES = (
+    (1.05, 1.0),
+    (100.0, 100.0),
+    (255.0, 255.0),
+    (1023.0, 1023.0),
+    (4095.0, 4095.0),
+    (65535.0, 65535.0),
+)
+_ENCODERS = (
+    (1023.0, 300.0 / 1024.0, "1024 steps in 300 degrees"),
+    (4095.0, 360.0 / 4096.0, "4096 steps a turn"),
+)
+_FINEST = 20_000  # steps that a reading spans; finer ones are the digits it was printed with
+_DISTINCT = 8
+_TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
+
+
+def time_unit(column: Column) -> tuple[str, str]:
+    """The unit of stamps, and why."""
+    measures, unit = unit_of(column)
+    if column.stated_unit == ISO:
+        return "iso", "dates that grow throughout"
+    if measures == "time":
+        return unit, f"grows throughout; its name or unit says {unit}"
+    for least, epoch in _EPOCHS:
+        if column.largest > least:
+            return epoch, f"grows throughout, from about {column.largest:.3g}: {epoch} since 1970"
+    steps = np.diff(column.known)
+    middle = float(np.median(steps[steps > 0.0]))
+    told = f"grows throughout, by {middle:.3g} from row to row"
+    if middle < 1.0 or not column.is_whole:
+        return ("s", told) if middle < 1.0 else ("ms", f"{told}; CHECK")
+    if middle < 1000.0:
+        return "ms", f"{told} in whole numbers; CHECK"
+    return ("us" if middle < 1e6 else "ns"), f"{told} in whole numbers; CHECK"
+
+
+def output_scale(column: Column) -> Scale:
+    """What a reading is."""
+    measures, unit = unit_of(column)
+    if measures in OUTPUTS:
+        return measures, unit, 1.0, f"its name or unit says {unit}"
+    if has(column, "speed"):
+        return "speed", "rad/s", 1.0, "named like a speed; CHECK the unit, rad/s is assumed"
+    if measures == "ticks" or (column.is_whole and has(column, "raw")):
+        return _ticks(column)
+    if column.is_whole and column.span > _LARGEST_RAD:
+        return "angle", "deg", 1.0, "whole numbers, taken for degrees; CHECK"
+    if column.largest <= _LARGEST_RAD:
+        return (
+            "angle",
+            "rad",
+            1.0,
+            f"no unit is stated; up to {column.largest:.3g}, taken for rad; CHECK (a distance is position_m)",
+        )
+    return "angle", "deg", 1.0, f"no unit is stated; up to {column.largest:.4g}, taken for degrees; CHECK"
+
+
+def _ticks(column: Column) -> Scale:
+    for most, step_deg, told in _ENCODERS:
+        if column.known.min() >= 0.0 and column.largest <= most:
+            return (
+                "angle",
+                "deg",
+                step_deg,
+                f"ticks from 0 to {column.largest:g}, taken for {told}; CHECK the gain",
+            )
+    return "angle", "deg", 1.0, "ticks, taken for one degree each; CHECK the gain: degrees in a tick"
+
+
+def input_scale(column: Column, output: Column) -> Scale:
+    """What a command is."""
+    measures, unit = unit_of(column)
+    if has(column, "goal") or (split_action(column) and not measures):
+        role, own, size, _ = output_scale(output)
+        if measures == "angle":
+            return "goal", unit, 1.0, f"named like a goal, in {unit}"
+        if role == "angle":
+            return "goal", own, size, "named like a goal, in the unit of the reading"
+    if measures in INPUTS:
+        return measures, unit, 1.0, f"its name or unit says {unit}"
+    for role in ("voltage", "current", "torque", "force"):
+        if has(column, role):
+            first = next(iter(INPUTS[role]))
+            return role, first, 1.0, f"named like a {role}; CHECK the unit, {first} is assumed"
+    named = (
+        "named like a power"
+        if has(column, "power")
+        else "what is left beside time and reading, taken for a power"
+    )
+    for most, full in _FULL_SCALES:
+        if column.largest <= most:
+            size = 100.0 / full
+            told = "in percent" if full == 100.0 else f"full at {full:g}"
+            return "power", "pct", size, f"{named}, up to {column.largest:.4g}: {told}; CHECK"
+    return (
+        "power",
+        "pct",
+        100.0 / column.largest,
+        f"{named}, full at its largest value, {column.largest:g}; CHECK",
+    )
+
+
+def split_action(column: Column) -> bool:
+    """LeRobot's `action` is the goal of each joint."""
+    return "action" in column.words
+
+
+def turn_of(column: Column) -> float:
+    """At which value a reading starts anew, in the column's unit; 0 where it does not."""
+    leaps = np.abs(np.diff(column.known))
+    for turn in _TURNS:
+        if 0.9 * turn < column.span < 1.01 * turn and leaps.max(initial=0.0) > 0.75 * turn:
+            return turn
+    return 0.0
+
+
+def step_of(column: Column) -> float:
+    """The smallest step of a reading, in the column's unit; 0 where it has none that shows."""
+    levels = np.unique(column.known)
+    if levels.size < _DISTINCT:
+        return 0.0
+    gaps = np.diff(levels)
+    least = float(np.quantile(gaps, 0.05))
+    if least <= 0.0 or column.span / least > _FINEST:
+        return 0.0
+    multiples = gaps / least
+    if np.mean(np.abs(multiples - np.rint(multiples)) > 0.1 * np.maximum(1.0, 0.02 * multiples)) > 0.02:
+        return 0.0
+    return float(np.sum(gaps) / np.sum(np.rint(multiples)))

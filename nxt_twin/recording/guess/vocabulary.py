@@ -1,0 +1,85 @@
+"""What people call the columns of their logs, and the units that they write behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from nxt_twin.recording.guess.profile import Column
+
+_WRITTEN = """
+time: t time timestamp stamp ms millis micros seconds sec clock date datetime zeit tempo temps
+counter: index frame row id n nr no sample step count counter
+split: episode run trial experiment segment repeat rep versuch
+mode: enabled enable mode active brake coast
+goal: action goal target setpoint setpt reference ref desired des soll qg
+angle: angle ang theta phi position pos qm q tacho encoder enc ticks counts rotation winkel state deg
+speed: speed velocity vel omega rpm qd dq rate geschwindigkeit
+power: power pwm duty dutycycle throttle leistung
+voltage: voltage volt volts vir u uin spannung
+current: current amps ampere i strom
+torque: torque tau effort moment drehmoment
+force: force kraft
+command: cmd command input control ctrl out motor
+supply: battery batterie batt bat vbat supply vin vcc vbus akku
+raw: raw ticks counts count encoder enc steps present
+derived: raw filtered filt err error est estimated dt
+aside: temperature temp celsius humidity pressure checksum crc
+"""
+NAMES: Mapping[str, frozenset[str]] = MappingProxyType(
+    {
+        subject: frozenset(words.split())
+        for subject, _, words in (line.partition(":") for line in _WRITTEN.strip().splitlines())
+    }
+)
+"""Words of a column's name by what they speak for."""
+
+_UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        **dict.fromkeys(("s", "sec", "secs", "seconds", "second"), ("time", "s")),
+        **dict.fromkeys(("ms", "msec", "millis", "milliseconds"), ("time", "ms")),
+        **dict.fromkeys(("us", "µs", "usec", "micros", "microseconds"), ("time", "us")),
+        **dict.fromkeys(("ns", "nsec", "nanoseconds"), ("time", "ns")),
+        **dict.fromkeys(("deg", "degree", "degrees", "°", "grad"), ("angle", "deg")),
+        **dict.fromkeys(("rad", "radian", "radians"), ("angle", "rad")),
+        **dict.fromkeys(("turn", "turns", "rev", "revs", "revolutions"), ("angle", "turn")),
+        **dict.fromkeys(("ticks", "tick", "counts", "count", "steps", "cnt"), ("ticks", "ticks")),
+        **{word: ("position", word) for word in ("m", "mm", "cm", "um")},
+        **dict.fromkeys(("deg/s", "°/s", "dps", "deg/sec"), ("speed", "deg/s")),
+        **dict.fromkeys(("rad/s", "rad/sec"), ("speed", "rad/s")),
+        **dict.fromkeys(("rpm", "1/min", "u/min"), ("speed", "rpm")),
+        **{word: ("speed", word) for word in ("m/s", "mm/s")},
+        **dict.fromkeys(("%", "pct", "percent", "prozent"), ("power", "pct")),
+        **dict.fromkeys(("v", "volt", "volts"), ("voltage", "V")),
+        "mv": ("voltage", "mV"),
+        **dict.fromkeys(("a", "amp", "amps"), ("current", "A")),
+        "ma": ("current", "mA"),
+        **dict.fromkeys(("nm", "n·m", "n*m", "n m"), ("torque", "Nm")),
+        **dict.fromkeys(("mnm", "m n m"), ("torque", "mNm")),
+        "n": ("force", "N"),
+    }
+)
+_SUFFIXES = ("rad_per_s", "deg_per_s", "m_per_s")
+
+
+def has(column: Column, subject: str) -> bool:
+    """Whether the column's name has a word for `subject`."""
+    return bool(NAMES[subject].intersection(column.words))
+
+
+def unit_of(column: Column) -> tuple[str, str]:
+    """What the column's unit measures and the unit itself, as `--columns` writes it; empty where none is stated."""
+    for stated in (column.stated_unit.lower(), *_endings(column)):
+        if stated in _UNITS:
+            return _UNITS[stated]
+    return "", ""
+
+
+def _endings(column: Column) -> list[str]:
+    """What may be a unit at the end of a name: `speed_deg_per_s`, `angle_deg`, `angle/deg`, `t ms`."""
+    name = column.name.lower()
+    long = [suffix.replace("_per_", "/") for suffix in _SUFFIXES if name.endswith(suffix)]
+    last = column.words[-1] if len(column.words) > 1 else ""
+    parted = name.rpartition("/")[2] if "/" in name else ""
+    single = last if len(last) > 1 or name.endswith((f"_{last}", f" {last}")) else ""
+    return [*long, parted, single]

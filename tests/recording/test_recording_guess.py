@@ -1,0 +1,192 @@
+"""Mappings guessed of strangers' tables, and `--columns`."""
+
+import json
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.feather
+import pyarrow.parquet
+import pytest
+import yaml
+from scipy.io import savemat
+
+from nxt_twin.errors import MappingError, RecordingError
+from nxt_twin.recording.column_words import mapping_of_words
+from nxt_twin.recording.guess.contract import is_recording
+from nxt_twin.recording.guess.guess import guess_mapping
+from nxt_twin.recording.guess.writing import mapping_text
+from nxt_twin.recording.mapped import read_all_mapped
+from nxt_twin.recording.mapping import mapping_of
+
+ROWS = 400
+T = 0.01 * np.arange(ROWS)
+U = np.repeat([40.0, -70.0, 0.0, 95.0, -20.0], ROWS // 5)
+DEG = np.round(np.cumsum(np.convolve(U, np.ones(20) / 20)[:ROWS]) * 0.08, 2)
+VOLTS = 8.0 - 0.003 * np.abs(U)
+
+
+def lines(head, *columns, sep=",", decimal="."):
+    rows = (sep.join(f"{cell:g}".replace(".", decimal) for cell in row) for row in zip(*columns, strict=True))
+    return "\n".join([*([head] if head else []), *rows]) + "\n"
+
+
+def guessed(path, joint=None):
+    found = guess_mapping(path, joint)
+    assert found.lacking is None
+    assert yaml.safe_load(mapping_text(found, ["seen"])) == found.keys
+    return found.keys, read_all_mapped(path, mapping_of(found.keys, "guess"))
+
+
+def holds(recordings, *, reading=None, kind="power_pct", command=U):
+    (recording,) = recordings
+    assert recording.kinds.input == kind
+    np.testing.assert_allclose(recording.time_s - recording.time_s[0], T, atol=1e-6)
+    np.testing.assert_allclose(recording.columns["input"], command, atol=0.51)
+    np.testing.assert_allclose(
+        np.degrees(recording.columns["output"]), DEG if reading is None else reading, atol=0.3
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (lines("Zeit [s];PWM [%];Winkel [°];Batterie [V]", T, U, DEG, VOLTS, sep=";", decimal=","), "cp1252"),
+        (lines("bench 7\ntime,motor duty,angle\nms,%,deg", 1e3 * T, U, DEG), "utf-8"),
+        (lines("", T, U, DEG, sep="\t"), "utf-8"),
+        (lines("millis,pwm,angle_rad", 1e3 * T + 7e4, 2.55 * U, np.radians(DEG)), "utf-8"),
+    ],
+)
+def test_text_tables(tmp_path, text, encoding):
+    (tmp_path / "log.txt").write_bytes(text.encode(encoding))
+    keys, recordings = guessed(tmp_path / "log.txt")
+    holds(recordings)
+    assert ("supply" in keys) == ("Batterie" in text)
+
+
+def test_a_phone_s_log_of_json_lines(put):
+    rows = (
+        {"timestamp": 1.7e12 + 1e3 * t, "device": "phone", "motor": {"duty": u, "angle_deg": y}}
+        for t, u, y in zip(T, U, DEG, strict=True)
+    )
+    keys, recordings = guessed(put("log.jsonl", "\n".join(json.dumps(row) for row in rows)))
+    assert keys["time"] == {"column": "timestamp", "unit": "ms"}
+    holds(recordings)
+
+
+def test_a_lerobot_data_set_by_episode_and_joint(tmp_path):
+    (tmp_path / "meta").mkdir()
+    (tmp_path / "data").mkdir()
+    joints = {
+        "action": {"names": ["pan", "elbow"]},
+        "observation.state": {"names": {"motors": ["pan", "elbow"]}},
+    }
+    (tmp_path / "meta" / "info.json").write_text(json.dumps({"features": joints}))
+
+    def pair(values):
+        return pa.FixedSizeListArray.from_arrays(pa.array(np.column_stack([0.1 * values, values]).ravel()), 2)
+
+    half = ROWS // 2
+    table = pa.table(
+        {
+            "observation.state": pair(DEG),
+            "action": pair(U),
+            "timestamp": np.tile(T[:half], 2),
+            "frame_index": np.tile(np.arange(half), 2),
+            "episode_index": np.repeat([3, 4], half),
+            "index": np.arange(ROWS),
+        }
+    )
+    pyarrow.parquet.write_table(table, tmp_path / "data" / "file-000.parquet")
+    keys, recordings = guessed(tmp_path)
+    assert keys["input"] == {"column": "action", "index": 1, "kind": "goal_position_deg"}
+    assert [recording.name.partition("#")[2] for recording in recordings] == ["3", "4"]
+    np.testing.assert_allclose(np.degrees(recordings[1].columns["input"]), U[half:])
+    assert guessed(tmp_path, "pan")[0]["output"]["index"] == 0
+
+
+def test_ticks_that_start_anew_each_turn_and_dates_and_speeds(tmp_path):
+    ticks = np.floor(DEG * 4096 / 360) % 4096
+    table = pa.table({"t_us": (1e6 * T).astype(int), "cmd": U / 100, "present_position": ticks.astype(int)})
+    pyarrow.feather.write_feather(table, tmp_path / "servo")
+    keys, recordings = guessed(tmp_path / "servo")
+    assert keys["output"]["wraps_at"] == 4096
+    holds(recordings, reading=DEG - DEG[0])
+    dates = [f"2024-05-01 12:00:{t:09.6f}" for t in T]
+    rpm = np.round(DEG / 6, 1)
+    rows = "".join(f"{n},{d},{u},{r}\n" for n, (d, u, r) in enumerate(zip(dates, U, rpm, strict=True)))
+    (tmp_path / "frame.csv").write_text(",datetime,duty_pct,velocity_rpm\n" + rows)
+    keys, (recording,) = guessed(tmp_path / "frame.csv")
+    assert keys["time"] == {"column": "datetime", "unit": "iso"}
+    np.testing.assert_allclose(recording.columns["output"], rpm * np.pi / 30, rtol=1e-6)
+
+
+def test_matrices_and_structs_of_mat_files(tmp_path):
+    savemat(tmp_path / "matrix.mat", {"data": np.column_stack([T, U, DEG])})
+    keys, recordings = guessed(tmp_path / "matrix.mat")
+    assert keys["output"]["column"] == "data"
+    holds(recordings)
+    log = {"time": T, "voltage": U / 10, "theta_rad": np.radians(DEG)}
+    savemat(tmp_path / "struct.mat", {"log": log, "Ts": 0.01, "title": "bench"})
+    holds(guessed(tmp_path / "struct.mat")[1], kind="voltage_v", command=U / 10)
+
+
+def test_a_constant_command_stands_in_the_file_s_name(put):
+    text = lines("", np.rint(DEG), T, sep="   ")
+    keys, _ = guessed(put("data_for_voltage_-40_.txt", text))
+    assert keys["input"] == {"value": -40.0, "kind": "power_pct"}
+    lacking = guess_mapping(put("steps.txt", text)).lacking
+    assert "write `input: {column: …, kind: power_pct}` or `input: {value: 60" in str(lacking)
+
+
+@pytest.mark.parametrize(
+    ("head", "columns", "part"),
+    [("u,y_deg", (U, DEG), "write `time: {period_s"), ("t_ms,u", (1e3 * T, U[::-1]), "write `")],
+)
+def test_what_cannot_be_guessed_names_the_key_to_write(put, head, columns, part):
+    assert part in str(guess_mapping(put("log.csv", lines(head, *columns))).lacking)
+
+
+def test_a_table_without_numbers_is_refused(put, refusal):
+    assert "holds no column of numbers" in refusal(
+        RecordingError, guess_mapping, put("x.csv", "a,b\nc,d\ne,f\n")
+    )
+
+
+def test_a_recording_needs_no_mapping_unless_its_counts_are_fractions(put):
+    plain = put("run.csv", "time_s,a_power_pct,a_tacho_deg\n0,0,1\n0.1,0,2\n")
+    assert is_recording(plain)
+    fine = put("fine.csv", "time_s,a_power_pct,a_tacho_deg\n0,0,0.088\n0.1,0,0.176\n")
+    assert not is_recording(fine)
+    put("fine.yaml", "tacho_step_deg: 0.088")
+    assert is_recording(fine)
+
+
+def test_columns_in_one_line():
+    mapping = mapping_of_words("time=ms:ms,power=pwm:0.5%,angle=ticks:0.088deg,supply=vbat:mV,split=run")
+    assert mapping.time.unit == "ms"
+    assert (mapping.input.column, mapping.input.gain) == ("pwm", 0.5)
+    assert (mapping.output.kind, mapping.output.gain, mapping.output.step) == ("position_deg", 0.088, 0.088)
+    assert mapping.supply.gain == 1e-3
+    assert mapping.split.column == "run"
+    constant = mapping_of_words("period=10ms,voltage=6,speed=w:rpm")
+    assert (constant.time.period_s, constant.input.value) == (0.01, 6.0)
+    assert constant.output.gain == pytest.approx(np.pi / 30)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("time=t,power=u", "write one of angle, position, speed"),
+        ("time=t,angle=y", "write one of power, voltage"),
+        ("power=u,angle=y", "write one of time, period"),
+        ("tiem=t", "nearest: time"),
+        ("time=t:h", "write one of s, ms"),
+        ("power=u:kg", "write one of pct, %"),
+        ("angle=y:0..1deg", "no unit"),
+        ("time=t,time=s", "second time"),
+        ("period=fast", "period=10ms"),
+        ("time=t,torque=u,position=y", "does not drive"),
+    ],
+)
+def test_a_wrong_word_names_what_to_write(refusal, text, part):
+    assert part in refusal(MappingError, mapping_of_words, text)
