@@ -1,0 +1,1 @@
+"""An identified motor for other programs: URDF, MJCF, Simscape, plain Python."""
