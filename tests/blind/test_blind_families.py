@@ -34,7 +34,7 @@ def same(one, other) -> bool:
 
 @pytest.mark.parametrize("family", FOREIGN)
 def test_a_seed_makes_the_same_case_again_and_another_seed_another(family):
-    first, again, other = (case_of(family, ("stiction",), seed=seed) for seed in (3, 3, 4))
+    first, again, other = (case_of(family, ("stiction",), seed=seed) for seed in (5, 5, 17))
     assert first.answer == again.answer
     assert same(first, again)
     assert first.answer["base"] != other.answer["base"]

@@ -41,7 +41,7 @@ class Foreign:
         effects: what it can hide, those that look at the others last.
         longest_s: what all recordings of a case may last together, s.
         steps_deg: the encoders, one of which is drawn.
-        slowest_loop_s: the least time between two polls where the host closes a loop, s.
+        command_every_s: the least time between two commands, s.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Foreign:
     effects: tuple[Hideable, ...]
     longest_s: float = 300.0
     steps_deg: tuple[float, ...] = (1.0, 1.0, 1.0, 0.5, 0.25, 0.1)
-    slowest_loop_s: float = 0.0
+    command_every_s: float = 0.0
 
     def chosen(self, ids: Sequence[str]) -> tuple[Hideable, ...]:
         """The effects of these ids, in the order of drawing.
@@ -138,7 +138,7 @@ def make_foreign(
     habits = draw_habits(
         rng, family.steps_deg, longest_s=family.longest_s, duration_s=duration_s, least_recordings=least
     )
-    scripts = _scripts(rng, habits, any(effect.coasts for effect in to_hide), family.slowest_loop_s)
+    scripts = _scripts(rng, habits, any(effect.coasts for effect in to_hide), family.command_every_s)
     hiding = _hide(rng, family, to_hide, size, habits, scripts)
     driven = [_driven(family, hiding, k, script, habits) for k, script in enumerate(scripts)]
     rows = [
@@ -179,13 +179,13 @@ def _truth_of(
     return {"effect_rms_deg": _rms(np.concatenate(shifts)), "recordings": recordings}
 
 
-def _scripts(rng: Generator, habits: Habits, coasts: bool, slowest_loop_s: float) -> tuple[Script, ...]:
+def _scripts(rng: Generator, habits: Habits, coasts: bool, command_every_s: float) -> tuple[Script, ...]:
     programs = draw_programs(rng, habits.recordings, coasts=coasts)
     far = rng.random() < 0.5
     scripts = []
     for number, program in enumerate(programs, start=1):
-        loops = program.endswith("_loop") and habits.poll_s < slowest_loop_s
-        polled = replace(habits, rate_hz=1.0 / slowest_loop_s) if loops else habits
+        loops = program.endswith("_loop") and habits.poll_s < command_every_s
+        polled = replace(habits, rate_hz=1.0 / command_every_s) if loops else habits
         start_deg = float(rng.uniform(-360.0, 360.0) if far else rng.random())
         seed = int(rng.integers(2**31))
         scripts.append(
@@ -242,7 +242,7 @@ def _reach_deg(
 
 def _driven(family: Foreign, hiding: _Hiding, number: int, script: Script, habits: Habits) -> Driven:
     machine = family.build(hiding.motor_in(number), float(np.deg2rad(script.start_deg)))
-    return drive(machine, hiding.chain, script, habits.step_deg)
+    return drive(machine, hiding.chain, script, habits.step_deg, family.command_every_s)
 
 
 def _shift_deg(family: Foreign, hiding: _Hiding, script: Script, driven: Driven, rows: Rows) -> FloatArray:

@@ -58,11 +58,20 @@ class Driven:
     states: FloatArray
 
 
-def drive(machine: Machine, chain: Chain, script: Script, step_deg: float) -> Driven:
-    """Run a machine through a script; a program that closes a loop sees what the encoder shows."""
+def drive(
+    machine: Machine, chain: Chain, script: Script, step_deg: float, command_every_s: float = 0.0
+) -> Driven:
+    """Run a machine through a script; a program that closes a loop sees what the encoder shows.
+
+    Commands that are known beforehand change no more often than `command_every_s`.
+    """
     program = script.make_program()
     table = program.table(script.read_s)
     if table is not None:
+        if command_every_s > 0.0:
+            turn = np.floor(script.read_s / command_every_s)
+            rows = np.searchsorted(turn, turn, side="left")
+            table = (table[0][rows], table[1][rows])
         return Driven(*table, follow(machine, chain, script, *table))
     return _loop(machine, chain, script, program, step_deg)
 

@@ -15,6 +15,8 @@ from nxt_twin.blind.families.mujoco.machine import STRANGERS as MUJOCO_STRANGERS
 from nxt_twin.blind.families.mujoco.machine import MuJoCo
 from nxt_twin.blind.families.mujoco.machine import ready as mujoco_ready
 from nxt_twin.blind.families.setting import Hideable
+from nxt_twin.blind.families.stiff.machine import STRANGERS as STIFF_STRANGERS
+from nxt_twin.blind.families.stiff.machine import Stiff
 from nxt_twin.blind.families.workshop.machine import STRANGERS as WORKSHOP_STRANGERS
 from nxt_twin.blind.families.workshop.machine import Workshop
 from nxt_twin.blind.make import make_case
@@ -77,6 +79,10 @@ FAMILIES: Final[dict[str, Family]] = {
             Foreign("mujoco", MuJoCo, _all(MUJOCO_STRANGERS), longest_s=90.0),
             "MuJoCo's implicit steps, its solver for friction loss, limits and contacts; bodies on tendons",
             mujoco_ready,
+        ),
+        _foreign(
+            Foreign("stiff", Stiff, _all(STIFF_STRANGERS), longest_s=60.0, command_every_s=0.05),
+            "SciPy's Radau over two sets of LuGre bristles, rounded contacts, a stop as an event",
         ),
         _foreign(
             Foreign("workshop", Workshop, _all(WORKSHOP_STRANGERS), steps_deg=(1.0,)),
