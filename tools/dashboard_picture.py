@@ -37,13 +37,15 @@ from nxt_twin.twin.settings import PACES
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.verdict import Seen, verdict
 from nxt_twin.view.dashboard import Dashboard, open_dashboard
-from nxt_twin.view.dashboard.drawing.colours import LINK
+from nxt_twin.view.dashboard.drawing.colours import LINK, TORQUE
+from nxt_twin.view.dashboard.drawing.layout import FOCUS
 from nxt_twin.view.live_report import Keeper, write_live_report
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
 SENSORS: dict[int, SensorKind] = {1: "touch", 3: "light", 4: "ultrasonic"}
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 SIZE = {"width": 1500, "height": 900}
+FOCUS_SIZE = {"width": 920, "height": 560}
 FLAGS = [
     "--no-sandbox",
     "--ignore-gpu-blocklist",
@@ -67,7 +69,7 @@ def main() -> None:
     for event in memory.events:
         print(f"{event.time_s:6.1f} s  {event.words}")
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for tab, name in ((0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
+    for tab, name in ((FOCUS, "dashboard"), (0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
         _photograph(chosen.chromium, memory, tab, FOLDER / f"{name}.png")
     _photograph_report(chosen.chromium, kept, sentence, FOLDER / "live-report.png")
 
@@ -127,9 +129,10 @@ def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
         _feed(dashboard, memory)
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=program, args=FLAGS)
-            page = browser.new_page(viewport=SIZE, color_scheme="dark")  # type: ignore[arg-type]
+            size = FOCUS_SIZE if tab == FOCUS else SIZE
+            page = browser.new_page(viewport=size, color_scheme="dark")  # type: ignore[arg-type]
             _visit(page, dashboard.url)
-            _save_small(_settled(page, place), place)
+            _save_small(_settled(page, place, TORQUE if tab == FOCUS else LINK), place)
             browser.close()
     finally:
         dashboard.close()
@@ -159,14 +162,14 @@ def _visit(page: Page, url: str) -> None:
     sys.exit("the dashboard's page was never served")
 
 
-def _settled(page: Page, place: Path) -> Path:
-    """Photograph until the link's curve is there and two pictures in a row are alike: all is drawn."""
+def _settled(page: Page, place: Path, curve: tuple[int, ...]) -> Path:
+    """Photograph until the curve of that colour is there and two pictures in a row are alike: all is drawn."""
     before, alike = np.zeros(0), 0
     for _ in range(40):
         page.wait_for_timeout(2500)
         page.screenshot(path=place, timeout=180_000)
         now = matplotlib.image.imread(place)[..., :3]
-        drawn = (np.abs(now - np.array(LINK[:3]) / 255).max(axis=2) < 0.05).sum() > 100
+        drawn = (np.abs(now - np.array(curve[:3]) / 255).max(axis=2) < 0.05).sum() > 100
         same = before.shape == now.shape and float(np.abs(now - before).mean()) < 1e-4
         alike = alike + 1 if same and drawn else 0
         if alike >= 2:

@@ -67,12 +67,26 @@ def test_torque_is_in_millinewton_metres_with_two_deviations_each_way():
     assert values[:, 2] - values[:, 1] == pytest.approx(12.0)
 
 
-def test_every_explanation_has_a_curve():
+def test_an_explanation_has_a_curve_once_it_was_likely():
     tables = _joined(some_ticks(500), 25)
-    summed = sum(
-        tables[f"/motor_a/effects/{name}"][1] for name in ("nothing", "viscous_friction", "constant_load")
-    )
-    assert summed == pytest.approx(np.ones((500, 1)))
+    names = ("nothing", "viscous_friction", "constant_load")
+    assert tables["/motor_a/effects/nothing"][1].shape == (500, 1)
+    assert sum(tables[f"/motor_a/effects/{name}"][1][-1, 0] for name in names) == pytest.approx(1.0)
+    for name in names[1:]:
+        assert tables[f"/motor_a/effects/{name}"][1].max() > 0.05
+        assert f"/motor_b/effects/{name}" not in tables
+
+
+def test_torque_against_speed_is_split_where_a_model_was_adopted():
+    ticks, cloud = some_ticks(400), Cloud("a")
+    cloud.add(ticks)
+    whole = cloud.picture()
+    assert whole.former.shape == (0, 2)
+    cloud.begin_anew(ticks[300].received_s)
+    split = cloud.picture()
+    assert split.former.shape == (300, 2)
+    assert split.dots.shape == (100, 2)
+    assert np.concatenate([split.former, split.dots]) == pytest.approx(whole.dots)
 
 
 def test_latency_rate_and_battery():

@@ -93,9 +93,17 @@ def test_all_that_was_asked_for_is_there(batches):
             for curve in ("reading", "innovation", "square", "torque")
         ),
         *(f"/motor_{port}/cloud/{part}" for port in PORTS for part in ("dots", "mean", "axes", "figures")),
-        *(f"/motor_a/effects/{name}" for name in ("nothing", "viscous_friction", "constant_load")),
+        "/motor_a/effects/nothing",
         *(f"/sensors/{channel}/{curve}" for channel in CHANNELS for curve in ("reading", "innovation")),
-        *("/battery/volts", "/link/latency_ms", "/link/polls_hz", "/robot/brick", "/robot/c/body", "/events"),
+        *(
+            "/battery/volts",
+            "/link/latency_ms",
+            "/link/polls_hz",
+            "/robot/brick",
+            "/robot/c/body",
+            "/events",
+            "/story",
+        ),
     }
     assert wanted <= set(batches)
 
@@ -150,8 +158,8 @@ def test_a_session_without_motors_sensors_or_polls_still_makes_a_file(tmp_path):
 def test_effects_keep_their_colours(tmp_path):
     path = tmp_path / "run.rrd"
     painter = Painter("colours", PORTS, CHANNELS, path)
-    painter.paint(some_ticks(20), [], [])
-    painter.paint(some_ticks(40)[20:], [], [])
+    painter.paint(some_ticks(400)[:200], [], [])
+    painter.paint(some_ticks(400)[200:], [], [])
     painter.close()
     styles = {
         name: [

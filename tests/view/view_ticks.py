@@ -81,7 +81,7 @@ def _motor(port: Port, time_s: float, random: np.random.Generator) -> MotorBelie
         current_a=0.1,
         unknown_torque_nm=torque,
         unknown_torque_std_nm=3e-3,
-        effects={"nothing": 1 - sure, "viscous_friction": 0.9 * sure, "constant_load": 0.1 * sure},
+        effects={"nothing": 1 - sure, "viscous_friction": 0.6 * sure, "constant_load": 0.4 * sure},
     )
 
 

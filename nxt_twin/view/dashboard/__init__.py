@@ -139,7 +139,7 @@ def open_dashboard(
         channels: the sensors' columns to show.
         title: of the session.
         web_port: where browsers come to; 0 for any free port.
-        tab: which tab is in front: the motors in order, then the sensors.
+        tab: which tab is in front: the motors in order, then the sensors; -1 shows the first motor's story alone.
         lossless: for replays only: wait for a slow viewer or disk instead of dropping polls.
 
     Raises:

@@ -29,6 +29,7 @@ class CloudPicture:
     Attributes:
         dots: shape (dots, 2), oldest first.
         age: of each dot, 1 for the oldest and 0 for the newest.
+        former: dots of the model before, shape (dots, 2).
         mean: the binned mean, shape (bins, 2).
         marks: places of the axes' figures, shape (4, 2).
         figures: the axes' figures, with units.
@@ -36,6 +37,7 @@ class CloudPicture:
 
     dots: FloatArray
     age: FloatArray
+    former: FloatArray
     mean: FloatArray
     marks: FloatArray
     figures: tuple[str, ...]
@@ -49,7 +51,12 @@ class Cloud:
         self._port = port
         self._stride = 1
         self._seen = 0
-        self._rows: list[tuple[float, float]] = []
+        self._rows: list[tuple[float, float, float]] = []
+        self._since_s = -np.inf
+
+    def begin_anew(self, at_s: float) -> None:
+        """From this moment on another model is in force; what is older is that of the models before."""
+        self._since_s = at_s
 
     def add(self, ticks: Sequence[Tick]) -> None:
         """Take a batch of polls."""
@@ -58,7 +65,8 @@ class Cloud:
                 if motor.port != self._port:
                     continue
                 if self._seen % self._stride == 0:
-                    self._rows.append((motor.speed_deg_per_s, 1e3 * motor.unknown_torque_nm))
+                    torque_mnm = 1e3 * motor.unknown_torque_nm
+                    self._rows.append((tick.received_s, motor.speed_deg_per_s, torque_mnm))
                 self._seen += 1
         if len(self._rows) > _KEPT:
             self._rows = self._rows[::2]
@@ -66,11 +74,13 @@ class Cloud:
 
     def picture(self) -> CloudPicture | None:
         """The picture of what was taken so far; None before there is anything."""
-        rows = np.array(self._rows, dtype=np.float64).reshape(-1, 2)
-        rows = rows[np.all(np.isfinite(rows), axis=1)]
-        if rows.shape[0] < _LEAST_IN_BIN:
+        taken = np.array(self._rows, dtype=np.float64).reshape(-1, 3)
+        taken = taken[np.all(np.isfinite(taken), axis=1)]
+        if taken.shape[0] < _LEAST_IN_BIN:
             return None
-        reach = np.array([_round_up(np.max(np.abs(rows[:, axis]))) for axis in (0, 1)])
+        both, now = taken[:, 1:], taken[:, 0] >= self._since_s
+        rows, former = both[now], both[~now]
+        reach = np.array([_round_up(np.max(np.abs(both[:, axis]))) for axis in (0, 1)])
         scale = np.array([WIDTH, -HEIGHT]) / reach
         marks = np.array([[-WIDTH, 0.0], [WIDTH, 0.0], [0.0, -HEIGHT], [0.0, HEIGHT]])
         figures = (
@@ -80,7 +90,8 @@ class Cloud:
             f"{plain(-reach[1])}",
         )
         age = np.linspace(1.0, 0.0, rows.shape[0])
-        return CloudPicture(rows * scale, age, _binned(rows) * scale, marks, figures)
+        mean = _binned(rows) * scale if rows.shape[0] >= _LEAST_IN_BIN else np.zeros((0, 2))
+        return CloudPicture(rows * scale, age, former * scale, mean, marks, figures)
 
 
 def _binned(rows: FloatArray) -> FloatArray:

@@ -19,6 +19,8 @@ NIS_BOUND: Final = 3.84
 """A normalised innovation square stays below this 95 % of the time while the model holds: chi squared, one degree."""
 _NIS_MEMORY: Final = 50
 _RATE_MEMORY: Final = 20
+_LEAST_LIKELY: Final = 0.05
+"""A curve for each effect that ever was as likely: a legend of all that are weighed would cover the plot."""
 
 
 @final
@@ -70,6 +72,7 @@ class Tabulator:
         self._ports = tuple(ports)
         self._squares: dict[str, deque[float]] = {}
         self._sent_s: deque[float] = deque(maxlen=_RATE_MEMORY + 1)
+        self._likely: set[tuple[Port, str]] = set()
 
     def tables(self, ticks: Sequence[Tick]) -> list[Table]:
         """The tables of a batch; those without a row are left out."""
@@ -84,7 +87,7 @@ class Tabulator:
             place = f"/motor_{port}" if port else f"/sensors/{channel}"
             found += self._reading_tables(place, channel, innovations)
         for port in self._ports:
-            found += _motor_tables(port, ticks)
+            found += _motor_tables(port, ticks, self._likely)
         return [table for table in (*found, *self._link_tables(ticks)) if table.time_s.size]
 
     def _reading_tables(self, place: str, channel: str, innovations: Sequence[Innovation]) -> list[Table]:
@@ -126,7 +129,8 @@ class Tabulator:
         ]
 
 
-def _motor_tables(port: Port, ticks: Sequence[Tick]) -> list[Table]:
+def _motor_tables(port: Port, ticks: Sequence[Tick], likely: set[tuple[Port, str]]) -> list[Table]:
+    """The tables of one motor; an effect's probability from the batch on in which it is first likely."""
     states = [(tick.received_s, motor) for tick in ticks for motor in tick.motors if motor.port == port]
     if not states:
         return []
@@ -140,12 +144,17 @@ def _motor_tables(port: Port, ticks: Sequence[Tick]) -> list[Table]:
             1e3 * np.column_stack([torque, torque - reach, torque + reach]),
         ),
     ]
-    named = {name for _, motor in states for name in motor.effects}
-    for name in sorted(named):
+    likely |= {
+        (port, name)
+        for _, motor in states
+        for name, probability in motor.effects.items()
+        if name == "nothing" or probability >= _LEAST_LIKELY
+    }
+    for name in sorted(name for of, name in likely if of == port):
         rows = [(at, motor.effects[name]) for at, motor in states if name in motor.effects]
-        found.append(
-            Table(effect_path(port, name), np.array([at for at, _ in rows]), np.array([[p] for _, p in rows]))
-        )
+        if rows:
+            at_s, probability = np.array(rows).T
+            found.append(Table(effect_path(port, name), at_s, probability[:, None]))
     return found
 
 

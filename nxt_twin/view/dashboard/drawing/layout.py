@@ -13,6 +13,8 @@ from nxt_twin.view.dashboard.drawing.robot import EYE, TARGET
 from nxt_twin.view.wording import quantity
 
 TIMELINE: Final = "session"
+FOCUS: Final = -1
+"""In the place of a tab: only the first motor's unknown torque, over time and against speed, and what happened."""
 WINDOW_S: Final = 20.0
 """What the plots show, up to the newest poll."""
 
@@ -23,16 +25,26 @@ def blueprint(ports: Sequence[Port], channels: Sequence[str], tab: int = 0) -> A
     Args:
         ports: motors, a tab each.
         channels: sensors' columns, one tab for all.
-        tab: which tab is in front.
+        tab: which tab is in front, or `FOCUS`.
     """
+    if tab == FOCUS:
+        return _whole(_focus(ports[0]))
     tabs = [_motor_tab(port) for port in ports]
     if channels:
         tabs.append(_sensor_tab(channels))
     side = rrb.Vertical(_robot(), _log(), _link(), row_shares=[3.6, 3.4, 3.0], name="robot, events, link")
     front = rrb.Tabs(*tabs, active_tab=tab) if len(tabs) > 1 else (tabs[0] if tabs else None)
     whole = side if front is None else rrb.Horizontal(side, front, column_shares=[3.9, 6.1])
+    return _whole(whole)
+
+
+def _focus(port: Port) -> Any:  # noqa: ANN401
+    return rrb.Vertical(rrb.Horizontal(_torque(port), _cloud(port)), _log(), row_shares=[6.0, 4.0])
+
+
+def _whole(panes: Any) -> Any:  # noqa: ANN401
     return rrb.Blueprint(
-        whole,
+        panes,
         rrb.TopPanel(state="collapsed"),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
@@ -50,15 +62,10 @@ def _motor_tab(port: Port) -> Any:  # noqa: ANN401
         return _plot(contents, f"{port.upper()}: {title}", **more)
 
     return rrb.Grid(
-        plot(["reading", "refused"], "angle, measured and predicted (deg)", legend=True),
-        plot(["torque"], "torque that the model does not have (mN·m)"),
+        plot(["reading", "refused"], "angle (deg): measured grey, predicted blue"),
+        _torque(port),
         plot(["innovation"], "innovation and its bounds (deg)"),
-        rrb.Spatial2DView(
-            origin=motor_path(port, "cloud"),
-            name=f"{port.upper()}: unknown torque against speed",
-            background=rrb.Background(kind="SolidColor", color=[18, 20, 23]),
-            visual_bounds=rrb.VisualBounds2D(x_range=[-13.0, 13.0], y_range=[-7.5, 7.5]),
-        ),
+        _cloud(port),
         plot(
             ["square"],
             "normalised innovation square, mean, 95 %",
@@ -72,6 +79,19 @@ def _motor_tab(port: Port) -> Any:  # noqa: ANN401
         ),
         grid_columns=2,
         name=name,
+    )
+
+
+def _torque(port: Port) -> Any:  # noqa: ANN401
+    return _plot([motor_path(port, "torque")], f"{port.upper()}: unknown torque (mN·m) and its band")
+
+
+def _cloud(port: Port) -> Any:  # noqa: ANN401
+    return rrb.Spatial2DView(
+        origin=motor_path(port, "cloud"),
+        name=f"{port.upper()}: torque against speed (orange: before)",
+        background=rrb.Background(kind="SolidColor", color=[18, 20, 23]),
+        visual_bounds=rrb.VisualBounds2D(x_range=[-13.0, 13.0], y_range=[-7.5, 7.5]),
     )
 
 
@@ -108,14 +128,8 @@ def _robot() -> Any:  # noqa: ANN401
 
 
 def _log() -> Any:  # noqa: ANN401
-    return rrb.TextLogView(
-        origin="/events",
-        name="What happened",
-        columns=rrb.TextLogColumns(
-            timeline_columns=[rrb.encodings.TimelineColumn(TIMELINE)],
-            text_log_columns=[rrb.encodings.TextLogColumn(kind="Body")],
-        ),
-    )
+    """A page of text, which wraps; the same lines are under `/events` as a log."""
+    return rrb.TextDocumentView(origin="/story", name="What happened")
 
 
 def _link() -> Any:  # noqa: ANN401

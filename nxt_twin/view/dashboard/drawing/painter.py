@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Final, final
@@ -21,6 +22,7 @@ _APPLICATION: Final = "nxt-twin"
 _FLUSH_S: Final = 0.8
 _WRITE_S: Final = 8.0
 _CLOUD_EVERY_S: Final = 0.5
+_STORY_LINES: Final = 40
 
 _LEVELS: Final[dict[EventKind, str]] = {
     "divergence": "WARN",
@@ -78,6 +80,7 @@ class Painter:
         self._last_deg = dict.fromkeys(ports, 0.0)
         self._effects: list[str] = []
         self._named: set[str] = set()
+        self._story: deque[str] = deque(maxlen=_STORY_LINES)
         layout = blueprint(ports, channels, tab)
         target = rr.FileSink(sink) if isinstance(sink, Path) else rr.GrpcSink(sink)
         self._stream.set_sinks(target, default_blueprint=layout)
@@ -98,6 +101,9 @@ class Painter:
                 for path, columns in robot.turned(port, turn):
                     self._send(path, turn.time_s, columns)
             self._clouds[port].add(ticks)
+        for event in events:
+            if event.kind == "adopted" and event.port in self._clouds:
+                self._clouds[event.port].begin_anew(event.time_s)
         if ticks and ticks[-1].received_s >= self._cloud_due_s:
             self._cloud_due_s = ticks[-1].received_s + _CLOUD_EVERY_S
             self._send_clouds(ticks[-1].received_s)
@@ -165,6 +171,10 @@ class Painter:
             times, texts, levels = zip(*rows, strict=True)
             columns = rr.TextLog.columns(text=list(texts), level=list(levels))
             self._stream.send_columns("/events", [rr.TimeColumn(TIMELINE, duration=list(times))], columns)
+            self._story.extend(f"- **{at:.1f} s** {text}" for at, text, _ in rows)
+            self._stream.set_time(TIMELINE, duration=times[-1])
+            story = rr.TextDocument("\n".join(self._story), media_type=rr.MediaType.MARKDOWN)
+            self._stream.log("/story", story)
 
 
 def _scalars(table: Table) -> Any:  # noqa: ANN401 - rerun's
@@ -188,6 +198,7 @@ def _cloud_parts(picture: CloudPicture) -> list[tuple[str, Any]]:
                 show_labels=True,
             ),
         ),
+        ("former", rr.Points2D(picture.former, colors=[colours.FORMER] * len(picture.former), radii=0.08)),
         ("dots", rr.Points2D(picture.dots, colors=shades, radii=0.08)),
     ]
     if picture.mean.shape[0] > 1:
