@@ -55,6 +55,16 @@ def test_an_arm_is_lifted_held_and_let_down():
     assert angle[-1] < 5.0
 
 
+def test_a_sorter_sorts_six_balls_by_their_colour():
+    sorted_balls = run("sorter", "sort_balls.py")
+    places = {name: sorted_balls.arena.thing_pose(name).at_m for name in sorted_balls.arena.things}
+    balls = {name: place for name, place in places.items() if name.startswith(("red", "blue"))}
+    assert len(balls) == 6
+    for name, (_, y, z) in balls.items():
+        assert z < 0.03
+        assert (y > 0.1) if name.startswith("red") else (y < -0.1), name
+
+
 def test_a_sumo_robot_pushes_the_other_out_and_stays_in_the_ring():
     pushed = run("ring", "push_out.py")
     assert np.hypot(*pushed.arena.thing_pose("other").at_m[:2]) > 0.385
