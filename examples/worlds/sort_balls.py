@@ -1,4 +1,4 @@
-"""Sort six balls by colour: a cradle on motor A tips red ones to the left and blue ones to the right; light sensor on 3."""
+"""Sort six balls: a cradle on motor A tips red ones to the left and blue ones to the right; light sensor on 3."""
 
 import math
 import time

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 from world_runs import run
 
+from nxt_twin.world.arena import open_arena
+from nxt_twin.world.load import load_setting
+from nxt_twin.world.program import let_pass
+
 
 def test_a_castor_bot_drives_a_square():
     driven = run("playground", "drive_square.py")
@@ -69,6 +73,20 @@ def test_a_sumo_robot_pushes_the_other_out_and_stays_in_the_ring():
     pushed = run("ring", "push_out.py")
     assert np.hypot(*pushed.arena.thing_pose("other").at_m[:2]) > 0.385
     assert np.hypot(*pushed.trace.places_m.T).max() < 0.385
+
+
+def test_a_robot_balances_on_two_wheels():
+    balanced = run("balance", "balance.py", "8")
+    assert balanced.trace.column("time_s")[-1] > 8.0
+    assert np.abs(balanced.trace.column("pitch_deg")).max() < 5.0
+    assert np.hypot(*balanced.trace.places_m.T).max() < 0.4
+
+
+def test_a_robot_whose_program_does_nothing_falls():
+    arena = open_arena(load_setting("balance"))
+    arena.body.set_motor(1, 3, brake=True)  # a nudge
+    let_pass(arena, 2.0)
+    assert abs(arena.robot_pose().pitch_deg) > 60.0
 
 
 def test_a_motor_on_a_bench_turns_as_fast_as_its_numbers_say():

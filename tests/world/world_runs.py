@@ -21,9 +21,9 @@ class Run:
     ran: Ran
 
 
-def run(world: str, program: str, *, limit_s: float = 60.0) -> Run:
+def run(world: str, program: str, *arguments: str) -> Run:
     arena = open_arena(load_setting(world))
     trace = Trace(arena)
-    ran = run_program(arena, PROGRAMS / program, limit_s=limit_s)
+    ran = run_program(arena, PROGRAMS / program, arguments, limit_s=60.0)
     assert (ran.ending, ran.said) == ("done", "")
     return Run(arena, trace, ran)
