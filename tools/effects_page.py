@@ -307,9 +307,10 @@ def figure_of(effect_id: str) -> Figure:
 def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
     drawn = _played(effect_id, scene)
-    above.plot(drawn.time_s, drawn.without, color=palette.BASELINE, linewidth=1.3)
-    above.plot(drawn.time_s, drawn.having, color=palette.IMPROVED, linewidth=1.3)
+    above.plot(drawn.time_s, drawn.without, color=palette.BASELINE, linewidth=1.3, label="without")
+    above.plot(drawn.time_s, drawn.having, color=palette.IMPROVED, linewidth=1.3, label="with")
     palette.dress(above, drawn.unit)
+    _name_curves(above)
     time_s, power = (list(column) for column in zip(*scene.steps, strict=True))
     below.step(
         [*time_s, scene.seconds],
@@ -318,12 +319,19 @@ def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
         color=palette.MUTED,
         linewidth=1,
     )
-    palette.dress(below, "", ticks=2)
-    below.set_ylabel("power, %", fontsize=palette.SMALL_PT, color=palette.MUTED)
-    palette.name_abscissa(below, "s")
+    palette.dress(below, "power (%)", ticks=2)
+    palette.name_abscissa(below, "time (s)")
     low, high = min(0.0, *power), max(0.0, *power)
     below.set_ylim(100 * low - 8, 100 * high + 8)
     below.set_xlim(scene.from_s, scene.seconds)
+
+
+def _name_curves(axes: Axes) -> None:
+    """A legend above the panel, beside its title."""
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=2, fontsize=palette.SMALL_PT, frameon=False,
+        labelcolor=palette.MUTED, handlelength=1.4, borderaxespad=0.2,
+    )  # fmt: skip
 
 
 def _played(effect_id: str, scene: Scene) -> Drawn:
@@ -340,15 +348,18 @@ def _played(effect_id: str, scene: Scene) -> Drawn:
         case "error":
             true = np.degrees(without["predicted"])
             return Drawn(
-                run.time_s, 0.0 * true, np.degrees(having["predicted"]) - true, "reading less true angle, deg"
+                run.time_s,
+                0.0 * true,
+                np.degrees(having["predicted"]) - true,
+                "reading less true angle (deg)",
             )
         case "current":
-            return Drawn(run.time_s, without["current"], having["current"], "current, A")
+            return Drawn(run.time_s, without["current"], having["current"], "current (A)")
         case "angle":
-            return Drawn(run.time_s, np.degrees(without["angle"]), np.degrees(having["angle"]), "angle, deg")
+            return Drawn(run.time_s, np.degrees(without["angle"]), np.degrees(having["angle"]), "angle (deg)")
         case _:
             return Drawn(
-                run.time_s, np.degrees(without["speed"]), np.degrees(having["speed"]), "speed, deg/s"
+                run.time_s, np.degrees(without["speed"]), np.degrees(having["speed"]), "speed (deg/s)"
             )
 
 
@@ -381,10 +392,11 @@ def _draw_likelihood(axes: Axes, effect: Effect) -> None:
     fresh = np.exp(-0.5 * (reading - 10.0) ** 2) / math.sqrt(math.tau)
     density = effect.terms["outlier"]
     stale = np.array([float(density(x, 10.0, 0.0, 1.0, 0.1)) for x in reading])  # type: ignore[arg-type]
-    axes.plot(reading, fresh, color=palette.BASELINE, linewidth=1.3)
-    axes.plot(reading, 0.9 * fresh + stale, color=palette.IMPROVED, linewidth=1.3)
-    palette.dress(axes, "density of a reading, 1/deg; the last one was 0, 10 is predicted")
-    palette.name_abscissa(axes, "reading, deg")
+    axes.plot(reading, fresh, color=palette.BASELINE, linewidth=1.3, label="without")
+    axes.plot(reading, 0.9 * fresh + stale, color=palette.IMPROVED, linewidth=1.3, label="with")
+    palette.dress(axes, "density of a reading (1/deg)")
+    _name_curves(axes)
+    palette.name_abscissa(axes, "reading (deg)")
 
 
 if __name__ == "__main__":
