@@ -20,6 +20,7 @@ from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import at_rest
+from nxt_twin.recording.recording import InputKind
 from nxt_twin.view import palette
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
@@ -37,6 +38,7 @@ NXT: Final = {
     "inertia_kg_m2": 1.2e-3,
     "supply_v": 8.0,
 }
+SERVO: Final = {**NXT, "kind": "servo", "position_gain_pct_per_deg": 0.4}
 COAST: Final = 2
 
 OF: Final = {
@@ -68,7 +70,7 @@ class Scene:
 
     Attributes:
         params: the effect's values, by name.
-        steps: duty (-1 to 1) from each time, s, on.
+        steps: duty (-1 to 1) from each time, s, on; for a servo its goal, in units of 100 deg.
         seconds: how long.
         shown: `speed` in deg/s, `angle` in deg, `current` in A, or `error`: reading less angle, deg.
         coast_after_s: from when on the bridge is open.
@@ -89,6 +91,7 @@ def _stairs(*levels: float, each_s: float) -> Steps:
 
 _BOTH_WAYS: Final = _stairs(0.4, 0.0, -0.4, 0.0, each_s=0.5)
 _SQUARE: Final = _stairs(*(0.6, -0.6) * 4, each_s=0.5)
+_GOALS: Final = ((0.0, 0.0), (0.2, 0.9), (1.6, 0.2))
 _SLOW: Final = ((0.0, 0.15),)
 _RAMP: Final = tuple((0.02 * i, 0.12 * i / 100.0) for i in range(100))
 
@@ -150,6 +153,8 @@ SCENES: Final[dict[str, Scene]] = {
     "battery_drain": Scene({"drain_v_per_s": 0.1}, ((0.0, 0.6),), 15.0),
     "voltage_drop": Scene({"drop_v": 0.9}, _stairs(0.0, 0.15, 0.3, 0.6, each_s=0.4), 1.6),
     "power_curve": Scene({"exponent": 1.5}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0),
+    "goal_rate_limit": Scene({"goal_rate_limit_deg_per_s": 120.0}, _GOALS, 3.0, "angle"),
+    "integral_action": Scene({"integral_rate_per_s": 0.7}, _GOALS, 3.0, "angle"),
     "command_delay": Scene({"delay_s": 0.06}, ((0.0, 0.0), (0.1, 0.6), (0.5, -0.6)), 0.9),
     "clock_skew": Scene(
         {"lag_span_s": 0.04, "lag_mean": 0.5, "rate_error": 2e-3, "lag_period_s": 3.0, "lag_phase": 0.0},
@@ -264,6 +269,8 @@ def _remarks(effect: Effect) -> Iterator[str]:
         yield "A fault of the recording rather than physics of the plant.\n"
     if effect.supersedes:
         yield f"Replaces {_listed([f'`{other}`' for other in effect.supersedes])} while it is in the plant.\n"
+    if effect.kinds:
+        yield f"Only for plants of kind {_listed([f'`{kind}`' for kind in effect.kinds])}.\n"
     lacking = [OTHER_FRAMES[frame] for frame in FRAMES if frame not in effect.frames]
     if lacking:
         yield f"Not for {_listed(lacking)}.\n"
@@ -319,7 +326,7 @@ def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
         color=palette.MUTED,
         linewidth=1,
     )
-    palette.dress(below, "power (%)", ticks=2)
+    palette.dress(below, "goal (deg)" if _is_loop_s(effect_id) else "power (%)", ticks=2)
     palette.name_abscissa(below, "time (s)")
     low, high = min(0.0, *power), max(0.0, *power)
     below.set_ylim(100 * low - 8, 100 * high + 8)
@@ -336,13 +343,14 @@ def _name_curves(axes: Axes) -> None:
 
 def _played(effect_id: str, scene: Scene) -> Drawn:
     keys = {parameter.name for parameter in library()[effect_id].parameters}
-    bare = {key: value for key, value in NXT.items() if key not in keys}
-    plain = plant_from_config(bare, "power_pct")
+    kind: InputKind = "goal_position_rad" if _is_loop_s(effect_id) else "power_pct"
+    bare = {k: value for k, value in (SERVO if _is_loop_s(effect_id) else NXT).items() if k not in keys}
+    if effect_id == "integral_action":
+        bare["coulomb_friction_nm"] = 0.04  # which leaves an error standing
+    plain = plant_from_config(bare, kind)
     nested = {"effects": {effect_id: scene.params}}
-    whole = plant_from_config(
-        {**bare, **(scene.params if library()[effect_id].plain else nested)}, "power_pct"
-    )
-    run = _signals(scene)
+    whole = plant_from_config({**bare, **(scene.params if library()[effect_id].plain else nested)}, kind)
+    run = _signals(scene, kind)
     without, having = _traces(plain, whole, run)
     match scene.shown:
         case "error":
@@ -368,15 +376,20 @@ def _traces(plain: Plant, whole: Plant, run: Signals) -> list[dict[str, np.ndarr
         return [simulator.trace(plant, free_job(run, at_rest(run))) for plant in (plain, whole)]
 
 
-def _signals(scene: Scene) -> Signals:
+def _is_loop_s(effect_id: str) -> bool:
+    """Whether the effect is one of a servo's loop."""
+    return "servo" in library()[effect_id].kinds
+
+
+def _signals(scene: Scene, kind: InputKind) -> Signals:
     time_s = np.concatenate([[0.0], np.linspace(max(scene.from_s, 1e-3), scene.seconds, 400)])
     at, level = (np.array(column) for column in zip(*scene.steps, strict=True))
     return Signals(
         name="scene",
         channel="a_tacho_deg",
-        input_kind="power_pct",
+        input_kind=kind,
         command_time_s=at,
-        command=level,
+        command=level if kind == "power_pct" else np.radians(100.0 * level),
         command_mode=np.where(at >= scene.coast_after_s, COAST, 0),
         command_supply_v=np.full(at.size, NXT["supply_v"]),
         time_s=time_s,

@@ -66,7 +66,8 @@ def load_plant(model: Model, input_kind: InputKind = "power_pct") -> Plant:
 
     Args:
         model: a name such as `nxt_motor`, the path of a YAML file, or a mapping; a plant is given back as it is.
-        input_kind: what drives it: `power_pct`, `voltage_v`, `current_a`, `torque_nm` or `force_n`.
+        input_kind: what drives it: `power_pct`, `voltage_v`, `current_a`, `torque_nm`, `force_n`, or
+            `goal_position_rad` (of a servo).
 
     Raises:
         PlantError: there is no such plant, or a key or value is wrong.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -11,12 +12,14 @@ from nxt_twin.api.files import Model, load_plant
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
+from nxt_twin.physics.base.servo import SERVO
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job, with_supply
 from nxt_twin.physics.start import Start, at_rest, restarts
-from nxt_twin.recording.columns import PORTS, power_column
+from nxt_twin.recording.columns import PORTS, goal_column, power_column
+from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.recording import Recording
 
 
@@ -78,7 +81,7 @@ def predictions(
 
 
 def _predicted(plant: Model, recording: Recording, port: str | None, every_s: float | None) -> Predicted:
-    signals = signals_of(recording, port, fewest_readings=0)
+    signals = signals_of(recording, port, fewest_readings=0, follows_goal=_is_servo(plant))
     start, values = _run(load_plant(plant, signals.input_kind), signals, every_s)
     units = units_of("linear" if signals.input_kind == "force_n" else "motor", signals)
     factor = units.reading_factor if signals.channel != "output" else 1.0
@@ -87,6 +90,13 @@ def _predicted(plant: Model, recording: Recording, port: str | None, every_s: fl
     if counted.any():
         rmse = float(np.sqrt(np.mean((signals.measured - values)[counted] ** 2))) * units.reading_factor
     return Predicted(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
+
+
+def _is_servo(model: Model) -> bool:
+    if isinstance(model, Plant):
+        return model.layout.base.control is not None
+    config = model if isinstance(model, Mapping) else load_plant_config(model)
+    return config.get("kind") == SERVO.kind
 
 
 def _run(plant: Plant, signals: Signals, every_s: float | None) -> tuple[Start, FloatArray]:
@@ -99,7 +109,8 @@ def _run(plant: Plant, signals: Signals, every_s: float | None) -> tuple[Start, 
 def _driven(recording: Recording) -> list[str | None]:
     if recording.kinds:
         return [None]
-    found = [port for port in PORTS if power_column(port) in recording.columns]
+    commands = (power_column, goal_column)
+    found = [port for port in PORTS if any(column(port) in recording.columns for column in commands)]
     if not found:
         mend = "give it a_power_pct"
         raise RecordingError("commands no port", where=recording.name, mend=mend)

@@ -35,6 +35,7 @@ def units_of(frame: Frame, signals: Signals) -> Units:
         "current_a": ("current (A)", 1.0),
         "torque_nm": ("torque (N·m)", 1.0),
         "force_n": ("force (N)", 1.0),
+        "goal_position_rad": ("goal (deg)", 180.0 / math.pi),
     }
     command, command_factor = commands[signals.input_kind]
     return Units(

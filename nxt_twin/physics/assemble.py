@@ -54,6 +54,7 @@ def source(plan: Layout) -> str:
         frame=plan.frame,
         imports="\n".join(_imports(plan)),
         unpack=_indent(_unpack(plan), 4),
+        base_delay=f"base__{plan.base.delay}" if plan.base.delay else "0.0",
         delay=_indent(_stage(plan, "delay"), 4),
         pace=_indent(_stage(plan, "pace"), 4),
         lag=_indent(_stage(plan, "lag"), 8),
@@ -105,6 +106,7 @@ def _step(plan: Layout, part: str = STEP) -> list[str]:
         inertia=_indent(_stage(plan, "inertia"), 4),
         resistance="base__resistance" if "resistance" in symbols else "0.0",
         resistance_terms=lines["resistance"],
+        control=_call(plan, "_control", plan.base.control) if plan.base.control else "goal",
         drive=_call(plan, "_drive", plan.base.drive),
         current=current,
     ).splitlines()
@@ -139,7 +141,7 @@ def _helpers(plan: Layout) -> list[FunctionType]:
 
 def _functions(plan: Layout) -> list[FunctionType]:
     terms = [effect.terms[stage] for effect in plan.effects for stage in effect.terms]
-    own = [plan.base.drive, plan.base.current_after, plan.base.drawn_by_others]
+    own = [plan.base.drive, plan.base.current_after, plan.base.drawn_by_others, plan.base.control]
     return [function for function in [*own, *terms] if isinstance(function, FunctionType)]
 
 
@@ -153,6 +155,8 @@ def _imports(plan: Layout) -> Iterator[str]:
     yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
     if settle := plan.base.current_after:
         yield f"_current_after = njit({settle.__module__}.{settle.__name__})"
+    if control := plan.base.control:
+        yield f"_control = njit({control.__module__}.{control.__name__})"
     if others := plan.base.drawn_by_others:
         yield f"_drawn_by_others = njit({others.__module__}.{others.__name__})"
     for effect in plan.effects:
@@ -174,7 +178,8 @@ def _restart(plan: Layout) -> Iterator[str]:
     for effect in plan.effects:
         for state in effect.states:
             if state not in effect.lasting:
-                yield f"{effect.id}__{state} = {'speed' if state in effect.moving else '0.0'}"
+                moves = "speed" if state in effect.moving else "0.0"
+                yield f"{effect.id}__{state} = {'angle' if state in effect.placed else moves}"
 
 
 def _others(plan: Layout) -> str:

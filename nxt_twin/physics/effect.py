@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, final
 
 from nxt_twin.physics.parameter import FRAMES, Frame, Parameter
-from nxt_twin.recording.recording import InputKind
+from nxt_twin.recording.recording import GOALS, InputKind
 
 Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
 Regime = Literal[
@@ -26,6 +26,7 @@ Stage = Literal[
     "delay",
     "pace",
     "lag",
+    "goal",
     "duty",
     "supply",
     "inertia",
@@ -68,8 +69,10 @@ class Effect:
         terms: the law as functions, by stage.
         states: names of the extra states, zero where a run starts anew and nobody knows them.
         moving: those of them that are speeds and start with the plant's own.
+        placed: those of them that are angles and start with the plant's own.
         lasting: those of them that such a start leaves as they are.
-        frames: kinds of plant that can have it.
+        frames: frames of plants that can have it.
+        kinds: kinds of plants that can have it; empty is all.
         supersedes: ids of effects whose parameters this one replaces while it is in the plant.
         inputs: kinds of input with which it makes sense; empty is all.
         plain: its parameters are keys of the plant itself rather than of an entry under `effects:`.
@@ -88,8 +91,10 @@ class Effect:
     source: str = ""
     states: tuple[str, ...] = ()
     moving: tuple[str, ...] = ()
+    placed: tuple[str, ...] = ()
     lasting: tuple[str, ...] = ()
     frames: tuple[Frame, ...] = FRAMES
+    kinds: tuple[str, ...] = ()
     supersedes: tuple[str, ...] = ()
     inputs: tuple[InputKind, ...] = ()
     plain: bool = False
@@ -99,3 +104,7 @@ class Effect:
     def __repr__(self) -> str:
         """Short: id and name."""
         return f"<Effect {self.id}: {self.name}>"
+
+    def takes(self, kind: InputKind) -> bool:
+        """Whether it makes sense under this kind of input; a servo's loop commands a power."""
+        return not self.inputs or ("power_pct" if kind in GOALS else kind) in self.inputs

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.modes import MODE_COAST
 from nxt_twin.physics.plant import Plant
 
@@ -44,7 +45,8 @@ class LateCommands:
 
 
 def _delay_s(plant: Plant) -> float:
-    total = 0.0
+    base = plant.layout.base
+    total = plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0
     for effect in plant.effects:
         if "delay" in effect.terms:
             values = [plant.values[slot] for slot in plant.layout.parameters if slot.owner == effect.id]

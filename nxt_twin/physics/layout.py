@@ -10,13 +10,17 @@ from nxt_twin.errors import PlantError
 from nxt_twin.physics.base.base import Base
 from nxt_twin.physics.base.dc_motor import DC_MOTOR
 from nxt_twin.physics.base.rigid_body import RIGID_BODY
+from nxt_twin.physics.base.servo import SERVO
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
 from nxt_twin.physics.parameter import Frame, Parameter
 
-BASES: dict[str, Base] = {base.kind: base for base in (DC_MOTOR, RIGID_BODY)}
+BASES: dict[str, Base] = {base.kind: base for base in (DC_MOTOR, RIGID_BODY, SERVO)}
 
 BASE_OWNER = "base"
+DRIVEN_BY = (
+    "a dc_motor takes power_pct, voltage_v or current_a; a servo a goal; a rigid_body torque_nm or force_n"
+)
 
 
 class Slot(NamedTuple):
@@ -37,7 +41,11 @@ class Layout:
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
         """The effects that this frame can have, in the order of the `active` mask."""
-        return tuple(effect for effect in library().values() if self.frame in effect.frames)
+        return tuple(
+            effect
+            for effect in library().values()
+            if self.frame in effect.frames and (not effect.kinds or self.base.kind in effect.kinds)
+        )
 
     @cached_property
     def parameters(self) -> dict[Slot, Parameter]:
@@ -81,6 +89,6 @@ def layout(kind: str, frame: Frame) -> Layout:
         raise PlantError(
             f"a {kind} cannot be a {frame} plant",
             where="plant",
-            mend="a dc_motor takes power_pct, voltage_v or current_a; a rigid_body torque_nm or force_n",
+            mend=DRIVEN_BY,
         )
     return Layout(base, frame)

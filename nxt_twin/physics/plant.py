@@ -13,9 +13,9 @@ import numpy as np
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import BASE_OWNER, BASES, Layout, Slot, layout
+from nxt_twin.physics.layout import BASE_OWNER, BASES, DRIVEN_BY, Layout, Slot, layout
 from nxt_twin.physics.parameter import Frame, Parameter
-from nxt_twin.recording.recording import InputKind
+from nxt_twin.recording.recording import GOALS, InputKind
 
 _FRAME_OF_INPUT: dict[InputKind, Frame] = {
     "power_pct": "motor",
@@ -23,6 +23,8 @@ _FRAME_OF_INPUT: dict[InputKind, Frame] = {
     "current_a": "motor",
     "torque_nm": "rotary",
     "force_n": "linear",
+    "goal_position_deg": "motor",
+    "goal_position_rad": "motor",
 }
 _INPUT_OF_FRAME: dict[Frame, InputKind] = {"motor": "power_pct", "rotary": "torque_nm", "linear": "force_n"}
 
@@ -120,7 +122,10 @@ def frame_for(kind: str, input_kind: InputKind) -> Frame:
     Raises:
         PlantError: this kind of plant cannot be driven so, or there is no such kind.
     """
-    return layout(kind, _FRAME_OF_INPUT[input_kind]).frame
+    frame = layout(kind, _FRAME_OF_INPUT[input_kind]).frame
+    if (BASES[kind].control is not None) != (input_kind in GOALS):
+        raise PlantError(f"a {kind} is not driven by {input_kind}", where="plant", mend=DRIVEN_BY)
+    return frame
 
 
 def plant_from_config(config: Mapping[str, Any], input_kind: InputKind) -> Plant:

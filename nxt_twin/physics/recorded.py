@@ -9,13 +9,14 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import RecordingError
+from nxt_twin.physics.goals import goal_deg, regulated
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import pulsed
-from nxt_twin.recording.recording import InputKind, Recording
+from nxt_twin.recording.recording import GOALS, InputKind, Recording
 
 _FEWEST_READINGS = 10
 _QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
@@ -24,20 +25,30 @@ _TACHO_STEP_DEG = 1.0
 _MEASURED_SHARE = 0.8  # of the rows with a supply reading, above which the supply is used as measured
 
 
-def signals_of(recording: Recording, port: str | None, fewest_readings: int = _FEWEST_READINGS) -> Signals:
+def signals_of(
+    recording: Recording,
+    port: str | None,
+    fewest_readings: int = _FEWEST_READINGS,
+    *,
+    follows_goal: bool = False,
+) -> Signals:
     """The signals of one axis of a recording.
 
     Args:
         recording: a brick's recording or a mapped one.
         port: `a`, `b` or `c` for a brick's; ignored for a mapped one.
         fewest_readings: that it has to hold; 0 for commands alone.
+        follows_goal: what drives it is the goal, where a power is recorded too.
 
     Raises:
         RecordingError: the port was not driven or not read, or nothing was read at all.
     """
     if fewest_readings == 0:
         recording = _with_empty_output(recording, port or "a")
-    found = _mapped(recording) if recording.kinds else _beside_others(recording, port or "a")
+    axis = port or "a"
+    found = (
+        _mapped(recording) if recording.kinds else _beside_others(recording, axis, follows_goal=follows_goal)
+    )
     if np.isfinite(found.measured).sum() < fewest_readings:
         raise RecordingError(
             f"fewer than {fewest_readings} readings",
@@ -55,21 +66,53 @@ def _with_empty_output(recording: Recording, port: str) -> Recording:
     return replace(recording, columns={**recording.columns, output: np.full(recording.rows, np.nan)})
 
 
-def _beside_others(recording: Recording, port: str) -> Signals:
+def _beside_others(recording: Recording, port: str, *, follows_goal: bool) -> Signals:
     """One motor's signals beside all others of which both commands and counts are known."""
     columns, nothing = recording.columns, np.zeros(0)
     others = [
-        _on_its_port(recording, other)
+        _on_its_port(recording, other, follows_goal=False)
         for other in PORTS
         if other != port
         and power_column(other) in columns
+        and not regulated(recording, other).any()
         and np.isfinite(columns.get(tacho_column(other), nothing)).sum() >= _FEWEST_READINGS
     ]
-    return with_others(_on_its_port(recording, port), others)
+    return with_others(_on_its_port(recording, port, follows_goal=follows_goal), others)
 
 
-def _on_its_port(recording: Recording, port: str) -> Signals:
-    return _dated(_brick(recording, port), recording.lags, port)
+def _on_its_port(recording: Recording, port: str, *, follows_goal: bool) -> Signals:
+    goal = goal_deg(recording, port)
+    is_power = f"{port}_power_pct" in recording.columns and not regulated(recording, port).any()
+    if goal is None or (is_power and not follows_goal):
+        return _dated(_brick(recording, port), recording.lags, port)
+    return _dated(_following(recording, port, np.radians(goal)), recording.lags, port)
+
+
+def _following(recording: Recording, port: str, goal: FloatArray) -> Signals:
+    """The signals of a motor that a loop brings to a goal, rad; off wherever its mode says so."""
+    tacho = f"{port}_tacho_deg"
+    known = goal[np.isfinite(goal)]
+    command = _held(goal, start=float(known[0]) if known.size else 0.0)
+    mode = _held(recording.columns.get(f"{port}_mode", np.zeros(recording.rows)), start=float(MODE_DRIVE))
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"), np.zeros(recording.rows))
+    keep = _changes(command, mode, supply)
+    return Signals(
+        name=recording.name,
+        channel=tacho,
+        input_kind="goal_position_rad",
+        command_time_s=recording.time_s[keep],
+        command=command[keep],
+        command_mode=mode[keep].astype(np.int64),
+        command_supply_v=supply[keep],
+        time_s=np.array(recording.time_s),
+        measured=np.radians(recording.columns[tacho]),
+        is_speed=False,
+        quantum=_quantum(recording, port),
+    )
+
+
+def _quantum(recording: Recording, port: str) -> float:
+    return math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG))
 
 
 def _brick(recording: Recording, port: str) -> Signals:
@@ -95,7 +138,7 @@ def _brick(recording: Recording, port: str) -> Signals:
         time_s=np.array(recording.time_s),
         measured=np.radians(recording.columns[tacho]),
         is_speed=False,
-        quantum=math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG)),
+        quantum=_quantum(recording, port),
     )
 
 
@@ -127,7 +170,8 @@ def _mapped(recording: Recording) -> Signals:
     mode = _mapped_mode(recording, kinds.input)
     if kinds.input in ("torque_nm", "force_n"):  # a bench's torque is off where its drive is not on
         command = np.where((mode == MODE_COAST) | (mode == MODE_BRAKE), 0.0, command)
-    supply = _supply(recording.time_s, recording.columns.get("supply_v"), command)
+    effort = np.zeros(recording.rows) if kinds.input in GOALS else command
+    supply = _supply(recording.time_s, recording.columns.get("supply_v"), effort)
     keep = _changes(command, mode, supply)
     return Signals(
         name=recording.name,

@@ -46,6 +46,7 @@ STAGES: dict[Stage, StageRule] = {
     "delay": StageRule("add", "delay_s", ()),
     "pace": StageRule("add", "pace", ()),
     "lag": StageRule("take", "target", ("stamp_s",)),
+    "goal": StageRule("replace", "goal", ("goal", "angle", "speed", "step_s", "elapsed_s")),
     "duty": StageRule("replace", "duty", ("duty", "elapsed_s")),
     "supply": StageRule("replace", "supply_v", ("supply_v", "elapsed_s", *_OTHERS)),
     "inertia": StageRule("add", "inertia", ("elapsed_s", "session_s", "step_s")),
@@ -57,7 +58,7 @@ STAGES: dict[Stage, StageRule] = {
     "torque": StageRule("add", "load_torque", ("drive_torque", *_MOTION)),
     "friction": StageRule("replace", "level", _FRICTION),
     "hold": StageRule("hold", "", _FRICTION),
-    "advance": StageRule("states", "", ("before", "after", "resistance", *_MOTION)),
+    "advance": StageRule("states", "", ("before", "after", "resistance", "held", *_MOTION)),
     "stop": StageRule("motion", "", ("angle", "speed", "home")),
     "reading": StageRule("shift", "", ("angle", "speed")),
     "scatter": StageRule("add", "scatter", ("angle", "speed")),
@@ -69,5 +70,6 @@ it opposes. `mode` is the bridge's, as `base.dc_motor` numbers them. `limit` bou
 brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt that it falls; both
 are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag` how late a reading's
 stamp is, `stamp_s` that stamp and `elapsed_s` the step's since the recording began; `session_s` is when that was in
-the session. `home` is the angle at which the run began. A `reading` term says how far the encoder is off,
+the session. `held` is the command in force, which a servo's `goal` terms turn into what its loop follows.
+`home` is the angle at which the run began. A `reading` term says how far the encoder is off,
 a `scatter` term by which variance a reading strays, beyond its ordinary noise."""

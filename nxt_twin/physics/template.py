@@ -18,7 +18,7 @@ _SQRT_TAU = math.sqrt(2.0 * math.pi)
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
 def _timing(values, active, out_time_s, target_s):
 {unpack}
-    delay_s = 0.0
+    delay_s = {base_delay}
 {delay}
     pace = 1.0
 {pace}
@@ -211,7 +211,9 @@ def run_many(
 '''
 
 FORMING = """\
-duty = held
+goal = held
+{goal}
+duty = {control}
 {duty}
 supply_v = open_circuit_v
 {supply}

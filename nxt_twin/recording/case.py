@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nxt_twin.errors import CaseError
-from nxt_twin.recording.columns import PORTS, Port, power_column, tacho_column
+from nxt_twin.recording.columns import PORTS, Port, goal_column, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.mapped import read_all_mapped
@@ -191,4 +191,5 @@ def _port(recordings: Sequence[Recording], plant: Plant, named: Port | None, whe
 def _has_motor(recording: Recording, port: Port) -> bool:
     columns = recording.columns
     tacho = columns.get(tacho_column(port))
-    return power_column(port) in columns and tacho is not None and not np.isnan(tacho).all()
+    is_driven = power_column(port) in columns or goal_column(port) in columns
+    return is_driven and tacho is not None and not np.isnan(tacho).all()

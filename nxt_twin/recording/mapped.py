@@ -33,7 +33,7 @@ from nxt_twin.recording.mapping import (
     TimeSource,
     TimeUnit,
 )
-from nxt_twin.recording.recording import InputKind, OutputKind, Recording, SignalKinds
+from nxt_twin.recording.recording import GOALS, InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.content import TableKind
 from nxt_twin.recording.tables.loose import as_word
@@ -215,7 +215,9 @@ def _input(table: Table, source: InputSource, path: Path, rows: int) -> FloatArr
     to_si = _INPUT_SI.get(source.kind, (source.kind, 1.0))[1]
     if source.column is None:
         return np.full(rows, (_constant(source, path) * source.gain + source.offset) * to_si)
-    values = hold((table.numbers[source.column] * source.gain + source.offset) * to_si)
+    values = (table.numbers[source.column] * source.gain + source.offset) * to_si
+    known = values[np.isfinite(values)]
+    values = hold(values, float(known[0]) if source.kind in GOALS and known.size else 0.0)
     if source.kind == "power_pct":
         check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT)
     return values

@@ -15,6 +15,8 @@ from nxt_twin.recording.lags import KnownLags
 InputKind = Literal[
     "power_pct", "voltage_v", "current_a", "torque_nm", "force_n", "goal_position_deg", "goal_position_rad"
 ]
+GOALS: tuple[InputKind, ...] = ("goal_position_deg", "goal_position_rad")
+"""Inputs that a position loop follows."""
 OutputKind = Literal[
     "position_rad", "position_deg", "position_m", "speed_rad_per_s", "speed_deg_per_s", "speed_m_per_s"
 ]

@@ -22,3 +22,9 @@ def rotary_simulator():
 def linear_simulator():
     with Simulator(layout("rigid_body", "linear"), workers=1) as simulator:
         yield simulator
+
+
+@pytest.fixture(scope="session")
+def servo_simulator():
+    with Simulator(layout("servo", "motor"), workers=1) as simulator:
+        yield simulator

@@ -29,7 +29,8 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     signals = job.signals
     axis = _Axis(plant, home=float(job.start.position[0]), session_s=signals.session_s)
     began_s = float(signals.time_s[0])
-    delay_s = axis.formed("delay", {}, 0.0)
+    base = plant.layout.base
+    delay_s = axis.formed("delay", {}, plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)
     commands, loads = signals.command_time_s + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
     taken_s = [t - axis.formed("lag", {"stamp_s": t - began_s}, 0.0) for t in signals.time_s.tolist()]
@@ -92,7 +93,8 @@ class _Axis:
         for effect in self._plant.effects:
             for state in effect.states:
                 if state not in effect.lasting:
-                    self._states[effect.id][state] = speed if state in effect.moving else 0.0
+                    moves = speed if state in effect.moving else 0.0
+                    self._states[effect.id][state] = angle if state in effect.placed else moves
         if known.size:
             self._current = float(known[0])
             named = ((e.id, state) for e in self._plant.layout.effects for state in e.states)
@@ -167,7 +169,11 @@ class _Axis:
         scope: _Scope = {"elapsed_s": elapsed_s, "speed": before, "current": self._current, "step_s": step_s}
         scope |= {"session_s": self._session_s, "mode": mode}
         scope["others_a"], scope["others_s"] = self._drawn_by_others(supply_v, *others)
-        scope["duty"] = self.chained("duty", scope, "duty", command)
+        scope |= {"held": command, "angle": self._angle}
+        scope["goal"] = self.chained("goal", scope, "goal", command)
+        control = self._plant.layout.base.control
+        commanded = _call(control, {**self._base, **scope}) if control else scope["goal"]
+        scope["duty"] = self.chained("duty", scope, "duty", commanded)
         inertia = scope["inertia"] = self.formed("inertia", scope, self._base["inertia"])
         drive: _Scope = {**self._base, **scope}
         drive["supply_v"] = self.chained("supply", scope, "supply_v", supply_v)

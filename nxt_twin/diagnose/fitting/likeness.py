@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 
-VOLTAGES = ("power_pct", "voltage_v")
+VOLTAGES = ("power_pct", "voltage_v", "goal_position_rad")
 """Inputs under which a motor's motion tells nothing of the size of its torques."""
 
 _ROUNDS = 6

@@ -21,6 +21,7 @@ from nxt_twin.diagnose.fitting.splits import (
 )
 from nxt_twin.diagnose.fitting.variables import scale_of
 from nxt_twin.errors import DiagnosisError
+from nxt_twin.physics.base.servo import SERVO
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.recorded import signals_of
@@ -107,7 +108,9 @@ def problem_of(
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
         DiagnosisError: the recordings are driven in different ways, are too short, or nothing moves.
     """
-    read = in_session([signals_of(recording, port) for recording in [*recordings, *holdout]])
+    follows = config.get("kind") == SERVO.kind
+    every = [signals_of(each, port, follows_goal=follows) for each in [*recordings, *holdout]]
+    read = in_session(every)
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
         raise DiagnosisError(

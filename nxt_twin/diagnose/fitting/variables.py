@@ -55,6 +55,8 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     for slot, parameter in plant.layout.parameters.items():
         if slot not in plant.values or slot.owner in shares or parameter.tied_to:
             continue
+        if slot.owner == BASE_OWNER and plant.values[slot] == 0.0:  # a servo's loop without that part
+            continue
         if slot not in baseline.values or not parameter.frozen:
             found.append(_variable(slot, parameter.scaled(scale), baseline, alike=alike))
     return tuple(found)

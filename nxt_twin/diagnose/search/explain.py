@@ -110,7 +110,7 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
         for effect in plant.layout.effects
         if effect.id not in plant.active
         and effect.id not in superseded
-        and (not effect.inputs or signals.input_kind in effect.inputs)
+        and effect.takes(signals.input_kind)
         and (not effect.counted or signals.quantum > 0.0)
     ]
 

@@ -21,6 +21,8 @@ class Base:
     the first parameter is the inertia. `current_after` gives the winding current (A) at the end of a step, None
     for a plant without a winding. `drawn_by_others` gives what the other motors on the same supply draw at its
     open-circuit voltage (A) and by how much less for each volt that it falls (S), None where a supply is no part of it.
+    `control` gives the duty from the goal, None where the command is the duty itself; `delay` names the parameter by
+    which commands act late.
     """
 
     kind: str
@@ -29,3 +31,5 @@ class Base:
     drive: Drive
     current_after: Callable[..., float] | None = None
     drawn_by_others: Callable[..., tuple[float, float]] | None = None
+    control: Callable[..., float] | None = None
+    delay: str | None = None

@@ -34,6 +34,7 @@ from nxt_twin.physics.effects.load import (
     SPRING_LOAD,
 )
 from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE, TORQUE_SATURATION
+from nxt_twin.physics.effects.servo import GOAL_RATE_LIMIT, INTEGRAL_ACTION
 from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, SAMPLE_HOLD, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
 
@@ -66,6 +67,8 @@ BUILT_IN: tuple[Effect, ...] = (
     BATTERY_DRAIN,
     VOLTAGE_DROP,
     POWER_CURVE,
+    GOAL_RATE_LIMIT,
+    INTEGRAL_ACTION,
     COMMAND_DELAY,
     CLOCK_SKEW,
     SAMPLE_HOLD,

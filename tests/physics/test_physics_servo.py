@@ -1,0 +1,144 @@
+"""A motor that a loop of its own brings to a goal."""
+
+import math
+
+import numpy as np
+import pytest
+from physics_reference import predict
+from physics_samples import NXT, commanded, motion, signals
+from scipy.integrate import solve_ivp
+
+from nxt_twin.errors import PlantError, RecordingError
+from nxt_twin.physics.modes import MODE_COAST
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.physics.simulate import free_job
+from nxt_twin.physics.start import at_rest
+from nxt_twin.recording.recording import Recording
+
+GAIN = 0.4  # % of duty for each degree
+DEG = math.radians(1.0)
+
+
+def servo(**changes):
+    plain = {**NXT, "kind": "servo", "position_gain_pct_per_deg": GAIN}
+    return plant_from_config({**plain, **changes}, "goal_position_rad")
+
+
+def goals(*steps, seconds=1.5, mode=0):
+    leaps = [(at, math.radians(goal)) for at, goal in steps]
+    return commanded(leaps, seconds=seconds, kind="goal_position_rad", mode=mode)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {
+            "derivative_gain_pct_s_per_deg": 0.02,
+            "power_limit_pct": 60.0,
+            "dead_band_deg": 2.0,
+            "goal_delay_s": 0.03,
+        },
+        {"goal_rate_limit_deg_per_s": 200.0, "integral_rate_per_s": 2.0},
+        {
+            "effects": {
+                "gravity_load": {"gravity_torque_nm": 0.05, "phase_deg": 20.0},
+                "command_delay": {"delay_s": 0.02},
+            }
+        },
+    ],
+)
+def test_the_compiled_loop_agrees_with_plain_python(servo_simulator, changes):
+    run = signals(seconds=1.0, kind="goal_position_rad", size=2.0)
+    job = free_job(run, at_rest(run))
+    compiled = servo_simulator.trace(servo(**changes), job)["predicted"]
+    np.testing.assert_allclose(compiled, predict(servo(**changes), job)["predicted"], rtol=1e-9, atol=1e-9)
+    assert np.ptp(compiled) > 0.3
+
+
+def test_a_proportional_loop_moves_as_its_equations_say(servo_simulator):
+    gain, damping, goal = 0.8, 0.02, 0.9
+
+    def law(_, state):
+        angle, speed = state
+        pct = gain * math.degrees(goal - angle) - damping * math.degrees(speed)
+        duty = min(max(0.01 * pct, -0.5), 0.5)
+        torque = NXT["torque_constant_nm_per_a"] * (duty * 8.0 - 0.4908 * speed) / NXT["resistance_ohm"]
+        return speed, (torque - NXT["viscous_friction_nm_s_per_rad"] * speed) / NXT["inertia_kg_m2"]
+
+    bare = {"coulomb_friction_nm": 0.0, "inductance_h": 0.0}
+    plant = servo(
+        position_gain_pct_per_deg=gain, derivative_gain_pct_s_per_deg=damping, power_limit_pct=50.0, **bare
+    )
+    found = motion(servo_simulator, plant, goals((0.0, math.degrees(goal))))["angle"]
+    expected = solve_ivp(law, (0.0, 1.5), (0.0, 0.0), t_eval=0.01 * np.arange(151), rtol=1e-8, max_step=2e-3)
+    np.testing.assert_allclose(found, expected.y[0], atol=0.2 * DEG)
+
+
+def test_an_error_within_the_dead_band_moves_nothing_and_coasting_neither(servo_simulator):
+    quiet = motion(servo_simulator, servo(dead_band_deg=5.0), goals((0.0, 4.9)))["angle"]
+    loose = motion(servo_simulator, servo(), goals((0.0, 90.0), mode=MODE_COAST))["angle"]
+    np.testing.assert_array_equal(quiet, 0.0)
+    np.testing.assert_array_equal(loose, 0.0)
+
+
+def test_a_goal_delay_moves_the_response_by_exactly_that_much(servo_simulator):
+    run = goals((0.0, 0.0), (0.1, 60.0))
+    prompt, late = (motion(servo_simulator, servo(goal_delay_s=s), run)["angle"] for s in (0.0, 0.05))
+    np.testing.assert_allclose(late[5:], prompt[:-5], rtol=1e-9, atol=1e-9)
+
+
+def test_friction_leaves_an_error_standing_that_an_integral_wears_away(servo_simulator):
+    run = goals((0.0, 30.0), seconds=6.0)
+    loop = {"coulomb_friction_nm": 0.08}
+    stands, wears = (
+        motion(servo_simulator, servo(**loop, **more), run)["angle"][-1]
+        for more in ({}, {"integral_rate_per_s": 2.0})
+    )
+    assert abs(stands - 30.0 * DEG) > 3.0 * DEG
+    assert abs(wears - 30.0 * DEG) < 0.5 * abs(stands - 30.0 * DEG)
+
+
+def test_a_goal_s_rate_limit_bounds_the_speed_and_begins_where_the_motor_is(servo_simulator):
+    plant = servo(goal_rate_limit_deg_per_s=90.0)
+    found = motion(servo_simulator, plant, goals((0.0, 120.0)), angle=60.0 * DEG)
+    assert found["speed"].max() == pytest.approx(90.0 * DEG, rel=0.25)
+    assert found["angle"][0] == 60.0 * DEG
+    assert np.all(np.diff(found["angle"]) > -1e-9)
+
+
+def test_a_goal_drives_servos_only_and_servos_are_driven_by_goals_only():
+    with pytest.raises(PlantError, match="a dc_motor is not driven by goal_position_rad"):
+        plant_from_config(NXT, "goal_position_rad")
+    with pytest.raises(PlantError, match="a servo is not driven by power_pct"):
+        plant_from_config({**NXT, "kind": "servo", "position_gain_pct_per_deg": 1.0}, "power_pct")
+    with pytest.raises(PlantError, match="position_gain_pct_per_deg: is missing"):
+        plant_from_config({**NXT, "kind": "servo"}, "goal_position_rad")
+
+
+def brick(**columns):
+    time_s = 0.01 * np.arange(100)
+    return Recording("run", {"time_s": time_s, "a_tacho_deg": np.arange(100.0), **columns})
+
+
+def test_a_recorded_goal_drives_where_no_power_is_recorded_or_a_servo_asks_for_it():
+    goal = np.where(np.arange(100) < 50, 10.0, 40.0)
+    alone = signals_of(brick(a_goal_deg=goal), "a")
+    assert alone.input_kind == "goal_position_rad"
+    np.testing.assert_allclose(np.degrees(alone.command), [10.0, 40.0])
+    both = brick(a_goal_deg=goal, a_power_pct=np.zeros(100))
+    assert signals_of(both, "a").input_kind == "power_pct"
+    assert signals_of(both, "a", follows_goal=True).input_kind == "goal_position_rad"
+
+
+def test_a_regulated_speed_is_a_goal_that_moves_from_where_the_motor_was():
+    power = np.where(np.arange(100) < 20, 0.0, 30.0)
+    signals = signals_of(brick(a_power_pct=power, a_regulation=(power > 0.0).astype(float)), "a")
+    assert signals.input_kind == "goal_position_rad"
+    at = np.searchsorted(signals.command_time_s, 0.01 * np.arange(100), side="right") - 1
+    goal = np.degrees(signals.command[at])
+    np.testing.assert_allclose(goal[20:99], 20.0 + 3.0 * (np.arange(79) + 0.5), atol=1e-9)
+    mixed = brick(a_power_pct=np.full(100, 30.0), a_regulation=(power > 0.0).astype(float))
+    with pytest.raises(RecordingError, match="split the recording where the regulation is switched"):
+        signals_of(mixed, "a")
