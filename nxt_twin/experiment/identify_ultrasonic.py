@@ -13,10 +13,10 @@ from nxt_twin.experiment.borders import blind_border, near_offset
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.identified import Identified, Value, normal_value
 from nxt_twin.experiment.posterior import weighed
-from nxt_twin.experiment.walk import walked
 from nxt_twin.sensors import ultrasonic
 from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.fitting import Fitted
+from nxt_twin.sensors.walk import walked
 
 _UNITS: Final[Mapping[str, str]] = {
     "noise_mm": "mm",

@@ -3,8 +3,8 @@ import pytest
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.experiment.borders import blind_border, near_offset
-from nxt_twin.experiment.walk import walked
 from nxt_twin.sensors.ultrasonic import NO_ECHO, UltrasonicParameters
+from nxt_twin.sensors.walk import walked
 
 PLACES = np.arange(20.0, 400.0, 8.0)
 

@@ -12,12 +12,13 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.problem import Mask, SensorProblem, Split, Values, split_of
-from nxt_twin.diagnose.sensor.wander import wander
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
+from nxt_twin.sensors.walk import walked
 
 _STARTS_FOLLOWED = 3
 _STEPS_TO_COMPARE = 15
 _MOST_CORRELATED = 0.9
+_WALKERS, _STEPS = 24, 250
 
 
 @final
@@ -107,12 +108,19 @@ class SensorFitter:
         free = self._free(structure.active)
         best = np.array([structure.values[part.name] for part in free])
 
-        def objective(x: FloatArray) -> float:
-            return self._nats(structure.values, free, x, self.split.known) * structure.independent
+        def nats(crowd: FloatArray) -> FloatArray:
+            known = self.split.known
+            return (
+                np.array([self._nats(structure.values, free, x, known) for x in crowd])
+                * structure.independent
+            )
 
+        # Not by the curvature, which tells nothing of a likelihood that goes in steps.
+        spread = np.array([part.scale for part in free])
+        bounds = np.array([part.lower for part in free]), np.array([part.upper for part in free])
         rng = np.random.default_rng(self._seed)
-        mean, covariance = wander(objective, best, self.covariance(structure), free, rng)
-        return _moved(structure.values, free, mean), covariance
+        draws = walked(nats, best, spread, bounds, rng, walkers=_WALKERS, steps=_STEPS)
+        return _moved(structure.values, free, draws.mean(axis=0)), np.atleast_2d(np.cov(draws.T))
 
     def covariance(self, structure: SensorStructure) -> FloatArray:
         """Of the fitted values on all that is not held out; shape (names, names)."""

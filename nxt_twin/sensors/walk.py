@@ -14,9 +14,7 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 
-_WALKERS: Final = 48
-_STEPS: Final = 600
-_FORGOTTEN: Final = 150
+_FORGOTTEN: Final = 0.25
 _KEPT_EVERY: Final = 3
 _STRETCH: Final = 2.0
 
@@ -30,6 +28,9 @@ def walked(
     spread: FloatArray,
     bounds: tuple[FloatArray, FloatArray],
     rng: Generator,
+    *,
+    walkers: int = 48,
+    steps: int = 600,
 ) -> FloatArray:
     """Values drawn in proportion to their likelihood within bounds, shape (draws, parameters).
 
@@ -39,14 +40,16 @@ def walked(
         spread: how far round them the crowd begins, shape (parameters,).
         bounds: lowest and highest values, shape (parameters,) each.
         rng: where the steps come from.
+        walkers: how many walk, an even number; twice as many as there are parameters at least.
+        steps: of each walker; the first quarter is forgotten.
     """
     low, high = bounds
-    begin = start + spread * rng.standard_normal((_WALKERS, start.size))
+    begin = start + spread * rng.standard_normal((walkers, start.size))
     crowd = np.clip(begin, low, high)
     nats = log_likelihood(crowd)
-    halves = np.arange(_WALKERS // 2), np.arange(_WALKERS // 2, _WALKERS)
+    halves = np.arange(walkers // 2), np.arange(walkers // 2, walkers)
     kept = []
-    for step in range(_STEPS):
+    for step in range(steps):
         for moving, standing in (halves, halves[::-1]):
             partners = crowd[rng.choice(standing, moving.size)]
             stretch = ((_STRETCH - 1.0) * rng.random(moving.size) + 1.0) ** 2 / _STRETCH
@@ -56,6 +59,6 @@ def walked(
             gain = (start.size - 1) * np.log(stretch) + found - nats[moving]
             taken = np.log(rng.random(moving.size)) < gain
             crowd[moving[taken]], nats[moving[taken]] = there[taken], found[taken]
-        if step >= _FORGOTTEN and step % _KEPT_EVERY == 0:
+        if step >= _FORGOTTEN * steps and step % _KEPT_EVERY == 0:
             kept.append(crowd.copy())
     return np.concatenate(kept)
