@@ -222,6 +222,28 @@ def test_the_first_sound_or_program_end_after_boot_closes_handle_0(rig, first):
     assert rig.status(fp.ReadFile(0, 1)) is Status.OK
 
 
+@pytest.mark.parametrize("opcode", [0x00, 0x02], ids=["START_PROGRAM", "PLAY_SOUND_FILE"])
+def test_a_start_closes_handle_0_and_keeps_its_own(rig, opcode):
+    rig.upload("song.txt", b"la la la")
+    opened = [rig.get(fp.OpenRead("song.txt")).handle for _ in range(2)]
+    assert opened == [0, 1]
+    body = b"song.txt".ljust(20, b"\0")
+    assert rig.raw(bytes((0x00, opcode)) + (b"\0" + body if opcode else body)) == bytes((0x02, opcode, 0x00))
+    assert rig.status(fp.ReadFile(0, 1)) is Status.ILLEGAL_HANDLE
+    assert rig.status(fp.ReadFile(1, 1)) is Status.OK
+    assert [rig.get(fp.OpenRead("song.txt")).handle for _ in range(2)] == [0, 3]
+
+
+def test_a_system_command_that_wants_no_reply_leaves_one_in_the_buffer(rig):
+    rig.raw(fp.encode_request(fp.GetDeviceInfo(), reply_required=False))
+    assert rig.raw(bytes((0x01, 0xFE, 0, 0, 0, 0))) == bytes((0x02, 0xFE, 0x00)) + b"NXT\0\0"
+
+
+def test_the_programs_memory_is_blank_until_one_uses_it(rig):
+    reply = rig.get(fp.IoMapRead(fp.ModuleId.COMMAND, 50, 8))
+    assert reply.data == b"\0\0" + bytes.fromhex("efbeadde efbe")
+
+
 def test_find_next_on_a_handle_that_never_was_used_finds_the_second_file(rig):
     rig.upload("a.txt", b"1")
     found = rig.get(fp.FindNext(5))

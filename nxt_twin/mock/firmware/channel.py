@@ -13,6 +13,9 @@ from firmware_protocol import limits
 from firmware_protocol.bluetooth import FRAME_SIZE_MAX, LENGTH_PREFIX_SIZE, RECEIVE_BUFFER_SIZE
 from firmware_protocol.usb import PACKET_SIZE
 
+REPLY_HEAD_SIZE: Final = 2
+"""Type and opcode."""
+
 
 class Transport(Enum):
     """How a host is connected."""
@@ -101,10 +104,15 @@ class Channel:
         self._remaining -= size
         return Piece(data, self._remaining)
 
+    def keep(self, telegram: bytes) -> None:
+        """Write a reply into the buffer, sent or not; its head is written only when it is sent."""
+        kept = telegram[REPLY_HEAD_SIZE : self.sizes.buffer]
+        self.stale[REPLY_HEAD_SIZE : REPLY_HEAD_SIZE + len(kept)] = kept
+
     def reply(self, telegram: bytes) -> None:
         """Send a reply; over USB a long one takes several packets."""
-        kept = telegram[: self.sizes.buffer]
-        self.stale[: len(kept)] = kept
+        self.keep(telegram)
+        self.stale[:REPLY_HEAD_SIZE] = telegram[:REPLY_HEAD_SIZE]
         if self.transport is Transport.USB:
             for at in range(0, len(telegram), PACKET_SIZE):
                 self._replies.append(telegram[at : at + PACKET_SIZE])

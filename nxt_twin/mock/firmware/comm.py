@@ -76,6 +76,8 @@ class Comm:
                 self._long_read.start(channel.buffer[_HEADER_SIZE], _read_length(channel))
             else:
                 reply = self._system.execute(channel, len(piece.data))
+            if reply is not None:
+                channel.keep(reply)
         elif kind == TelegramType.REPLY:
             self._direct.take_reply(bytes(channel.buffer), len(piece.data))
         if reply is not None and reply_wanted:

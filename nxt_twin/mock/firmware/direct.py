@@ -12,7 +12,7 @@ import firmware_protocol as fp
 from firmware_protocol import OpcodeError, ReplyData, Status, limits
 from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.input import InputModule, InputPort
-from nxt_twin.mock.firmware.loader import Loader
+from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
 from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
 from nxt_twin.mock.firmware.output import OutputModule, OutputPort
 from nxt_twin.mock.firmware.program import ProgramModule
@@ -141,10 +141,20 @@ class DirectCommands:
         self._store(mailbox, data.ljust(size, b"\0"))
 
     def _start_program(self, request: fp.StartProgram) -> None:
-        if self._loader.find(request.name) is None:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE)
+        self._check_there(request.name)
         self._ui.file_name = request.name
         self._ui.flags |= FLAG_EXECUTE_FILE
+
+    def _check_there(self, name: str) -> None:
+        """Refuse a file that is not there; else handle 0 is closed in place of the one that the search took.
+
+        The firmware's LOADER_ERR, which is a macro, takes the handle off the word that it is to be closed by.
+        """
+        try:
+            self._loader.find_first(name)
+        except LoaderRefusal:
+            raise Refusal(Status.VALUE_OUT_OF_RANGE) from None
+        self._loader.close(0)
 
     def _stop_program(self, request: fp.StopProgram) -> None:
         del request
@@ -153,8 +163,7 @@ class DirectCommands:
         self._program.stop()
 
     def _play_sound_file(self, request: fp.PlaySoundFile) -> None:
-        if self._loader.find(request.name) is None:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE)
+        self._check_there(request.name)
         self._sound.play_file(request.name, loop=request.loop)
 
     def _set_output_state(self, request: fp.SetOutputState) -> None:

@@ -24,6 +24,11 @@ FORMAT_STRING: Final = b"MindstormsNXT\0"
 """What a program file starts with."""
 
 
+_POOL_SIZE: Final = 32_768
+_BLANK: Final = 0xDEADBEEF.to_bytes(4, "little")
+"""What the memory pool is filled with before a program uses it."""
+
+
 class ProgramStatus(IntEnum):
     """How the last program does, or did, as the IO map says."""
 
@@ -79,7 +84,8 @@ class ProgramModule(Module):
         self._devices = (outputs, inputs, low_speed)
         self._sound = sound
         self._ui = ui
-        self._memory = overlay(bytes(limits.IO_MAP_SIZES[ModuleId.COMMAND]), 0, FORMAT_STRING)
+        self._memory = bytes(limits.IO_MAP_SIZES[ModuleId.COMMAND])
+        self._clear_pool()
 
     def start(self, name: str) -> None:
         """Start a program in the module's next pass, if none runs then."""
@@ -135,11 +141,16 @@ class ProgramModule(Module):
             return False
         if not file.data:
             return False
+        self._clear_pool()
         self._handle = handle
         self.running = self._file_name
         self.mailboxes.clear()
         self.datalog.clear()
         return file.data.startswith(FORMAT_STRING)
+
+    def _clear_pool(self) -> None:
+        at = fixed_size_of(CommandMap) or 0
+        self._memory = overlay(self._memory, at, _BLANK * (_POOL_SIZE // len(_BLANK)))
 
     def _end(self) -> None:
         if self.status is ProgramStatus.ABORT:
