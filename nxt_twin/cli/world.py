@@ -7,12 +7,16 @@ import json as json_format
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.mock.serve.profile import LinkProfile
+
+if TYPE_CHECKING:
+    from nxt_twin.world.arena import Arena
+    from nxt_twin.world.film import Film
 
 
 def world(
@@ -28,6 +32,9 @@ def world(
         typer.Option(min=0.0, help="How long at most, by the program's clock; without a program, how long."),
     ] = 120.0,
     trace: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the robot's course: CSV.")] = None,
+    film: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Film the robot: .gif, .webp or an animated .png.")
+    ] = None,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link to the brick.")] = "usb",
     seed: Annotated[int, typer.Option(help="Of the sensors' noise.")] = 0,
     json: JsonOption = None,
@@ -47,6 +54,7 @@ def world(
         raise typer.BadParameter(f"there is no program {program}", param_hint="--program")
     arena = open_arena(load_setting(file), seed)
     course = Trace(arena)
+    filmed = None if film is None else _filming(film, arena)
     began_s = time.monotonic()
     with contextlib.redirect_stdout(sys.stderr) if json == "-" else contextlib.nullcontext():
         if program is None:
@@ -54,6 +62,8 @@ def world(
         else:
             ran = run_program(arena, program, argument or (), limit_s=seconds, link=profile)
     told = outcome(arena, course, ran, wall_s=time.monotonic() - began_s)
+    if film is not None and filmed is not None:
+        filmed.write(film)
     if trace is not None:
         course.write(trace)
     if json:
@@ -63,3 +73,10 @@ def world(
     if ran.ending != "done":
         fail(ran.said or f"{program}: still running after {seconds:g} s")
         raise typer.Exit(1)
+
+
+def _filming(path: Path, arena: Arena) -> Film:
+    from nxt_twin.world.film import Film, refuse_unknown
+
+    refuse_unknown(path)
+    return Film(arena)

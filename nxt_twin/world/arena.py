@@ -16,6 +16,7 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.world.assembly import Vector, rotation
 from nxt_twin.world.bullet import Bullet
+from nxt_twin.world.carpets import Carpets
 from nxt_twin.world.engine import Body
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.load import Setting
@@ -88,6 +89,10 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
     driven = [port for port in PORTS if port in motors]
     engine.drive(body, [motors[port] for port in driven])
     watchers: list[Callable[[], None]] = []
+    if scene.carpets:
+        standing = {name: wheel.friction for name, wheel in robot.wheels.items()}
+        standing |= {name: glide.friction for name, glide in robot.glides.items()}
+        watchers.append(Carpets(scene.carpets, scene.floor.friction, engine, body, standing))
 
     def after() -> None:
         for watch in watchers:

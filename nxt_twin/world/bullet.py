@@ -17,7 +17,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.world.assembly import Assembly, Gear, Link, Vector
-from nxt_twin.world.engine import Body, Hits
+from nxt_twin.world.engine import Body, Hit, Hits
 from nxt_twin.world.pose import Pose, quaternion_to_matrix
 from nxt_twin.world.urdf import urdf
 
@@ -253,6 +253,13 @@ class Bullet:
         )
         bodies, _, shares, places, normals = zip(*rows, strict=True)
         return Hits(np.array(bodies), np.array(shares), np.array(places), np.array(normals))
+
+    def look(self, start_m: FloatArray, end_m: FloatArray) -> Hit:
+        """Send one ray; both of shape (3,)."""
+        body, _, share, place, _ = self._p.rayTest(
+            start_m.tolist(), end_m.tolist(), collisionFilterMask=_SEEN, physicsClientId=self._id
+        )[0]
+        return Hit(body, share, np.array(place))
 
     def touching(self, body: Body, other: Body) -> int:
         """At how many points two bodies touch each other."""

@@ -31,6 +31,22 @@ class Hits:
     normal: FloatArray
 
 
+@final
+@dataclass(frozen=True)
+class Hit:
+    """Where one ray met something.
+
+    Attributes:
+        body: what was hit, -1 for nothing.
+        share: of the ray's length at which, 0 to 1.
+        at_m: where, shape (3,).
+    """
+
+    body: Body
+    share: float
+    at_m: FloatArray
+
+
 class Engine(Protocol):
     """Rigid bodies in contact, advanced in steps of one length."""
 
@@ -85,6 +101,14 @@ class Engine(Protocol):
 
     def cast(self, start_m: FloatArray, end_m: FloatArray) -> Hits:
         """Send rays; both of shape (rays, 3)."""
+        ...
+
+    def look(self, start_m: FloatArray, end_m: FloatArray) -> Hit:
+        """Send one ray; both of shape (3,)."""
+        ...
+
+    def touching(self, body: Body, other: Body) -> int:
+        """At how many points two bodies touch each other."""
         ...
 
     def close(self) -> None:

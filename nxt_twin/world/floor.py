@@ -32,20 +32,21 @@ class FloorPicture:
             mend = f"at most {_GREATEST_SPOTS} spots: make size_mm smaller or grain_mm larger"
             raise WorldError("has too many spots", where="scene, floor", mend=mend)
         self._grain_m = 1e-3 * floor.grain_mm
-        self._beyond = floor.shade
         self._corner_m = -0.5 * self._grain_m * np.array([width, depth])
         self.shades = np.full((width, depth), floor.shade)
         x = (self._corner_m[0] + self._grain_m * (np.arange(width) + 0.5)) * 1e3
         y = (self._corner_m[1] + self._grain_m * (np.arange(depth) + 0.5)) * 1e3
         for each in floor.prints:
             _put(self.shades, each, x[:, None], y[None, :], folder)
+        self._framed = np.pad(self.shades, 1, constant_values=floor.shade)
+        self._corner_m -= self._grain_m
+        self._last = np.array(self._framed.shape) - 0.5
 
     def shade(self, place_m: FloatArray) -> FloatArray:
         """The shades at places on the floor, shape (places,), each given by x and y, shape (places, 2)."""
-        index = np.floor((place_m - self._corner_m) / self._grain_m).astype(np.int64)
-        inside = np.all((index >= 0) & (index < self.shades.shape), axis=1)
-        index[~inside] = 0
-        return np.where(inside, self.shades[index[:, 0], index[:, 1]], self._beyond)
+        # A margin of what is beyond runs round the grid, so that each place has its spot.
+        index = np.clip((place_m - self._corner_m) / self._grain_m, 0.0, self._last).astype(np.int64)
+        return self._framed[index[:, 0], index[:, 1]]
 
 
 def _put(shades: FloatArray, what: Print, x: FloatArray, y: FloatArray, folder: Path) -> None:

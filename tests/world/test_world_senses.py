@@ -36,8 +36,12 @@ def made(tmp_path):
     return make
 
 
+def plugged(arena: Arena, port: int):
+    return arena.body.sensors[port - 1].sensor
+
+
 def sonar(arena: Arena, port: int = 4) -> tuple[float, float]:
-    return arena.body.sensors[port - 1].distance_cm.nearest()
+    return plugged(arena, port).distance_cm.nearest()
 
 
 WALL = {"box_mm": [10, 3000, 1000], "at_mm": [505, 0, 500]}
@@ -63,22 +67,22 @@ def test_a_wall_is_heard_up_to_the_angle_of_the_beam(made, turned, heard):
 def test_the_floor_is_not_heard_nor_the_robot_itself(made):
     arena = made({4: {"kind": "ultrasonic", "at_mm": [-60, 0, 100]}})
     assert sonar(arena)[0] > 2550.0
-    assert arena.body.sensors[3].distance_cm.at(0.0) == 255.0
+    assert plugged(arena, 4).distance_cm.at(0.0) == 255.0
 
 
 def test_readings_scatter_as_the_model_says_and_two_sensors_disturb_each_other(made):
     near = {port: {"kind": "ultrasonic", "at_mm": [0, 40 * port, 150]} for port in (3, 4)}
     arena = made(near, things={"wall": {**WALL, "at_mm": [1505, 0, 500]}})
-    alone = [arena.body.sensors[3].distance_cm.at(0.0) for _ in range(300)]
+    alone = [plugged(arena, 4).distance_cm.at(0.0) for _ in range(300)]
     assert np.mean(alone) == pytest.approx(0.1 * (1.0055 * 1500.0 + 13.0), abs=0.5)
     arena.body.sensors[2].set_type(0x0B)
-    disturbed = [arena.body.sensors[3].distance_cm.at(0.0) for _ in range(300)]
+    disturbed = [plugged(arena, 4).distance_cm.at(0.0) for _ in range(300)]
     # A foreign ping comes first with probability 1.52 m over the 6.9 m that sound makes out and back between pings.
     assert np.mean(np.array(disturbed) < 140.0) == pytest.approx(1.4 / 6.87, abs=0.07)
 
 
 def light(arena: Arena, *, lit: bool = True) -> float:
-    sensor = arena.body.sensors[2]
+    sensor = plugged(arena, 3)
     shown = sensor.lit_raw if lit else sensor.raw
     return float(np.mean([shown.at(10.0 + 0.003 * n) for n in range(60)]))
 
@@ -117,7 +121,7 @@ def test_a_thing_before_the_sensor_is_seen_by_its_shade(made):
 def test_a_button_closes_at_its_travel_and_opens_at_less(made):
     arena = made({1: {"kind": "touch", "at_mm": [0, 0, 100], "bumper_mm": [10, 40, 40]}}, things={})
     sensor, push = (
-        arena.body.sensors[0],
+        plugged(arena, 1),
         np.concatenate([np.linspace(0.0, 0.9, 60), np.linspace(0.9, 0.0, 60)]),
     )
     closed = []
@@ -141,7 +145,7 @@ def test_sound_falls_by_6_db_where_the_distance_doubles(made):
     def heard(x_mm: float) -> float:
         ear = {2: {"kind": "sound", "at_mm": [0, 0, 100]}}
         arena = made(ear, sounds=[{"at_mm": [x_mm, 0, 100], "db_at_1_m": 80.0}], room={"noise_db": 0.0})
-        return arena.body.sensors[1].raw._measure.__self__.heard(0.0)[0]
+        return plugged(arena, 2).raw._measure.__self__.heard(0.0)[0]
 
     assert heard(1000.0) == pytest.approx(80.0, abs=0.01)
     assert heard(2000.0) == pytest.approx(73.98, abs=0.01)

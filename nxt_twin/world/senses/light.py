@@ -48,33 +48,34 @@ class LightSense:
 
     def measure(self, time_s: float) -> float:
         """One reading, 0 to 1023."""
-        pose = self._around.pose()
-        share = self.returned(pose) if self._lit else 0.0
+        share = self.returned(self._around.pose()) if self._lit else 0.0
         truth = LightTruth(
             np.array([(1.0 - share) * GRADIENT_MM]),
             np.array([time_s]),
-            np.array([-self._around.scene.room.light_raw - self._lamps_raw(pose)]),
+            np.array([-self._around.scene.room.light_raw - self._lamps_raw()]),
         )
         return float(simulate(self._parameters, truth, self._rng)[0])
 
     def returned(self, pose: Pose) -> float:
         """The share of the lamp's light that comes back, 0 to 1: a weighted mean over the spot that it lights."""
         face, looking = pose.point(self._face_m), pose.turn @ self._looking
-        hits = self._around.engine.cast(face[None], (face + _REACH_M * looking)[None])
-        body = int(hits.body[0])
-        if body < 0:
+        hit = self._around.engine.look(face, face + _REACH_M * looking)
+        if hit.body < 0:
             return 0.0
-        distance_mm = 1e3 * _REACH_M * float(hits.share[0])
+        distance_mm = 1e3 * _REACH_M * hit.share
         further = max(distance_mm - self._mount.best_mm, 0.0) / self._mount.fade_mm
         strength = 1.0 / (1.0 + further**2)
-        if body != self._around.engine.floor:
-            return strength * self._shade_of.get(body, 0.0)
+        if hit.body != self._around.engine.floor:
+            return strength * self._shade_of.get(hit.body, 0.0)
         radius_m = 0.5e-3 * self._mount.spot_mm * max(distance_mm / self._mount.best_mm, 0.5)
-        shades = self._around.floor.shade(hits.at_m[0, :2] + radius_m * self._spots)
+        shades = self._around.floor.shade(hit.at_m[:2] + radius_m * self._spots)
         return strength * float(self._weights @ shades)
 
-    def _lamps_raw(self, pose: Pose) -> float:
+    def _lamps_raw(self) -> float:
         """What the lamps lower the reading by: each by its distance squared and the angle at which it is seen."""
+        if not self._around.scene.lamps:
+            return 0.0
+        pose = self._around.pose()
         face, looking = pose.point(self._face_m), pose.turn @ self._looking
         total = 0.0
         for lamp in self._around.scene.lamps:

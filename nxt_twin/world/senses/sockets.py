@@ -9,6 +9,7 @@ from numpy.random import Generator
 
 from nxt_twin.mock.body.sensor import Analog, Sensor, Touch, empty_socket
 from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.world.senses.asked import Asked
 from nxt_twin.world.senses.gyro import GyroSense
 from nxt_twin.world.senses.held import Held
 from nxt_twin.world.senses.light import LightSense
@@ -38,7 +39,7 @@ def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> 
     ultrasonic: list[Ultrasonic] = []
     streams = np.random.default_rng(seed).spawn(len(SOCKETS))
     return [
-        _socket(mounts[port], port, around, rng, ultrasonic) if port in mounts else empty_socket()
+        Asked(_socket(mounts[port], port, around, rng, ultrasonic)) if port in mounts else empty_socket()
         for port, rng in zip(SOCKETS, streams, strict=True)
     ]
 

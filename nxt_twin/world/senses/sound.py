@@ -39,8 +39,11 @@ class SoundSense:
 
     def heard(self, time_s: float) -> tuple[float, float]:
         """The level at the sensor (dB) and its tone (Hz)."""
+        noise_db = self._around.scene.room.noise_db
+        if not self._around.scene.sounds:
+            return noise_db, 1000.0
         face = self._around.pose().point(self._face_m)
-        power, loudest, hz = 10.0 ** (0.1 * self._around.scene.room.noise_db), 0.0, 1000.0
+        power, loudest, hz = 10.0 ** (0.1 * noise_db), 0.0, 1000.0
         for source in self._around.scene.sounds:
             if source.during_s is not None and not source.during_s[0] <= time_s < source.during_s[1]:
                 continue
