@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
@@ -12,6 +13,8 @@ from scipy.optimize import least_squares
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.families.compiled import compiled
+from nxt_twin.blind.verdict import HOME, read_sealed
+from nxt_twin.recording.case import read_case
 from nxt_twin.recording.recording import Recording
 
 WINDOW_S: Final = 2.0
@@ -19,6 +22,8 @@ STEP_S: Final = 2.5e-4
 LAST_ROWS: Final = 6
 NUDGE_RAD_S: Final = 0.05
 ROUNDS: Final = 2
+FURTHEST: Final = 1.0
+MOST_TRIALS: Final = 15
 QUICK_S: Final = 2e-4
 DRIVE, FLOAT, COAST = 0.0, 1.0, 2.0
 
@@ -53,6 +58,20 @@ class _Windows:
     last: FloatArray
 
 
+def remains_of(cases_dir: Path, answers_dir: Path) -> Iterator[tuple[str, str, Remains]]:
+    """Family, name and remains of every clean case of a folder.
+
+    Raises:
+        CaseError: if an answer is not what was sealed with its case.
+    """
+    for file in sorted(answers_dir.glob("*.json")):
+        answer = read_sealed(file, cases_dir / file.stem)
+        if not answer["effects"]:
+            case = read_case(cases_dir / file.stem)
+            family = str(answer.get("family", HOME))
+            yield family, file.stem, remains((*case.recordings, *case.holdout), answer)
+
+
 def remains(recordings: Sequence[Recording], answer: Mapping[str, Any]) -> Remains:
     """Fit the plain motor to the true angles of a clean case in windows of 2 s, start speeds free.
 
@@ -77,7 +96,11 @@ def remains(recordings: Sequence[Recording], answer: Mapping[str, Any]) -> Remai
         numbers = np.exp(logs)
         return np.concatenate([_misses(part, numbers) for part in parts])
 
-    fit = least_squares(off, np.log(start), loss="soft_l1", f_scale=math.radians(0.5), max_nfev=15)
+    logs = np.log(start)
+    bounds = (logs - FURTHEST, logs + FURTHEST)
+    fit = least_squares(
+        off, logs, bounds=bounds, loss="soft_l1", f_scale=math.radians(0.5), max_nfev=MOST_TRIALS
+    )
     misses = np.rad2deg(off(fit.x))
     edges = np.cumsum(
         [int(last - first) for part in parts for first, last in zip(part.first, part.last, strict=True)]

@@ -14,6 +14,7 @@ from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.score import score as score_answers
 from nxt_twin.blind.secret import secret_of
+from nxt_twin.blind.silence import Remains, remains_of
 from nxt_twin.blind.solve import case_folders, reach_all, solve_all
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 
@@ -116,6 +117,23 @@ def score(
         emit_json(json, json_format.dumps(table.as_dict()))
     if json != "-":
         print(table.as_text())
+
+
+@blind.command()
+def silence(
+    cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
+    answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
+) -> None:
+    """Tell how far clean motors are from the plainest model: what remains of windows of 2 s after its best fit."""
+    found: dict[str, list[Remains]] = {}
+    for family, name, left in remains_of(cases, answers):
+        found.setdefault(family, []).append(left)
+        print(
+            f"{name:16} {left.rms_deg:6.2f} deg, worst window {left.worst_deg:6.2f}, encoder {left.step_deg:g}"
+        )
+    for family, each in found.items():
+        rms = sorted(left.rms_deg for left in each)
+        print(f"{family}: {len(rms)} clean, median {rms[len(rms) // 2]:.2f} deg, largest {rms[-1]:.2f}")
 
 
 @blind.command()

@@ -23,6 +23,7 @@ from nxt_twin.blind.make import make_case
 
 BRISTLE: Final = "bristle"
 USUAL_DURATION_S: Final = 15.0
+STIFF_STEPS_DEG: Final = (1.0, 1.0, 1.0, 0.5, 0.25)
 
 
 def _bristle(order: Order) -> ConcealedCase:
@@ -81,7 +82,14 @@ FAMILIES: Final[dict[str, Family]] = {
             mujoco_ready,
         ),
         _foreign(
-            Foreign("stiff", Stiff, _all(STIFF_STRANGERS), longest_s=60.0, command_every_s=0.05),
+            Foreign(
+                "stiff",
+                Stiff,
+                _all(STIFF_STRANGERS),
+                longest_s=60.0,
+                command_every_s=0.05,
+                steps_deg=STIFF_STEPS_DEG,
+            ),
             "SciPy's Radau over two sets of LuGre bristles, rounded contacts, a stop as an event",
         ),
         _foreign(
