@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof-blind proof-identify effects picture lock clean
+.PHONY: demo test check bench proof-blind proof-identify fuzz soak effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -27,6 +27,13 @@ proof-blind: $(VENV)/ready-run
 
 proof-identify: $(VENV)/ready-run
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks identify
+
+# How hard it is to break (docs/reliability.md): hostile inputs for every parser; kills, cuts, full disks, a long session.
+fuzz: $(VENV)/ready-run
+	$(BIN)/python -m benchmarks.reliability fuzz
+
+soak: $(VENV)/ready-run
+	$(BIN)/python -m benchmarks.reliability soak
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py

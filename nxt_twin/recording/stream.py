@@ -71,7 +71,12 @@ class RecordingWriter:
             raise RecordingError(what, where=str(self._stream), mend="check the folder") from None
         self._open = True
         _claim(self._file)
-        self._write(2 * frame(0, json.dumps({"format": _FORMAT, "columns": self._columns}).encode()))
+        try:
+            self._write(2 * frame(0, json.dumps({"format": _FORMAT, "columns": self._columns}).encode()))
+        except RecordingError:
+            self._file.close()
+            self._stream.unlink()  # there is nothing in it
+            raise
 
     def __enter__(self) -> RecordingWriter:
         return self

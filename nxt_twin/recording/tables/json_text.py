@@ -37,7 +37,7 @@ def read_json(path: Path, choose: Choose) -> Table:
 def _rows(text: str, path: Path) -> Iterator[Mapping[str, object]]:
     try:
         whole = json.loads(text)
-    except json.JSONDecodeError:
+    except ValueError:  # no JSON, or a number of thousands of digits
         yield from _lines(text, path)
         return
     yield from _rows_of(whole, path)
@@ -51,11 +51,11 @@ def _lines(text: str, path: Path) -> Iterator[Mapping[str, object]]:
             continue
         try:
             row = json.loads(line)
-        except json.JSONDecodeError as failure:
+        except ValueError as failure:
             if number == len(lines) and number > 1:
                 return
             where = f"{path}, row {number}"
-            raise RecordingError(f"is no JSON: {failure.msg}", where=where, mend="check that line") from None
+            raise RecordingError(f"is no JSON: {failure}", where=where, mend="check that line") from None
         yield row if isinstance(row, dict) else _numbered(row)
 
 

@@ -1,0 +1,161 @@
+"""A million hostile inputs: each is read, or refused in one line, in bounded time and memory.
+
+    python -m benchmarks.reliability fuzz [--count N] [--seed N] [--only PART-OF-A-NAME]
+
+What breaks a rule is kept in build/fuzz, named by parser and number.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+from typing import Final, final
+
+from benchmarks.reliability.mutate import mutated
+from benchmarks.reliability.parsers import REFUSALS, Parser, parsers
+from nxt_twin.errors import LONGEST_LINE, NxtTwinError
+
+MILLION: Final = 1_000_000
+LONGEST_S: Final = 2.0
+MOST_MB: Final = 300.0
+KEPT: Final = Path("build") / "fuzz"
+_HANGS_AFTER_S: Final = 30
+_KB: Final = 1024.0
+
+
+@final
+@dataclass
+class Tally:
+    """What came of one parser's inputs."""
+
+    read: int = 0
+    refused: int = 0
+    longest_s: float = 0.0
+    most_mb: float = 0.0
+    longest_line: int = 0
+    broken: list[str] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        return self.read + self.refused + len(self.broken)
+
+
+def fuzz(count: int, seed: int, only: str = "") -> Iterator[tuple[Parser, Tally]]:
+    """Put so many inputs to the parsers, by their shares."""
+    for parser in parsers():
+        if only.lower() in parser.name.lower():
+            number = max(1, round(count * parser.share))
+            yield parser, _fuzz_one(parser, min(number, parser.most or number), seed)
+
+
+def _fuzz_one(parser: Parser, count: int, seed: int) -> Tally:
+    tally, random = Tally(), Random(f"{seed} {parser.name}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for example in parser.seeds:
+            with suppress(NxtTwinError, *REFUSALS):
+                parser.read(folder, example)  # what is loaded once is no input's cost
+        for number in range(count):
+            data = mutated(random.choice(parser.seeds), parser.seeds, random)
+            why = _put(parser, folder, data, tally)
+            if why:
+                tally.broken.append(f"{number}: {why}")
+                _keep(f"{parser.name}-{number}", data)
+    return tally
+
+
+def _put(parser: Parser, folder: Path, data: bytes, tally: Tally) -> str:
+    """Let one input be read; what rule it breaks, or nothing."""
+    before_mb, began_s = _resident_mb(), _used_s()
+    why = ""
+    try:
+        with _patience():
+            parser.read(folder, data)
+        tally.read += 1
+    except (NxtTwinError, *REFUSALS) as refusal:
+        line = str(refusal)
+        tally.refused += 1
+        tally.longest_line = max(tally.longest_line, len(line))
+        if "\n" in line or (isinstance(refusal, NxtTwinError) and len(line) > LONGEST_LINE):
+            tally.refused -= 1
+            why = f"an error of {len(line)} characters"
+    except Exception as failure:  # what nobody documented is what is looked for
+        why = f"{type(failure).__name__}: {str(failure)[:100]}"
+    took_s, took_mb = _used_s() - began_s, _peak_mb() - before_mb
+    tally.longest_s, tally.most_mb = max(tally.longest_s, took_s), max(tally.most_mb, took_mb)
+    if not why and (took_s > LONGEST_S or took_mb > MOST_MB):
+        why = f"took {took_s:.1f} s and {took_mb:.0f} MB"
+    return why
+
+
+@contextmanager
+def _patience() -> Iterator[None]:
+    """Whatever hangs is ended."""
+
+    def give_up(*_: object) -> None:
+        raise TimeoutError(f"hung for {_HANGS_AFTER_S} s")
+
+    signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(_HANGS_AFTER_S)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+
+
+def _used_s() -> float:
+    """Of the processor, by this process and those that it started: the wall clock belongs to others as well."""
+    mine, theirs = time.process_time(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    return mine + theirs.ru_utime + theirs.ru_stime
+
+
+def _resident_mb() -> float:
+    """Memory that is held now; the peak begins anew."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    return _status_mb("VmRSS")
+
+
+def _peak_mb() -> float:
+    return _status_mb("VmHWM")
+
+
+def _status_mb(key: str) -> float:
+    handle = os.open("/proc/self/status", os.O_RDONLY)
+    try:
+        text = os.read(handle, 4096).decode()
+    finally:
+        os.close(handle)
+    return float(text.split(f"{key}:")[1].split()[0]) / _KB
+
+
+def _keep(name: str, data: bytes) -> None:
+    KEPT.mkdir(parents=True, exist_ok=True)
+    (KEPT / name.replace(" ", "_").replace(",", "")).write_bytes(data)
+
+
+def main(count: int, seed: int, only: str) -> int:
+    """Print a line for each parser; 1 if a rule was broken."""
+    began_s, total, broken = time.monotonic(), 0, 0
+    print(
+        f"{'parser':24} {'inputs':>8} {'read':>8} {'refused':>8} {'most s':>7} {'most MB':>8} {'line':>5} {'broken':>7}"
+    )
+    for parser, tally in fuzz(count, seed, only):
+        total, broken = total + tally.count, broken + len(tally.broken)
+        print(
+            f"{parser.name:24} {tally.count:8} {tally.read:8} {tally.refused:8} {tally.longest_s:7.2f} "
+            f"{tally.most_mb:8.1f} {tally.longest_line:5} {len(tally.broken):7}",
+            flush=True,
+        )
+        for line in tally.broken[:5]:
+            print(f"    {line}")
+    print(f"{total} inputs, {broken} broke a rule; {time.monotonic() - began_s:.0f} s, seed {seed}")
+    return min(broken, 1)

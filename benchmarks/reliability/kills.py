@@ -1,0 +1,174 @@
+"""kill -9 at random moments of record, live and recover: every row that was acknowledged is there afterwards.
+
+The killed process notes each row beside its recording before it is handed over and again after, by calls that a kill
+cannot undo; what `recover` gives is compared with these notes row by row.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+from typing import Final
+
+import numpy as np
+
+from nxt_twin.api.openers import OPENERS
+from nxt_twin.brick.clock import SystemClock
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.record import write_down
+from nxt_twin.errors import RecordingError
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.recording.files import read_recording
+from nxt_twin.recording.stream import RecordingWriter, recover, stream_path
+from nxt_twin.twin.driver import ProgramDriver, excitation
+from nxt_twin.twin.live import LiveOptions, live_sitting
+from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.rehearsal import rehearse
+from nxt_twin.twin.settings import Pace
+from nxt_twin.twin.sinks import Memory
+
+_SESSION_S: Final = 0.5
+_WITHIN_S: Final = 0.9
+_EARLY: Final = 0.1
+_LOOK_S: Final = 0.005
+_ROWS: Final = 20_000
+_COLUMN: Final = "a_tacho_deg"
+
+Work = Callable[[Path], None]
+
+
+def report(kills: int, seed: int) -> Iterator[str]:
+    """What came of so many kills of each."""
+    plants = {"a": plant_from_config(load_plant_config("nxt_motor"), "power_pct")}
+    rehearse(plants)
+    for name, work in (("record", _record), ("live", lambda out: _live(out, plants))):
+        random = Random(f"{seed} {name}")
+        seen = Counter(_session_killed(work, random) for _ in range(kills))
+        yield f"kill -9 of {name}, {kills} times: {_told(seen)}"
+    random = Random(f"{seed} recover")
+    with tempfile.TemporaryDirectory() as folder:
+        stream = _long_stream(Path(folder))
+        whole_s = _timed(stream)
+        seen = Counter(_recover_killed(stream, random.uniform(0.0, 1.3 * whole_s)) for _ in range(kills))
+    yield f"kill -9 of recover, {kills} times within {whole_s:.2f} s: {_told(seen)}"
+
+
+def _told(seen: Counter[str]) -> str:
+    lost = sum(number for what, number in seen.items() if what.startswith("LOST"))
+    return (
+        "; ".join(f"{number} {what}" for what, number in seen.most_common())
+        + f"; rows lost or wrong in {lost}"
+    )
+
+
+def _session_killed(work: Work, random: Random) -> str:
+    """Kill it a while after its first row; one time in ten, before."""
+    with tempfile.TemporaryDirectory() as folder:
+        out, notes = Path(folder) / "run.csv", Path(folder) / "notes"
+        awaited = None if random.random() < _EARLY else notes
+        _killed(lambda: _noting(work, out, notes), random.uniform(0.0, _WITHIN_S), awaited)
+        lines = notes.read_text(encoding="ascii").splitlines() if notes.exists() else []
+        begun = np.array([float(line[1:]) for line in lines if line.startswith("+")])
+        sure = sum(line == "-" for line in lines)
+        return _judged(out, begun, sure)
+
+
+def _noting(work: Work, out: Path, notes: Path) -> None:
+    handle = os.open(notes, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    row = RecordingWriter.row
+
+    def noted(self: RecordingWriter, values: Mapping[str, float]) -> None:
+        os.write(handle, f"+{values[_COLUMN]!r}\n".encode())
+        row(self, values)
+        os.write(handle, b"-\n")
+
+    RecordingWriter.row = noted  # type: ignore[method-assign]
+    work(out)
+
+
+def _judged(out: Path, begun: np.ndarray, sure: int) -> str:
+    """What is left, beside the notes."""
+    finished = out.exists()
+    try:
+        got = read_recording(out) if finished else recover(out).recording
+    except RecordingError as failure:
+        return "before the first row" if not sure else f"LOST: {failure.what}"
+    counts = got.columns[_COLUMN]
+    if not sure <= counts.size <= begun.size or not np.array_equal(counts, begun[: counts.size]):
+        return f"LOST: {counts.size} of {sure} rows"
+    if not out.with_suffix(".yaml").exists():
+        return "LOST: the sidecar"
+    return "finished, all rows there" if finished else "cut off, all rows recovered"
+
+
+def _record(out: Path) -> None:
+    clock, plan = SystemClock(), Plan(period_s=0.005)
+    driver = ProgramDriver(excitation(("a",)))
+    write_down(lambda: open_brick("mock:", clock, OPENERS), clock, out, ("a",), plan, pace=Pace(), driver=driver,
+               seconds=_SESSION_S)  # fmt: skip
+
+
+def _live(out: Path, plants: Mapping[str, object]) -> None:
+    clock = SystemClock()
+    options = LiveOptions(plants, program=excitation(("a",)), out=out)  # type: ignore[arg-type]
+    sitting = live_sitting(replace(options), lambda: open_brick("mock:", clock, OPENERS), clock, Memory())
+    try:
+        sitting.run(_SESSION_S)
+    finally:
+        sitting.close()
+
+
+def _long_stream(folder: Path) -> Path:
+    path = folder / "long.csv"
+    with RecordingWriter(path, ("time_s", _COLUMN)) as writer:
+        for number in range(_ROWS):
+            writer.row({"time_s": number / 100, _COLUMN: float(number)})
+        kept = folder / "kept"
+        kept.write_bytes(stream_path(path).read_bytes())
+    return kept
+
+
+def _timed(stream: Path) -> float:
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run.csv"
+        stream_path(out).write_bytes(stream.read_bytes())
+        began_s = time.monotonic()
+        recover(out)
+        return time.monotonic() - began_s
+
+
+def _recover_killed(stream: Path, after_s: float) -> str:
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run.csv"
+        stream_path(out).write_bytes(stream.read_bytes())
+        _killed(lambda: recover(out), after_s)
+        finished = out.exists()
+        rows = (read_recording(out) if finished else recover(out).recording).columns[_COLUMN]
+        if not np.array_equal(rows, np.arange(float(_ROWS))):
+            return "LOST: rows"
+        return "finished, all rows there" if finished else "cut off, all rows recovered again"
+
+
+def _killed(work: Callable[[], object], after_s: float, awaited: Path | None = None) -> None:
+    """Do it in a process of its own, which is killed so long after a file has grown, wherever it is."""
+    sys.stdout.flush()
+    child = os.fork()
+    if child == 0:
+        try:
+            work()
+        finally:
+            os._exit(0)
+    while awaited is not None and not (awaited.exists() and awaited.stat().st_size):
+        time.sleep(_LOOK_S)
+    time.sleep(after_s)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
