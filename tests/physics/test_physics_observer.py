@@ -7,7 +7,7 @@ import pytest
 from physics_samples import commanded, nxt
 from scipy.linalg import expm, solve_discrete_are
 
-from nxt_twin.physics.observer import Noise, free, free_run_std, observer
+from nxt_twin.physics.observer import Noise, carried, corrected, free, free_run_std, observer
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 from nxt_twin.physics.smooth import half_window_s
@@ -118,3 +118,35 @@ def test_a_correction_finds_a_torque_that_the_plant_does_not_know(motor_simulato
     trace = motor_simulator.trace(nxt(), Job(signals, gains, at_rest(signals), 5.0))
     assert trace["disturbance"][-1] * 1.2e-3 == pytest.approx(0.06, rel=0.05)
     assert abs(trace["predicted"][-1] - angle[-1]) < 1e-3
+
+
+TRIANGLE = np.triu_indices(3)
+
+
+def whole(triangle):
+    """The symmetric matrix whose upper triangle this is, row by row."""
+    matrix = np.zeros((3, 3))
+    matrix[TRIANGLE] = triangle
+    return matrix + np.triu(matrix, 1).T
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_covariance_is_carried_and_corrected_as_with_matrices(seed):
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(3, 3))
+    before, dt, damping, leak, torque_var = root @ root.T, 0.03, 4.0, 2.5, 7.0
+    hold, forget = math.exp(-damping * dt), math.exp(-leak * dt)
+    gain, fresh = (1.0 - hold) / damping, torque_var * (1.0 - forget**2)
+    transition = np.array([[1.0, gain, 0.5 * dt**2], [0.0, hold, gain], [0.0, 0.0, forget]])
+    process = whole([0.0, 0.0, 0.0, fresh * dt**2 / 3.0, 0.5 * fresh * dt, fresh])
+    after = transition @ before @ transition.T + process
+    found = carried(tuple(before[TRIANGLE]), dt, damping, leak, torque_var)
+    np.testing.assert_allclose(whole(found), after, rtol=1e-12)
+    for reads_speed in (False, True):
+        watch = np.eye(3)[int(reads_speed)]
+        variance = watch @ after @ watch + 0.2
+        gains = after @ watch / variance
+        left, told_gains, told_variance = corrected(tuple(after[TRIANGLE]), reads_speed, 0.2)
+        np.testing.assert_allclose(told_gains, gains, rtol=1e-12)
+        assert told_variance == pytest.approx(variance)
+        np.testing.assert_allclose(whole(left), after - np.outer(gains, watch @ after), rtol=1e-9, atol=1e-12)

@@ -151,3 +151,15 @@ def test_an_angle_that_matters_is_in_the_transition():
     floors = 0.05 * np.diag([0.01**2, 0.02**2])
     exact = 1e-4 * transition @ transition.T + floors
     np.testing.assert_allclose(strand.estimator.covariance[:2, :2], exact, rtol=2e-2, atol=1e-6)
+
+
+def test_the_weigher_changes_its_mind_however_long_it_was_sure():
+    """Without switching between models, 500 nats for one would outweigh what comes later for minutes."""
+    estimators = {name: Estimator(np.zeros(3), np.ones(3)) for name in ("nothing", "drag")}
+    weigher = Weigher(estimators, 3, (0.6, 0.4), memory_s=30.0)
+    for _ in range(1000):
+        weigher.update([-1.0, -0.5], 0.03)
+    assert weigher.probabilities["drag"] > 0.9
+    for _ in range(50):
+        weigher.update([-1.0, -2.0], 0.03)
+    assert weigher.probabilities["nothing"] > 0.9
