@@ -4,6 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 .PHONY: demo test check bench proof-blind proof-identify fuzz soak effects picture lock clean
+.PHONY: demo test check bench proof-blind proof-identify mutation effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -34,6 +35,10 @@ fuzz: $(VENV)/ready-run
 
 soak: $(VENV)/ready-run
 	$(BIN)/python -m benchmarks.reliability soak
+# One change at a time in the files that matter most, in a copy: does a test notice? Bounded; SAMPLE mutations a file.
+SAMPLE ?= 6
+mutation: $(VENV)/ready-dev
+	$(BIN)/python tools/mutation.py --sample $(SAMPLE)
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from nxt_twin.diagnose.search.weight import weigh
+from nxt_twin.diagnose.search.weight import free_run_ratio, weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.effects.friction import LOAD_DEPENDENT_FRICTION
 from nxt_twin.physics.plant import plant_from_config
@@ -63,3 +63,71 @@ def test_errors_are_told_in_millimetres_or_degrees(frame, kind, is_speed, unit, 
 def test_friction_grows_with_the_larger_of_drive_and_load_and_not_with_their_sum(drive, load):
     friction = LOAD_DEPENDENT_FRICTION.terms["friction"]
     assert friction(0.02, drive, load, 0.2) == pytest.approx(0.02 + 0.2 * 0.3)
+
+
+def weighed(*, runs=(1.0, 1.0), check=0.0, plant=MOTOR, believed=READINGS):
+    """A richer structure whose two free runs err by these ratios, with so much more likelihood on check readings."""
+    simpler = structure(cost=200.0, check_cost=100.0)
+    richer = structure(cost=150.0, variables=8, check_cost=100.0 - check, plant=plant)
+    richer.free_run_rms, simpler.believed = runs, believed
+    return weigh(simpler, richer)
+
+
+def test_gains_in_likelihood_add_up():
+    weight = weighed(check=12.0)
+    assert weight.check_gain == pytest.approx(12.0)
+    assert weight.total == pytest.approx(weight.gain + 12.0)
+
+
+@pytest.mark.parametrize("runs", [(0.4, 1.5), (1.5, 0.4)])
+def test_the_kinder_of_the_two_free_runs_counts(runs):
+    assert weighed(runs=runs).free_run_ratio == pytest.approx(0.4)
+    simpler, richer = structure(cost=200.0), structure(cost=150.0)
+    richer.free_run_rms = runs
+    assert free_run_ratio(simpler, richer) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "check", "added", "worse"),
+    [
+        (1.009, 0.0, {}, False),
+        (1.011, 0.0, {}, True),
+        (1.049, 41.0, {}, False),
+        (1.051, 41.0, {}, True),
+        (1.02, 39.0, {}, True),
+        (1.09, 0.0, {"stale_samples": {"stale_fraction": 0.05}}, False),
+        (1.11, 0.0, {"stale_samples": {"stale_fraction": 0.05}}, True),
+    ],
+)
+def test_free_runs_that_come_out_worse_speak_against_it(ratio, check, added, worse):
+    plant = MOTOR
+    for effect, parameters in added.items():
+        plant = plant.adding(effect, **parameters)
+    assert weighed(runs=(ratio, ratio), check=check, plant=plant).runs_worse == worse
+
+
+@pytest.mark.parametrize(
+    ("runs", "check", "worse"),
+    [((0.9, 2.49), 0.0, False), ((0.9, 2.5), 0.0, True), ((0.4, 2.6), 41.0, False), ((0.6, 2.6), 41.0, True)],
+)
+def test_one_kind_of_run_much_worse_speaks_against_it_unless_readings_are_sure(runs, check, worse):
+    assert weighed(runs=runs, check=check).runs_worse == worse
+
+
+def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_nothing():
+    assert not weighed(runs=(3.0, 3.0), believed=int(0.96 * READINGS)).runs_worse
+    assert weighed(runs=(3.0, 3.0), believed=int(0.98 * READINGS)).runs_worse
+
+
+@pytest.mark.parametrize(
+    ("ratio", "check", "borne_out"),
+    [
+        (1.0, 5.1, True),
+        (1.0, 4.9, False),
+        (0.49, -2.9, True),
+        (0.51, -2.9, False),
+        (0.49, -3.1, False),
+    ],
+)
+def test_readings_that_were_not_fitted_bear_it_out_by_likelihood_or_much_nearer_runs(ratio, check, borne_out):
+    assert weighed(runs=(ratio, ratio), check=check).borne_out(5.0) == borne_out
