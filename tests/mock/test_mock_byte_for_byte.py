@@ -244,6 +244,30 @@ def test_the_programs_memory_is_blank_until_one_uses_it(rig):
     assert reply.data == b"\0\0" + bytes.fromhex("efbeadde efbe")
 
 
+def test_a_search_that_is_cropped_crops_what_it_found(rig):
+    handle = rig.get(fp.OpenWriteData("log.rdt", 1000)).handle
+    rig.get(fp.WriteFile(handle, b"abc"))
+    rig.get(fp.CloseFile(handle))
+    rig.get(fp.CropDataFile(rig.get(fp.FindFirst("*.rdt")).handle))
+    assert rig.get(fp.FindFirst("log.rdt")).size == 3
+
+
+def test_a_download_keeps_others_files_from_being_deleted(rig):
+    # Its handle stands before the first file, and moves on when one is listed that ends sooner.
+    download = rig.get(fp.OpenWrite("long.txt", 10)).handle
+    rig.upload("short.txt", b"abc")
+    assert rig.status(fp.DeleteFile("short.txt")) is Status.FILE_IS_BUSY
+    rig.get(fp.CloseFile(download))
+    assert rig.status(fp.DeleteFile("short.txt")) is Status.OK
+
+
+def test_a_download_under_a_wildcard_can_be_started_twice(rig):
+    opened = [rig.get(fp.OpenWrite("*.abc", 5)).handle for _ in range(2)]
+    assert opened == [0, 1]
+    assert rig.status(fp.OpenWrite("plain.abc", 5)) is Status.OK
+    assert rig.status(fp.OpenWrite("PLAIN.abc", 5)) is Status.FILE_EXISTS
+
+
 def test_find_next_on_a_handle_that_never_was_used_finds_the_second_file(rig):
     rig.upload("a.txt", b"1")
     found = rig.get(fp.FindNext(5))

@@ -21,9 +21,12 @@ from firmware_protocol import (
 )
 from firmware_protocol.names import NAME_LENGTH_MAX
 from nxt_twin.mock.firmware.flash import SectorTable, StoredFile, free_bytes, sectors_needed
+from nxt_twin.mock.firmware.integers import u16
 from nxt_twin.mock.firmware.module import Module
 
-_BEFORE_FIRST: Final = -1
+_EXTENSION_SIZE: Final = 4
+_BEFORE_FIRST: Final = 0xFFFF
+"""Indices are 16-bit words: from here the next one is 0."""
 
 
 class LoaderRefusal(Exception):  # noqa: N818 - a refusal is what it is
@@ -212,11 +215,12 @@ class Loader(Module):
         return Status.OK
 
     def crop(self, number: int) -> Status:
-        """Close a data file and give back what is free in it."""
+        """Close a handle and give back what is free in the data file that it stands on."""
+        index = self.handles[number].index & 0xFF if number < len(self.handles) else len(self.files)
         status = self.close(number)
-        if status == Status.OK and number < len(self.handles):
-            file = self.handles[number].file
-            if file is not None and file in self.files and len(file.data) < file.size:
+        if status == Status.OK and index < len(self.files):
+            file = self.files[index]
+            if len(file.data) < file.size:
                 file.size = len(file.data)
                 file.sectors = file.sectors[: sectors_needed(file.size)]
                 self._recount()
@@ -224,13 +228,19 @@ class Loader(Module):
         return status
 
     def delete(self, name: str) -> None:
-        """Delete a file that nobody else reads or writes."""
+        """Delete a file on which no other handle stands that reads or writes.
+
+        Where a handle stands is a place in the list: one that writes a system file, which is not listed yet, comes to
+        stand on others' files when they are listed.
+        """
         try:
             number, file = self._find_by_name(name)
             self.close(number)
-            if any(h.file is file and h.use in (Use.READING, Use.WRITING) for h in self.handles):
-                raise LoaderRefusal(Status.FILE_IS_BUSY, number)
             gone = self.files.index(file)
+            if any(
+                handle.index == gone and handle.use in (Use.READING, Use.WRITING) for handle in self.handles
+            ):
+                raise LoaderRefusal(Status.FILE_IS_BUSY, number)
             del self.files[gone]
             self._recount()
             for handle in self.handles:
@@ -305,7 +315,7 @@ class Loader(Module):
         handle.index = _BEFORE_FIRST
 
     def _search(self, handle: Handle) -> StoredFile | None:
-        for index in range(handle.index + 1, len(self.files)):
+        for index in range(u16(handle.index + 1), len(self.files)):
             if handle.pattern is None or pattern_matches(handle.pattern, self.files[index].name):
                 handle.index = index
                 return self.files[index]
@@ -313,7 +323,7 @@ class Loader(Module):
 
     def _is_downloading(self, name: str) -> bool:
         wanted = fold_case(name)
-        return any(h.use is Use.WRITING and fold_case(h.pattern or "") == wanted for h in self.handles)
+        return any(h.use is Use.WRITING and _kept(h.pattern or "") == wanted for h in self.handles)
 
     def _take_buffer(self, number: int) -> None:
         if sum(handle.buffered for handle in self.handles) >= limits.WRITE_BUFFER_COUNT:
@@ -329,7 +339,7 @@ class Loader(Module):
         self.files.insert(0, file)
         for handle in self.handles:
             if handle.use is not Use.FREE:
-                handle.index += 1
+                handle.index = u16(handle.index + 1)
 
     def _recount(self) -> None:
         self._sectors.rebuild(self.files)
@@ -344,6 +354,16 @@ class Loader(Module):
         given = decode_io_map(LoaderMap, data)
         self._function_pointer = given.function_pointer
         self.free_flash = given.free_user_flash
+
+
+def _kept(pattern: str) -> str:
+    """What a handle remembers of a pattern, which is not all of it where it has a wildcard."""
+    folded = fold_case(pattern)
+    if "*.*" in folded:
+        return pattern
+    if ".*" in folded:
+        return folded[:-1]
+    return folded[1 : 1 + _EXTENSION_SIZE] if "*." in folded else folded
 
 
 def _appendable(handle: Handle) -> bool:
