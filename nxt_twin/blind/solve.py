@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
 from pathlib import Path
+from types import MappingProxyType
 
 from nxt_twin.blind.reach import reach
 from nxt_twin.blind.verdict import read_sealed
@@ -25,10 +26,23 @@ def case_folders(cases: Path) -> list[Path]:
     return sorted(folder for folder in cases.iterdir() if (folder / "case.yaml").exists())
 
 
-def solve_all(folders: Sequence[Path], out: Path, *, seed: int, jobs: int) -> Iterator[Outcome]:
-    """Diagnose each case into `out`; those that have their JSON already are passed over."""
+def solve_all(
+    folders: Sequence[Path],
+    out: Path,
+    *,
+    seed: int,
+    jobs: int,
+    without: Mapping[str, frozenset[str]] = MappingProxyType({}),
+) -> Iterator[Outcome]:
+    """Diagnose each case into `out`; those that have their JSON already are passed over.
+
+    `without` holds, by a case's name, ids of effects that its diagnosis may not try.
+    """
     out.mkdir(parents=True, exist_ok=True)
-    waiting = [(folder, out / f"{folder.name}.json", seed) for folder in folders]
+    waiting = [
+        (folder, out / f"{folder.name}.json", seed, without.get(folder.name, frozenset()))
+        for folder in folders
+    ]
     yield from _each(_solve, [task for task in waiting if not task[1].exists()], jobs)
 
 
@@ -49,9 +63,9 @@ def _each(work: Callable[..., Outcome], tasks: Sequence[tuple[object, ...]], job
             yield done.result()
 
 
-def _solve(folder: Path, target: Path, seed: int) -> Outcome:
+def _solve(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
     try:
-        answer = diagnose(read_case(folder), seed=seed)
+        answer = diagnose(read_case(folder), seed=seed, without=without)
     except NxtTwinError as error:
         return folder.name, str(error)
     target.write_text(to_json(answer.diagnosis), encoding="utf-8")

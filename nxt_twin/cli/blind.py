@@ -82,11 +82,15 @@ def solve(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases.")],
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
     seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
+    without: Annotated[
+        str, typer.Option(help="Effects that no diagnosis may try, comma-separated, as if nobody knew them.")
+    ] = "",
     jobs: JobsOption = 1,
 ) -> None:
     """Diagnose every case of a folder; cases that have their JSON already are passed over."""
     folders = case_folders(cases)
-    _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs), len(folders))
+    hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
+    _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs, without=hidden), len(folders))
     print(f"{len(folders)} cases, diagnoses in {out}")
 
 

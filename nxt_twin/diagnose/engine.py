@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -57,6 +57,7 @@ def diagnose(
     *,
     seed: int = 0,
     tolerance: float | None = None,
+    without: frozenset[str] = frozenset(),
     progress: Progress = lambda _: None,
 ) -> Answer:
     """Say what physics `case`'s baseline leaves out, if any.
@@ -66,12 +67,13 @@ def diagnose(
         tolerance: error of a simulation that does not matter, SI (rad, m, or per second); without one, half a step of
             the encoder or the roughness of its readings.
         seed: of the random shifts behind the regimes' p-values; nothing else is random.
+        without: ids of effects that are not tried, to see what a diagnosis says of physics that it does not know.
         progress: told in words what is being done.
 
     Raises:
         NxtTwinError: the case cannot be diagnosed; its text says why.
     """
-    problem = problem_for(case, tolerance)
+    problem = replace(problem_for(case, tolerance), without=without)
     with Simulator(problem.plant.layout) as simulator:
         found = searched(simulator, problem, progress)
         progress("judging on what was held out")

@@ -65,6 +65,7 @@ class Problem:
         signals: the recordings of `target`, unthinned.
         window_s: length of the free runs in `held_out`.
         tolerance: the error of a simulation that does not matter, SI.
+        without: ids of effects that no search may try, as if nobody knew them.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Problem:
     signals: tuple[Signals, ...]
     window_s: float
     tolerance: float
+    without: frozenset[str] = frozenset()
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""

@@ -330,7 +330,8 @@ class _Search:
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
 
     def _candidates(self, plant: Plant) -> list[Effect]:
-        return candidates(plant, self._fitter.problem.signals[0])
+        problem = self._fitter.problem
+        return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
 
 
 def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
