@@ -39,7 +39,7 @@ class StageRule:
 
 _OTHERS = ("others_a", "others_s")
 _DRIVE = ("duty", "mode", "elapsed_s", "speed", "current", *_OTHERS)
-_MOTION = ("angle", "speed", "step_s", "elapsed_s", "inertia", "duty", "current")
+_MOTION = ("angle", "speed", "step_s", "elapsed_s", "session_s", "inertia", "duty", "current")
 _FRICTION = ("level", "direction", "drive_torque", "load_torque", *_MOTION)
 
 STAGES: dict[Stage, StageRule] = {

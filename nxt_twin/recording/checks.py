@@ -13,6 +13,7 @@ from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.table import Table
 
 _FEWEST_ROWS = 2
+_CHECK_SCALE = "check the column's unit and scale"
 LONGEST_GAP_S = 3600.0
 """Slow polls are minutes apart; more than an hour between two rows is a clock that was set, or another unit."""
 
@@ -52,7 +53,7 @@ def check_row_count(rows: int, path: Path) -> None:
         raise RecordingError(f"holds {held}", where=str(path), mend="record at least two")
 
 
-def check_stamps(table: Table, name: str) -> None:
+def check_stamps(table: Table, name: str, *, or_else: str = "") -> None:
     """Refuse stamps that are missing, infinite, or smaller than the one before; equal ones are data.
 
     Raises:
@@ -67,7 +68,7 @@ def check_stamps(table: Table, name: str) -> None:
     if backwards.any():
         row = int(backwards.argmax()) + 1
         what = f"time runs backwards, from {stamps[row - 1]:.10g} to {stamps[row]:.10g}"
-        mend = "split the recording where its clock was set anew, or sort its rows"
+        mend = f"split the recording where its clock was set anew, or sort its rows{or_else}"
         raise RecordingError(what, where=table.place(row, name), mend=mend)
 
 
@@ -103,7 +104,9 @@ def check_finite(table: Table, name: str, values: FloatArray) -> None:
         raise RecordingError("is not finite", where=where, mend=mend)
 
 
-def check_range(table: Table, name: str, values: FloatArray, lowest: float, highest: float) -> None:
+def check_range(
+    table: Table, name: str, values: FloatArray, lowest: float, highest: float, *, mend: str = _CHECK_SCALE
+) -> None:
     """Refuse values that the thing measured or commanded cannot take.
 
     Raises:
@@ -113,7 +116,7 @@ def check_range(table: Table, name: str, values: FloatArray, lowest: float, high
     if outside.any():
         row = int(outside.argmax())
         what = f"{values[row]:.10g} is outside {lowest:g} to {highest:g}"
-        raise RecordingError(what, where=table.place(row, name), mend="check the column's unit and scale")
+        raise RecordingError(what, where=table.place(row, name), mend=mend)
 
 
 def hold(commands: FloatArray, before_first: float = 0.0) -> FloatArray:

@@ -146,7 +146,8 @@ def check_names(names: Sequence[str], path: Path) -> None:
 
 def _advice(name: str, names: Sequence[str]) -> str:
     if len(names) == 1 and any(mark in name for mark in ";\t|"):
-        return "separate the columns by commas"
+        return "separate the columns by commas, or read it through a mapping: nxt-twin map TABLE --out FILE"
     if name in MAPPED_COLUMNS:
         return "a mapped recording is read through a mapping file"
-    return f"nearest known: {nearest(name, CATALOGUE)}; tables from elsewhere need a mapping file"
+    elsewhere = "for a table from elsewhere: nxt-twin map TABLE --out FILE, then --mapping FILE, or --columns"
+    return f"nearest known: {nearest(name, CATALOGUE)}; {elsewhere}"

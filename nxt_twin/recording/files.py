@@ -44,7 +44,7 @@ def read_recording(path: Path) -> Recording:
     read_table_head(path, RecordingError)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        mend = "tables from elsewhere need a mapping file: name it in the sidecar or in case.yaml"
+        mend = "for a table from elsewhere: nxt-twin map TABLE --out FILE, then --mapping FILE, or --columns"
         raise RecordingError("is neither .csv nor .parquet", where=str(path), mend=mend)
 
     def choose(names: Sequence[str]) -> Mapping[str, CellKind]:

@@ -193,7 +193,7 @@ def _time_s(table: Table, source: TimeSource, rows: int) -> FloatArray:
     if source.unit == "iso":
         stamps = [_since_epoch_s(table, row, source.column) for row in range(rows)]
         table = Table({source.column: np.array(stamps)}, {}, table.place)
-    check_stamps(table, source.column)
+    check_stamps(table, source.column, or_else="; several runs in a table: write `split: {column: …}`")
     time_s: FloatArray = table.numbers[source.column] * _SECONDS.get(source.unit, 1.0)
     check_gaps(table, source.column, time_s)
     return time_s
@@ -219,7 +219,8 @@ def _input(table: Table, source: InputSource, path: Path, rows: int) -> FloatArr
     known = values[np.isfinite(values)]
     values = hold(values, float(known[0]) if source.kind in GOALS and known.size else 0.0)
     if source.kind == "power_pct":
-        check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT)
+        mend = "write `input: {gain: …}`, such as 0.392 for a duty of 8 bits"
+        check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT, mend=mend)
     return values
 
 

@@ -40,6 +40,17 @@ def test_a_payload_on_an_arm_swings_with_its_own_inertia_too(rotary_simulator):
     assert period_s(run.time_s, angle) == pytest.approx(expected_s, rel=1e-4)
 
 
+def test_a_payload_that_is_hung_on_later_is_an_arm_from_then_on(rotary_simulator):
+    payload = {"gravity_torque_nm": 0.05, "added_inertia_kg_m2": 1e-3, "phase_deg": 0.0}
+    run = commanded([(0.0, 0.002)], seconds=4.0, kind="torque_nm")
+    late, plain = (
+        motion(rotary_simulator, disc(effects=effects), run)["angle"]
+        for effects in ({"hanging_payload": {**payload, "onset_s": 2.0}}, {})
+    )
+    np.testing.assert_allclose(late[:201], plain[:201], atol=1e-9)
+    assert abs(late[-1] - plain[-1]) > 0.1
+
+
 def test_an_arm_comes_to_rest_hanging_down_at_its_phase(rotary_simulator):
     plant = disc(
         viscous_friction=0.02, effects={"gravity_load": {"gravity_torque_nm": 0.1, "phase_deg": 40.0}}

@@ -199,6 +199,8 @@ def test_coasting_constants_wrapping_and_dates(put):
             ["mapping key input.value", "table.csv: VALUE"],
         ),
         ({"table": {"decimal": "."}}, "t;u;y\n0;0,5;1\n1;0,5;2\n", ["'0,5' is no number", 'decimal: ","']),
+        ({}, "t,u,y\n0,300,0\n1,0,1\n", ["300 is outside", "write `input: {gain"]),
+        ({}, "t,u,y\n5,0,0\n1,0,1\n", ["runs backwards", "write `split: {column"]),
         ({}, "PK\x03\x04 a sheet", ["spreadsheet", "export the sheet"]),
         ({}, '[{"t": 1}', ["no JSON"]),
         ({}, '{"t": [1], "u": [1, 2]}', ["differ in length: t 1, u 2"]),

@@ -67,18 +67,45 @@ GRAVITY_LOAD = Effect(
 )
 
 
-def _hanging(angle: float, payload_gravity: float, payload_phase: float) -> float:
-    return -payload_gravity * sine(angle + payload_phase)
+def _begun(elapsed_s: float, session_s: float, step_s: float, onset: float) -> float:
+    """The share of a step that comes after the onset."""
+    late = (session_s + elapsed_s + step_s - onset) / step_s
+    return min(max(late, 0.0), 1.0)
 
 
-def _carried(payload_inertia: float) -> float:
-    return payload_inertia
+def _hanging(
+    angle: float,
+    elapsed_s: float,
+    session_s: float,
+    step_s: float,
+    payload_gravity: float,
+    payload_phase: float,
+    hung_at: float,
+) -> float:
+    share = _begun(elapsed_s, session_s, step_s, hung_at)
+    return -payload_gravity * share * sine(angle + payload_phase) if share > 0.0 else 0.0
+
+
+def _carried(
+    elapsed_s: float, session_s: float, step_s: float, payload_inertia: float, hung_at: float
+) -> float:
+    return payload_inertia * _begun(elapsed_s, session_s, step_s, hung_at)
+
+
+def _hung_on(recordings: Sequence[Signals]) -> list[float]:
+    """Where a later recording begins; in a single one, three times within it.
+
+    A payload that was there from the first reading on is an arm and an inertia, which have names of their own.
+    """
+    later = [signals.session_s for signals in recordings if signals.session_s > 0.0]
+    length_s = float(recordings[0].time_s[-1] - recordings[0].time_s[0])
+    return later or [share * length_s for share in (0.25, 0.5, 0.75)]
 
 
 HANGING_PAYLOAD = Effect(
     id="hanging_payload",
     name="hanging payload",
-    equation="τ = -τg·sin(θ + φ), J = J0 + Ja",
+    equation="τ = -τg·sin(θ + φ), J = J0 + Ja, from t0 on; t0 as of a payload's onset",
     source="the physical pendulum: m·g·l·sin, and m·l² with what the payload has about its own middle",
     equation_of="torque_balance",
     shows=("angle", "after_command"),
@@ -95,6 +122,17 @@ HANGING_PAYLOAD = Effect(
             270.0,
             si=math.pi / 180.0,
             otherwise=0.0,
+        ),
+        Parameter(
+            "onset_s",
+            "hung_at",
+            "s",
+            NUMBER,
+            (5.0, 0.0),
+            0.0,
+            1e6,
+            otherwise=0.0,
+            hints=_hung_on,
         ),
     ),
     terms={"inertia": _carried, "torque": _hanging},
@@ -190,8 +228,7 @@ COGGING = Effect(
 
 
 def _added(elapsed_s: float, session_s: float, step_s: float, added_inertia: float, onset: float) -> float:
-    late = (session_s + elapsed_s + step_s - onset) / step_s
-    return added_inertia * min(max(late, 0.0), 1.0)
+    return added_inertia * _begun(elapsed_s, session_s, step_s, onset)
 
 
 def _onsets(recordings: Sequence[Signals]) -> list[float]:
