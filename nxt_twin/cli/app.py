@@ -98,7 +98,7 @@ def main() -> None:
         fail(str(error))
         sys.exit(1)
     except OSError as error:
-        fail(f"{error.filename or 'file'}: {error.strerror or error}")
+        fail(str(NxtTwinError(error.strerror or str(error), where=str(error.filename or "file"))))
         sys.exit(1)
     except KeyboardInterrupt:
         _interrupted()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -129,6 +130,8 @@ class RowWriter:
 
     def finish(self) -> None:
         """The recording is complete."""
+        self._file.flush()
+        os.fsync(self._file.fileno())
         self._file.close()
         self._partial.replace(self.path)
 

@@ -31,6 +31,8 @@ def parse_yaml(text: str) -> object:
     loader = _Loader(text)
     try:
         document = loader.get_single_data()
+    except (AttributeError, LookupError, TypeError, ArithmeticError):  # PyYAML takes a tag's word for it
+        raise ValueError("a value is not what its tag says") from None
     finally:
         loader.dispose()
     for value in _values(document):

@@ -6,7 +6,6 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
@@ -18,6 +17,7 @@ from nxt_twin.recording.columns import Port, Slot
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.adopt import Adopter
+from nxt_twin.twin.beside import Beside
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import columns_of
@@ -86,7 +86,7 @@ def live_sitting(options: LiveOptions, open_brick: Callable[[], Brick], clock: C
         pace=options.pace,
         driver=None if options.program is None else ProgramDriver(options.program),
         recorder=recorder,
-        adopter=Adopter(ThreadPoolExecutor(1, "diagnosis", _step_back)) if options.adopt else None,
+        adopter=Adopter(Beside("diagnosis", _step_back)) if options.adopt else None,
         enough=options.enough,
     )
     sitting = Sitting(parts)

@@ -136,6 +136,9 @@ LAUGHS = "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
         ("input: " + "9" * 500, "a number has 500 characters"),
         ("input: 0x" + "f" * 100, "a whole number is beyond"),
         ("input: {kind: " + "9" * 60 + "}", "a whole number is beyond"),
+        ("input: !!timestamp soon", "a value is not what its tag says"),
+        ("input: !!bool perhaps", "a value is not what its tag says"),
+        ("input: !!int ''", "a value is not what its tag says"),
         ("input: " + "1:" * 300 + "1", "a number has 601 characters"),
     ],
 )
