@@ -46,6 +46,7 @@ effects: $(VENV)/ready-run
 picture: $(VENV)/ready-dev
 	$(BIN)/python tools/readme_picture.py
 	$(BIN)/python tools/dashboard_picture.py
+	$(BIN)/python tools/world_picture.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

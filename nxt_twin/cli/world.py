@@ -31,7 +31,9 @@ def world(
         float,
         typer.Option(min=0.0, help="How long at most, by the program's clock; without a program, how long."),
     ] = 120.0,
-    trace: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the robot's course: CSV.")] = None,
+    trace: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the robot's course as a recording.")
+    ] = None,
     film: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Film the robot: .gif, .webp or an animated .png.")
     ] = None,

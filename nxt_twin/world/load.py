@@ -12,12 +12,13 @@ from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.source import nearest, quoted
-from nxt_twin.recording.yaml_file import read_model, read_part
+from nxt_twin.recording.yaml_file import read_model, read_part, read_yaml
 from nxt_twin.world.robot import Robot
 from nxt_twin.world.scene import Scene
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 _YAML = (".yaml", ".yml")
+_LIKE = "like"
 
 
 @final
@@ -66,11 +67,28 @@ def setting_of(world: World, file: Path) -> Setting:
 
 
 def _robot(given: str | dict[str, Any], file: Path) -> Robot:
-    if isinstance(given, dict):
-        return read_part(given, Robot, WorldError, where=f"{file}, robot")
-    beside = file.parent / given
+    """The robot that a world names, or holds; one that is `like` another takes from it what it does not say itself."""
+    if isinstance(given, str):
+        return read_model(_robot_file(given, file), Robot, WorldError)
+    changed = dict(given)
+    like = changed.pop(_LIKE, None)
+    if like is not None:
+        changed = changed_by(read_yaml(_robot_file(str(like), file), WorldError), changed)
+    return read_part(changed, Robot, WorldError, where=f"{file}, robot")
+
+
+def _robot_file(given: str, file: Path) -> Path:
     own = Path(given).suffix not in _YAML
-    return read_model(named(given, "robots", where=str(file)) if own else beside, Robot, WorldError)
+    return named(given, "robots", where=str(file)) if own else file.parent / given
+
+
+def changed_by(robot: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """A robot's document with some of its values others: what stands at the same keys is replaced, at any depth."""
+    merged = dict(robot)
+    for key, value in changes.items():
+        old = merged.get(key)
+        merged[key] = changed_by(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+    return merged
 
 
 def named(given: str | Path, folder: str, *, where: str = "") -> Path:

@@ -8,6 +8,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.recording.columns import PORTS
 from nxt_twin.world.arena import Arena
 
 COLUMNS: Final = ("time_s", "x_m", "y_m", "z_m", "heading_deg", "pitch_deg", "a_deg", "b_deg", "c_deg")
@@ -58,7 +59,21 @@ class Trace:
         return float(np.sum(np.hypot(*np.diff(self.places_m, axis=0).T)))
 
     def write(self, path: Path) -> None:
-        """Write it as CSV."""
-        lines = [",".join(COLUMNS), *(",".join(f"{value:.6g}" for value in row) for row in self._rows)]
+        """Write it as a recording: whole counts of all encoders, and the pose from where it began."""
+        x, y = (self.column(name) for name in ("x_m", "y_m"))
+        heading = self.column("heading_deg")
+        turn = np.radians(heading[0])
+        ahead = (x - x[0]) * np.cos(turn) + (y - y[0]) * np.sin(turn)
+        left = (y - y[0]) * np.cos(turn) - (x - x[0]) * np.sin(turn)
+        counts = [np.floor(self.column(f"{port}_deg")) for port in PORTS]
+        rows = np.column_stack([self.column("time_s"), *counts, ahead, left, heading - heading[0]])
+        head = (
+            "time_s",
+            *(f"{port}_tacho_deg" for port in PORTS),
+            "pose_x_m",
+            "pose_y_m",
+            "pose_heading_deg",
+        )
+        lines = [",".join(head), *(",".join(f"{value:.9g}" for value in row) for row in rows.tolist())]
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -15,6 +15,7 @@ from nxt_twin.cli.app import program
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.recording.files import read_recording
 from nxt_twin.world import bullet
 from nxt_twin.world.load import load_setting
 
@@ -58,7 +59,9 @@ def test_a_program_that_waits_by_looking_at_the_clock_drives_the_robot(ahead, tm
     assert told["robot"]["x_m"] == pytest.approx(0.028 * told["motors_deg"]["b"] / 57.3, rel=0.02)
     assert 0.5 <= told["elapsed_s"] < 0.7
     assert "found Castor" in result.stderr
-    assert trace.read_text().startswith("time_s,x_m,y_m")
+    recorded = read_recording(trace)
+    assert recorded.columns["pose_x_m"][-1] == pytest.approx(told["robot"]["x_m"], abs=8e-3)
+    assert recorded.columns["b_tacho_deg"][-1] == pytest.approx(told["motors_deg"]["b"], abs=16.0)
 
 
 def test_a_program_that_fails_is_told_with_its_line(ahead):

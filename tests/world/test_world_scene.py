@@ -69,6 +69,14 @@ def test_a_robot_pushes_what_has_a_mass_and_stops_at_what_has_none(placed):
     assert np.isfinite(fixed.robot_pose().at_m).all()
 
 
+def test_a_robot_that_is_like_another_has_all_but_what_it_says_itself(tmp_path):
+    path = tmp_path / "world.yaml"
+    path.write_text("robot: {like: castor_bot, wheels: {right: {radius_mm: 27.5}}}")
+    wheels = load_setting(path).robot.wheels
+    assert (wheels["left"].radius_mm, wheels["right"].radius_mm) == (28.0, 27.5)
+    assert wheels["right"].at_mm == (0.0, -51.5, 28.0)
+
+
 def test_a_balance_says_of_a_castor_bot_what_it_said_of_the_real_one(placed):
     robot = placed().setting.robot.assembly(dict.fromkeys("abc", 0.0))
     assert 1e3 * robot.mass_kg == pytest.approx(600.0, abs=5.0)
