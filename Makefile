@@ -3,8 +3,8 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof-blind proof-identify fuzz soak effects picture lock clean
-.PHONY: demo test check bench proof-blind proof-identify mutation effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify mutation effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -25,6 +25,10 @@ bench: $(VENV)/ready-run
 # The benchmark of concealed effects with its aims, and the coverage of every identification: minutes each.
 proof-blind: $(VENV)/ready-run
 	$(BIN)/nxt-twin blind bench build/blind --seed 1 --jobs 2
+
+# A sample over all truth families, every table of docs/proof.md; run again, it goes on where it stopped.
+proof: $(VENV)/ready-dev
+	$(BIN)/nxt-twin blind proof build/proof
 
 proof-identify: $(VENV)/ready-run
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks identify

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, Literal, final
 
@@ -59,6 +59,7 @@ class Judged:
         reach: what the true structure reaches, where that was computed.
         located: whether it is said where the baseline fails.
         family: which simulator made its truth.
+        probability: given for each name; one where a diagnosis gives none.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Judged:
     reach: Reach | None = None
     located: Located = UNPLACED
     family: str = HOME
+    probability: Mapping[str, float] = field(default_factory=dict)
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -112,6 +114,7 @@ class Given:
         fit_ratio: improved error over floor, None where the floor is not known.
         improved: the improved error.
         place: where it says that the baseline fails.
+        probability: of each name.
     """
 
     verdict: str
@@ -121,6 +124,7 @@ class Given:
     fit_ratio: float | None
     improved: float | None
     place: Place
+    probability: Mapping[str, float] = field(default_factory=dict)
 
 
 NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
@@ -148,6 +152,7 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             fit_ratio=float(improved) / float(floor) if improved is not None and floor else None,
             improved=None if improved is None else float(improved),
             place=parse_place(diagnosis.get("mismatch", {})),
+            probability={one["id"]: float(one.get("probability", 1.0)) for one in effects},
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         mend = "see docs/formats.md#diagnosis-json"
@@ -183,6 +188,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         reach=reach,
         located=locate(answer, given.place),
         family=str(answer.get("family", HOME)),
+        probability=given.probability,
     )
 
 

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import json as json_format
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from nxt_twin.blind.by_family import (
+    as_text,
+    as_values,
+    deletion_rows,
+    family_rows,
+    left_out_rows,
+    reliability_rows,
+)
 from nxt_twin.blind.families.orders import Amounts, Outcome, families_of, make_orders, plan_orders
 from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.polling import Link
+from nxt_twin.blind.proof import Proof
+from nxt_twin.blind.ranges import RANGES
 from nxt_twin.blind.score import score as score_answers
 from nxt_twin.blind.secret import secret_of
 from nxt_twin.blind.silence import Remains, remains_of
@@ -24,7 +35,7 @@ _LINKS: dict[str, tuple[Link, ...]] = {
     "both": ("usb", "bluetooth"),
 }
 
-EffectsOption = Annotated[str | None, typer.Option(help="Only these ids, comma-separated.")]
+EffectsOption = Annotated[str | None, typer.Option(help="Only these ids, comma-separated; none: no single effects.")]
 FamilyOption = Annotated[str, typer.Option(help=f"Truth families, comma-separated: {', '.join(FAMILIES)}.")]
 CleanOption = Annotated[int, typer.Option(min=0, help="Cases of each family in which nothing is missing.")]
 PairsOption = Annotated[int, typer.Option(min=0, help="Cases of each family with two effects.")]
@@ -124,6 +135,34 @@ def score(
 
 
 @blind.command()
+def proof(
+    folder: Annotated[Path, typer.Argument(help="Where everything goes; what is there already is kept.")],
+    chosen: Annotated[str, typer.Option("--range", help=f"One of {', '.join(RANGES)}.")] = "sample",
+    family: FamilyOption = ",".join(FAMILIES),
+    jobs: JobsOption = os.cpu_count() or 1,
+    json: JsonOption = None,
+) -> None:
+    """Make, solve and score a named range over all families, and print its tables; it goes on where it stopped."""
+    if chosen not in RANGES:
+        raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
+    work = Proof(folder, RANGES[chosen], families_of(family.split(",")))
+    for title, total, outcomes in work.run(jobs):
+        _follow(title, outcomes, total)
+    cases = work.judged()
+    tables = {
+        "families": family_rows(cases),
+        "left out in turn": left_out_rows(cases),
+        "reliability": reliability_rows(cases),
+        "taken out of the library": deletion_rows(work.deletions()),
+    }
+    if json:
+        values = {name: as_values(rows) for name, rows in tables.items()}
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/proof/1", "range": chosen, **values}))
+    if json != "-":
+        print("\n".join(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items()))
+
+
+@blind.command()
 def silence(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
@@ -188,6 +227,8 @@ def bench(
 
 
 def _chosen(effects: str | None) -> tuple[str, ...] | None:
+    if effects == "none":
+        return ()
     return tuple(effects.split(",")) if effects else None
 
 

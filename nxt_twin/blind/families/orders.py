@@ -25,7 +25,7 @@ Outcome = tuple[str, str]
 @final
 @dataclass(frozen=True)
 class Amounts:
-    """How many cases of each kind a set holds for each of its families; `effects` None takes all, in three sizes."""
+    """How many cases of each kind a set holds for each of its families; `effects` None takes all, each in three sizes."""
 
     effects: tuple[str, ...] | None = None
     clean: int = 40
@@ -70,7 +70,7 @@ def plan_orders(
     orders: list[Order] = []
     for family in families:
         home = family.name == BRISTLE
-        asked = amounts.effects or family.known
+        asked = family.known if amounts.effects is None else amounts.effects
         plans = plan_set(
             seed if home else _seed_of(seed, family.name),
             effects=tuple(one for one in asked if one in family.known + family.unknown),
