@@ -35,7 +35,9 @@ _LINKS: dict[str, tuple[Link, ...]] = {
     "both": ("usb", "bluetooth"),
 }
 
-EffectsOption = Annotated[str | None, typer.Option(help="Only these ids, comma-separated; none: no single effects.")]
+EffectsOption = Annotated[
+    str | None, typer.Option(help="Only these ids, comma-separated; none: no single effects.")
+]
 FamilyOption = Annotated[str, typer.Option(help=f"Truth families, comma-separated: {', '.join(FAMILIES)}.")]
 CleanOption = Annotated[int, typer.Option(min=0, help="Cases of each family in which nothing is missing.")]
 PairsOption = Annotated[int, typer.Option(min=0, help="Cases of each family with two effects.")]
