@@ -25,7 +25,7 @@ Outcome = tuple[str, str]
 @final
 @dataclass(frozen=True)
 class Amounts:
-    """How many cases of each kind a set holds for each of its families; `effects` None takes all, each in three sizes."""
+    """How many cases of each kind a set holds for each of its families; `effects` None takes all in three sizes."""
 
     effects: tuple[str, ...] | None = None
     clean: int = 40
