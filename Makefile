@@ -3,8 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak effects picture lock clean
-.PHONY: demo test check bench proof proof-blind proof-identify mutation effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo

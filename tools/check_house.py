@@ -12,6 +12,7 @@ from pathlib import Path
 
 import grimp
 from house_pages import pages
+from house_words import words
 
 ROOT = Path(__file__).parents[1]
 
@@ -26,7 +27,7 @@ _CHECKS = re.compile(r"assert|^check|raises$|fail$")
 
 def main() -> int:
     """Print every finding; 1 if there is one."""
-    found = [*_product(), *_circles(), *_locks(), *_user_paths(), *_tests(), *pages(ROOT)]
+    found = [*_product(), *_circles(), *_locks(), *_user_paths(), *_tests(), *pages(ROOT), *words(ROOT)]
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

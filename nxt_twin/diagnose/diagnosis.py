@@ -270,7 +270,7 @@ class Excitation:
 @final
 @dataclass(frozen=True)
 class FalseAlarmRate:
-    """How often noise alone would have been called missing physics: of made-up clean recordings like these."""
+    """How often noise alone would have been called missing physics: of synthetic clean recordings like these."""
 
     rate: float
     upper_95: float

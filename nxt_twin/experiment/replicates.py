@@ -1,4 +1,4 @@
-"""How far a motor's fit errs: the same fit on made-up recordings of the motor that was found.
+"""How far a motor's fit errs: the same fit on synthetic recordings of the motor that was found.
 
 An encoder's count repeats its rounding while the motor is slow or stands, and a run keeps the lag with which it met the
 bridge's co-processor, so that the errors of neighbouring readings hang together, and a covariance that takes each for
@@ -28,7 +28,7 @@ from nxt_twin.physics.start import at_rest
 
 _REPLICATES: Final = 200
 _FEIGNED: Final = 8
-"""Of the made-up recordings, without any unknown torque, show how much of one they feign."""
+"""Of the synthetic recordings, without any unknown torque, show how much of one they feign."""
 _EXCHANGE_S: Final = 2e-3
 """The brick hands commands to the co-processor that drives the motors once in so long; polls keep step with it, so that
 a whole run has one and the same lag, and the next run another."""

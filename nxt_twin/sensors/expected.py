@@ -9,7 +9,7 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class Expected:
-    """The reading that a model foretells for one truth.
+    """The reading that a model predicts for one truth.
 
     Attributes:
         mean: in the reading's own unit (cm, raw, 0 to 1), given that there is an echo.

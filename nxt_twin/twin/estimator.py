@@ -20,7 +20,7 @@ _MIX_EVERY_S = 0.25
 
 
 class Compared(NamedTuple):
-    """A reading beside its prediction: what was foretold, the variance of the difference, and its log-density."""
+    """A reading beside its prediction: what was predicted, the variance of the difference, and its log-density."""
 
     predicted: float
     variance: float

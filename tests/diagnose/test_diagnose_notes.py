@@ -21,15 +21,15 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
     assert found.verdict == "adequate"
     assert found.fit.improved > 10.0 * found.fit.floor
     (remark,) = remarks_on_letting_go(found.notes)
-    assert remark.startswith("r3.csv lets the motor run")
-    assert "record such run-outs" in remark
+    assert remark.startswith("In r3.csv the motor runs")
+    assert "Record such coast-downs" in remark
 
 
 def test_what_to_record_next_is_then_a_program_that_lets_it_go():
     found = diagnosed(("shaft_compliance",), seed=151).diagnosis
     assert found.verdict == "explained"
     proposed = found.next_experiment
-    assert "run out without current" in proposed.input
+    assert "coast down without current" in proposed.input
     segments = [segment for run in proposed.program.runs for segment in run.segments]
     assert sum(segment.duration_s for segment in segments if segment.mode == "coast") > 5.0
 
@@ -49,4 +49,4 @@ def test_an_error_is_said_to_fall_only_where_it_does(improved, falls):
     said = sentence("explained", [effect], fit)
     assert said.startswith(f"The model leaves out {effect.name}")
     assert ("falls from 10 to 3 deg" in said) == falls
-    assert ("hardly nearer, if at all (10 deg off, now 15)" in said) != falls
+    assert ("simulation of held-out data does not (10 deg off, now 15)" in said) != falls

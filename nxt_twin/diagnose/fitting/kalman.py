@@ -1,4 +1,4 @@
-"""The linear observer by itself: deviations from innovations, their likelihood, and made-up clean recordings.
+"""The linear observer by itself: deviations from innovations, their likelihood, and synthetic clean recordings.
 
 The state is position, speed and an unknown torque over inertia that leaks away, as in `physics.observer`; what is
 random may here change from reading to reading.
@@ -49,7 +49,7 @@ def deviation(job: Job, predicted: FloatArray, noise: Noise) -> FloatArray:
 
     Args:
         job: the recording, with the gains under which it was run.
-        predicted: each reading as foretold by the corrected run, SI, shape (samples,).
+        predicted: each reading as predicted by the corrected run, SI, shape (samples,).
         noise: its damping and its memory.
     """
     signals = job.signals

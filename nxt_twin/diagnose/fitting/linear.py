@@ -80,7 +80,7 @@ class Linear:
     def left_of(self, signatures: FloatArray, kept: BoolArray | None = None) -> FloatArray:
         """What the re-fit cannot take up of `signatures`, shape (signatures, readings).
 
-        With `kept`, the re-fit sees only those readings and the others are foretold by it.
+        With `kept`, the re-fit sees only those readings and the others are predicted by it.
         """
         return np.asarray(np.atleast_2d(signatures) - self.absorbed(signatures, kept) @ self.slopes)
 

@@ -29,7 +29,7 @@ class FalseAlarms:
     """What a search would have done with clean recordings of the same inputs, stamps, quantum and noise.
 
     Attributes:
-        alarms: of the made-up cases, how many would have had an effect named in them.
+        alarms: of the synthetic cases, how many would have had an effect named in them.
         of: how many were made up.
     """
 
@@ -50,7 +50,7 @@ class FalseAlarms:
 
 
 def clean_cases(linear: Linear, rng: Generator) -> FloatArray:
-    """Innovations of made-up clean cases, as those of `linear`, shape (cases, readings)."""
+    """Innovations of synthetic clean cases, as those of `linear`, shape (cases, readings)."""
     count = int(np.clip(_MOST_CELLS // max(linear.innovations.size, 1), _FEWEST, _REPLICATES))
     parts = []
     for job, predicted, gain, mask in zip(
@@ -88,6 +88,6 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
 
 
 def leftover_threshold(clean_nats: FloatArray, least: float) -> float:
-    """What a clean case's leftover exceeds less than once in so many made-up cases; never below `least`."""
+    """What a clean case's leftover exceeds less than once in so many synthetic cases; never below `least`."""
     spread = float(np.mean(clean_nats) + _SIGMAS * np.std(clean_nats))
     return max(least, float(np.max(clean_nats)), spread)

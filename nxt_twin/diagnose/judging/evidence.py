@@ -33,11 +33,11 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
 STRUCTURED_NATS = 15.0
-"""Least leftover of a clean recording, nats, below which no made-up one puts the limit."""
+"""Least leftover of a clean recording, nats, below which no synthetic one puts the limit."""
 
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
-_MOST_CELLS = 4_000_000  # made-up readings held at a time, which bounds the memory of an hour's recording
+_MOST_CELLS = 4_000_000  # synthetic readings held at a time, which bounds the memory of an hour's recording
 
 
 @final
@@ -53,7 +53,7 @@ class Evidence:
         baseline_runs, final_runs: their free runs over what is held out.
         linear: `final` as a linear regression.
         covariance: of the variables of `final`, robust, SI.
-        clean: innovations of made-up clean recordings, as those of `linear`.
+        clean: innovations of synthetic clean recordings, as those of `linear`.
         false_alarms: what the search would have made of the clean cases.
         given_errors, baseline_errors, final_errors: of the three plants on what is held out.
         floors: what a plant that lacks nothing would reach there, at each horizon, SI.
@@ -91,7 +91,7 @@ class Evidence:
 
 
 def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:
-    """Run both structures over everything, and made-up clean recordings beside them."""
+    """Run both structures over everything, and synthetic clean recordings beside them."""
     baseline, final = searched.refit, searched.final
     before, after = (
         residuals(simulator, structure.plant, problem.everything(), final.noise)

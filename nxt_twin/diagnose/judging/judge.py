@@ -76,10 +76,10 @@ def noise_floor(problem: Problem, noise: Noise) -> float:
 
 
 def leftover_nats(residuals: Residuals) -> float:
-    """How much of the innovations a flexible function of the plant's state foretells, nats, out of fold.
+    """How much of the innovations a flexible function of the plant's state predicts, nats, out of fold.
 
     Speed in bins, direction, command, angle, time and what follows a command. A model that lacks nothing leaves
-    innovations that nothing foretells, and this is then about zero or less.
+    innovations that nothing predicts, and this is then about zero or less.
     """
     return float(leftover_nats_of(residuals, residuals.normalised[None])[0])
 

@@ -15,7 +15,7 @@ class VerdictLimits:
 
     Attributes:
         structured_torque: least unknown torque, as a fraction of an ordinary one, that counts as structured.
-        large_torque: unknown torque, as such a fraction, that counts whatever foretells it.
+        large_torque: unknown torque, as such a fraction, that counts whatever predicts it.
         most_left: share of all that there was to explain that may be left structured beside found effects.
         far_off: error in free runs over that of noise alone, from which a plant without a found effect lacks something.
         unsettled: unknown torque times the share of the error that is left, which found effects may leave.
@@ -47,8 +47,8 @@ class Record:
     Attributes:
         named: effects found, those left out that plant files mostly state.
         found: whether any effect was found.
-        left_nats: how much of the innovations a flexible function of the state foretells.
-        left_limit_nats: what it foretells of clean recordings at most.
+        left_nats: how much of the innovations a flexible function of the state predicts.
+        left_limit_nats: what it predicts of clean recordings at most.
         gained_nats: what the found effects gained.
         torque_before, torque_after: the unknown torque left by the baseline and by the improved plant, as a fraction
             of an ordinary one.

@@ -257,7 +257,7 @@ def _drawn(structure: Structure, rng: Generator) -> Plant:
     """The structure's plant with its parameters drawn from what the recordings leave open.
 
     Not between motors that move all alike, of which the rival has as many; and no direction moves by more than a
-    little, for a rival would not follow further in the straight line that its slopes foretell.
+    little, for a rival would not follow further in the straight line that its slopes predict.
     """
     variables = structure.fitted.variables
     along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)

@@ -48,7 +48,7 @@ MOST_LEFT = 0.3
 LARGE_SIZE = 0.5
 MOST_LEFT_IF_LARGE = 0.1
 BY_CHANCE = 1e-5
-"""When what is left is more than noise: bins along something foretell it by so many nats, it is so large beside the
+"""When what is left is more than noise: bins along something predict it by so many nats, it is so large beside the
 noise, and chance would do it so rarely. Where effects were found and it goes with what some effect acts along, it must
 also be that part of all there was, or, if it is as large as half the noise, the lesser part."""
 

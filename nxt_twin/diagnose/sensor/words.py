@@ -30,7 +30,7 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     those = "these" if len(effects) > 1 else "it"
     if verdict == "adequate":
         return (
-            f"Nothing is missing: with its parameters re-fitted the ideal sensor foretells unseen readings to "
+            f"Nothing is missing: with its parameters re-fitted the ideal sensor predicts unseen readings to "
             f"{fit.improved:.3g} {fit.unit}."
         )
     falls = fit.improved < 0.98 * fit.baseline

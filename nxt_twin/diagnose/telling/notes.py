@@ -26,20 +26,20 @@ def notes(
     `stale` holds the times (s) of late-stamped readings by recording.
     """
     said = [
-        f"Each free run lasts {problem.window_s:.3g} s and starts from the state that the model, corrected at each "
-        "reading until then, has reached."
+        f"Each free run lasts {problem.window_s:.3g} s. It starts from the state that the model's own filter "
+        "estimates at that moment."
     ]
     if plant.layout.frame == "motor":
         said.append(
-            "Encoder and voltage fix only ratios: torques and inertias stand on the given winding resistance "
-            "and torque constant as their anchor, and are off by as much as these are."
+            "Encoder and voltage fix only ratios of the parameters. The given winding resistance and torque constant "
+            "are the anchor: an error in them scales every torque and inertia."
         )
     for name, times_s in stale.items():
         at = ", ".join(f"{t:.3f}" for t in times_s[:12])
         more = ", …" if times_s.size > 12 else ""
         said.append(
-            f"{name}: {times_s.size} readings were taken before they were stamped (at {at}{more} s), "
-            "a fault of the transport and not of the motor; they are left out of the errors."
+            f"{name}: {times_s.size} readings are older than their stamps (at {at}{more} s). This is a fault of the "
+            "transport, not of the motor; the errors leave these readings out."
         )
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
@@ -65,11 +65,13 @@ def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
         if command > 1.02 * largest:
             reasons.append(f"its commands reach {command / largest:.2f} times the largest that was fitted")
         if _fastest(signals.time_s, signals.measured) > 1.05 * fastest:
-            reasons.append("it runs faster than anything that was fitted")
+            reasons.append("it runs faster than every fitted recording")
         if signals.command.size > 5 * max(s.command.size for s in problem.signals):
-            reasons.append("its input varies all the time, the fitted ones hardly")
+            reasons.append("its input varies all the time, and the fitted inputs hardly do")
         why = listed(reasons) if reasons else "nothing in its inputs says why"
-        said.append(f"{run.recording} stays bad ({run.improved_rmse:.3g} beside a usual {usual:.3g}): {why}.")
+        said.append(
+            f"{run.recording} keeps a large error ({run.improved_rmse:.3g}; the median is {usual:.3g}): {why}."
+        )
     return said
 
 
@@ -77,9 +79,9 @@ def _run_out(run_out: RunOut) -> str:
     """Why the error of a recording that is held out says little."""
     how = listed([f"{_LOOSE[mode]} for {seconds:.1f} s" for mode, seconds in run_out.seconds.items()])
     return (
-        f"{run_out.recording} lets the motor run {how}, as no fitted recording does. Driven runs hardly tell its "
-        "friction from the braking of its own voltage, so this error says little about what was found: "
-        "record such run-outs and let them be fitted too."
+        f"In {run_out.recording} the motor runs {how}; no fitted recording does that. Driven motion hardly tells "
+        "friction from the braking of the motor's own voltage, so this error says little about the found effects. "
+        "Record such coast-downs for the fit too."
     )
 
 
@@ -98,7 +100,9 @@ def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
         scaled = parameter.scaled(problem.scale)
         value = plant.values[slot] / parameter.si
         if value <= scaled.lower and scaled.lower == 0.0:
-            said.append(f"{parameter.name} went to 0: these recordings show nothing of it.")
+            said.append(f"The fit moved {parameter.name} to 0: these recordings do not show it.")
         elif value >= scaled.upper:
-            said.append(f"{parameter.name} went to its upper bound {scaled.upper:.3g} {parameter.unit}.")
+            said.append(
+                f"The fit moved {parameter.name} to its upper bound, {scaled.upper:.3g} {parameter.unit}."
+            )
     return said

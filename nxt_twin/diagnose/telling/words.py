@@ -30,49 +30,54 @@ def sentence(
 
     `patchwork` says that it took more effects to come near than are likely to be missing at once.
     """
-    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on data that was not fitted"
+    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out data"
     named = listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
     those = "these" if len(effects) > 1 else "it"
+    reduces, stands = ("reduce", "stand") if len(effects) > 1 else ("reduces", "stands")
     if verdict == "adequate" and excitation is not None and not excitation.enough:
         return (
-            f"Nothing is missing as far as these recordings can tell (they are foretold to {fit.improved:.3g} "
-            f"{fit.unit}), but they could not have shown {_unseen(excitation, names or {})}."
+            f"Nothing is missing as far as these recordings can tell: the model predicts held-out data to "
+            f"{fit.improved:.3g} {fit.unit}. They could not have shown {_unseen(excitation, names or {})}."
         )
     if verdict == "adequate":
         return (
-            f"Nothing is missing: with its parameters re-fitted the model predicts unseen data to "
+            f"Nothing is missing: with its parameters fitted again, the model predicts held-out data to "
             f"{fit.improved:.3g} {fit.unit}."
         )
     if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
-        return f"No physics is missing: the recording itself is at fault, by {named}."
+        return f"No physics is missing: the recording itself has a fault, {named}."
     if verdict == "explained" and not fit.improved < _HELPS * fit.baseline:
         return (
-            f"The model leaves out {named}; with {those} in, single readings are foretold better, but free runs "
-            f"over data that was not fitted come hardly nearer, if at all ({fit.baseline:.3g} {fit.unit} off, "
-            f"now {fit.improved:.3g})."
+            f"The model leaves out {named}. With {those}, one-step prediction improves; simulation of held-out data "
+            f"does not ({fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g})."
         )
     if verdict == "explained":
         return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
     if effects and not fit.improved < _HELPS * fit.baseline:
         return (
-            f"Something is missing that no known effect accounts for; {named} foretells single readings better, but "
-            f"free runs over data that was not fitted stay {fit.improved:.3g} {fit.unit} off."
+            f"Something is missing, and no known effect accounts for it. With {named}, one-step prediction improves; "
+            f"simulation of held-out data stays {fit.improved:.3g} {fit.unit} off."
         )
     if effects and patchwork:
         return (
-            f"Something is missing that no known effect accounts for alone: it takes {named} to come near ({figures}), "
-            f"and so many at once are likelier pieces of something else."
+            f"Something is missing, and no known effect accounts for it. {_opening(named)} {reduces} the error "
+            f"{figures}, but more likely {stands} for one unknown effect."
         )
     if effects:
         return (
-            f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "
-            f"and what is left is more than noise."
+            f"Something is missing, and no known effect accounts for all of it. {_opening(named)} {helps} ({figures}); "
+            f"the rest is more than noise."
         )
     return (
-        "Something is missing, and it is no effect that this tool knows; "
-        f"the free-run error on data that was not fitted stays at {fit.improved:.3g} {fit.unit}."
+        "Something is missing, and it is no effect that nxt-twin knows; "
+        f"the free-run error on held-out data stays at {fit.improved:.3g} {fit.unit}."
     )
+
+
+def _opening(named: str) -> str:
+    """The names as the beginning of a sentence."""
+    return named[:1].upper() + named[1:]
 
 
 def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
@@ -87,12 +92,12 @@ def why_confusable(effect: Effect, other: Effect, behind: float, trace: Alike | 
     """Why these recordings leave it open which of two effects it is; `trace` says how alike what they do is here."""
     told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
     likeness = (
-        f"in its place it does better by {-behind:.1f} nats"
+        f"in its place, the log-likelihood is {-behind:.1f} nats higher"
         if behind < 0.0
-        else f"in its place it does worse by only {behind:.1f} nats"
+        else f"in its place, the log-likelihood is only {behind:.1f} nats lower"
     )
     if trace is not None and trace.cosine >= _ALIKE:
-        likeness += f", and the two leave traces here that are {100.0 * trace.cosine:.0f} % alike once all is re-fitted"
+        likeness += f", and after a re-fit the two change these readings {100.0 * trace.cosine:.0f} % alike"
     return f"{likeness}; {told}" if told else f"{likeness} on these recordings"
 
 
@@ -108,9 +113,9 @@ def experiment_between(effect: Effect, other: Effect) -> NextExperiment:
 def experiment_for_unknown() -> NextExperiment:
     """What to record when nothing known accounts for the mismatch."""
     return NextExperiment(
-        why="what is left follows the plant's state, and no known effect has its shape",
-        input="the same input twice, then at half the size, then from another angle: "
-        "what repeats is physics, and what it changes with says which",
+        why="the rest follows the plant's state, and no known effect has its shape",
+        input="one input twice, then at half the size, then from another angle: "
+        "a repeated error is physics, and its dependence on size and angle says which",
     )
 
 
@@ -118,8 +123,8 @@ def experiment_for_run_outs(recordings: Sequence[str]) -> NextExperiment:
     """What to record where only held-out recordings show the motor without current."""
     runs = "runs" if len(recordings) == 1 else "run"
     return NextExperiment(
-        why=f"only {listed(recordings)} {runs} without current: driven ones hardly tell friction from self-braking",
-        input="spin up both ways at two powers, and let it run out without current each time",
+        why=f"only {listed(recordings)} {runs} without current; driven motion hardly tells friction from self-braking",
+        input="spin up both ways at two powers, and coast down without current each time",
     )
 
 
@@ -127,16 +132,16 @@ def experiment_for_unseen(excitation: Excitation) -> NextExperiment:
     """What to record when too little happened to tell anything."""
     why = listed(excitation.lacks) or "the effects would be small beside the noise"
     return NextExperiment(
-        why=f"these recordings could not have shown all that may be missing: {why}",
+        why=f"these recordings could not have shown every missing effect: {why}",
         input="steps of several sizes both ways with rests between, slow ramps through zero, "
-        "reversals, and run-outs without current",
+        "reversals, and coast-downs without current",
     )
 
 
 def proposed(pattern: str, seconds: float, nats: float) -> str:
     """An input with how long it takes and what to expect of it."""
     length = f"about {seconds:.0f} s" if seconds >= 10.0 else f"{max(seconds, 1.0):.0f} s"
-    weak = " (even that is little: the two may stay apart only in theory)" if nats < _LITTLE_NATS else ""
+    weak = " (this is little: a recording may not tell the two apart)" if nats < _LITTLE_NATS else ""
     return f"{pattern}; {length} of it should give {nats:.0f} nats of evidence between the two{weak}"
 
 

@@ -230,7 +230,7 @@ def _whitened_part(linear: Linear, number: int, part: FloatArray) -> FloatArray:
 
 
 def _moved(scene: _Scene, linear: Linear) -> list[list[FloatArray]]:
-    """By how much the foretold readings move with all commands late by each of some shifts, by job, SI."""
+    """By how much the predicted readings move with all commands late by each of some shifts, by job, SI."""
     values, active = linear.structure.plant.vectors()
     jobs = [_late(job, shift_s) for shift_s in _SHIFTS_S for job in linear.jobs]
     results = iter(scene.simulator.run(values[None], active[None], jobs))

@@ -1,0 +1,58 @@
+"""The check of words finds what docs/writing.md forbids, and nothing else."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+TOOLS = Path(__file__).parents[2] / "tools"
+
+
+@pytest.fixture(scope="module")
+def house_words():
+    spec = importlib.util.spec_from_file_location("house_words", TOOLS / "house_words.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def findings(house_words, tmp_path, text):
+    for name in house_words.PAGES:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix:
+            path.write_text("", encoding="utf-8")
+        else:
+            path.mkdir(exist_ok=True)
+    (tmp_path / "README.md").write_text(text, encoding="utf-8")
+    return list(house_words.words(tmp_path))
+
+
+LONG = " ".join(["word"] * 26)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (f"{LONG}.\n", "README.md:1: a sentence of 26 words"),
+        (f"Short.\n\n- item\n- {LONG}\n", "README.md:4: a sentence of 26 words"),
+        ("It foretells a reading.\n", "write predict"),
+        ("What is left is noise.\n", "as the subject"),
+        ("The other is the same.\n", "write the noun"),
+    ],
+)
+def test_a_page_that_breaks_a_rule_is_named(house_words, tmp_path, text, complaint):
+    assert any(complaint in found for found in findings(house_words, tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"    {LONG}\n",
+        f"| {LONG} | cell |\n",
+        "One. Two. `What is left`.\n",
+        f"{' '.join(['word'] * 25)}. Next.\n",
+    ],
+)
+def test_code_tables_and_short_sentences_are_left_alone(house_words, tmp_path, text):
+    assert findings(house_words, tmp_path, text) == []
