@@ -16,8 +16,10 @@ from nxt_twin.recording.columns import (
 )
 from nxt_twin.recording.recording import Recording
 
-_DEG_PER_S_PER_PCT = 10.0
-"""Firmware 1.29, d_output.c: in 100 ms the setpoint moves by as many counts as the set speed has percent."""
+_PERIOD_S = 0.101
+"""Of the firmware's regulator, which runs when 100 ms have passed. Firmware 1.29, d_output.c."""
+_DEG_PER_PCT = 1.0
+"""In a period the setpoint moves by as many counts as the set speed, at the period's end, has percent."""
 
 
 def regulated(recording: Recording, port: str) -> BoolArray:
@@ -29,8 +31,8 @@ def regulated(recording: Recording, port: str) -> BoolArray:
 def goal_deg(recording: Recording, port: str) -> FloatArray | None:
     """The goal from each row on, deg; None where the recording holds neither goals nor a regulated speed.
 
-    Under speed regulation the firmware follows a setpoint that moves at the set speed, from where the motor was when
-    the regulation began.
+    Under speed regulation the firmware follows a setpoint that moves with the set speed once a period, from where the
+    motor was when the regulation began; at a set speed of 0 it regulates nothing.
 
     Raises:
         RecordingError: the motor is regulated in some rows and driven by a plain power in others.
@@ -52,15 +54,22 @@ def goal_deg(recording: Recording, port: str) -> FloatArray | None:
 
 
 def _setpoint_deg(recording: Recording, port: str, power: FloatArray, speed: BoolArray) -> FloatArray:
-    steps_s = np.diff(recording.time_s, append=recording.time_s[-1])
-    moved = np.cumsum(_DEG_PER_S_PER_PCT * power * speed * steps_s)
-    moved = np.concatenate([[0.0], moved[:-1]]) + 0.5 * _DEG_PER_S_PER_PCT * power * speed * steps_s
-    tacho = recording.columns[tacho_column(_port(port))]
+    time_s, tacho = recording.time_s, recording.columns[tacho_column(_port(port))]
     read = np.flatnonzero(np.isfinite(tacho))
-    where_it_was = np.interp(recording.time_s, recording.time_s[read], tacho[read])
-    began = np.flatnonzero(speed & ~np.concatenate([[False], speed[:-1]]))
-    latest = began[np.maximum(np.searchsorted(began, np.arange(recording.rows), side="right") - 1, 0)]
-    return np.asarray(where_it_was[latest] + moved - np.concatenate([[0.0], moved])[latest])
+    goal = np.interp(time_s, time_s[read], tacho[read])
+    active = speed & (power != 0.0)
+    edges = np.flatnonzero(np.diff(active.astype(int), prepend=0, append=0))
+    for first, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        at_s = np.arange(time_s[first] + _PERIOD_S, time_s[end - 1] + _PERIOD_S, _PERIOD_S)
+        in_force = power[first + np.searchsorted(time_s[first:end], at_s, side="right") - 1]
+        moved = np.concatenate([[0.0], np.cumsum(_DEG_PER_PCT * in_force)])
+        own_s = time_s[first:end]
+        run = np.searchsorted(at_s, own_s, side="right")  # how often the regulator has run
+        # Until it runs again it goes by the count of then: a loop that goes by that of now is given a ramp.
+        since = (own_s - time_s[first]) / _PERIOD_S - run
+        ramp = np.concatenate([[0.0], _DEG_PER_PCT * in_force])[run] * since
+        goal[first:end] = goal[first] + moved[run] + ramp
+    return goal
 
 
 def _port(port: str) -> Port:

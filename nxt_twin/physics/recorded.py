@@ -94,6 +94,8 @@ def _following(recording: Recording, port: str, goal: FloatArray) -> Signals:
     known = goal[np.isfinite(goal)]
     command = _held(goal, start=float(known[0]) if known.size else 0.0)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(recording.rows)), start=float(MODE_DRIVE))
+    rests = regulated(recording, port) & (recording.columns.get(f"{port}_power_pct", mode) == 0.0)
+    mode = np.where(rests, float(MODE_BRAKE), mode)
     supply = _supply(recording.time_s, recording.columns.get("battery_v"), np.zeros(recording.rows))
     keep = _changes(command, mode, supply)
     return Signals(

@@ -9,7 +9,7 @@ from physics_samples import NXT, commanded, motion, signals
 from scipy.integrate import solve_ivp
 
 from nxt_twin.errors import PlantError, RecordingError
-from nxt_twin.physics.modes import MODE_COAST
+from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_DRIVE
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.simulate import free_job
@@ -132,13 +132,21 @@ def test_a_recorded_goal_drives_where_no_power_is_recorded_or_a_servo_asks_for_i
     assert signals_of(both, "a", follows_goal=True).input_kind == "goal_position_rad"
 
 
-def test_a_regulated_speed_is_a_goal_that_moves_from_where_the_motor_was():
+def test_a_regulated_speed_is_a_goal_that_moves_once_a_period_from_where_the_motor_was():
     power = np.where(np.arange(100) < 20, 0.0, 30.0)
-    signals = signals_of(brick(a_power_pct=power, a_regulation=(power > 0.0).astype(float)), "a")
+    power[70:] = -10.0
+    signals = signals_of(brick(a_power_pct=power, a_regulation=np.ones(100)), "a")
     assert signals.input_kind == "goal_position_rad"
     at = np.searchsorted(signals.command_time_s, 0.01 * np.arange(100), side="right") - 1
     goal = np.degrees(signals.command[at])
-    np.testing.assert_allclose(goal[20:99], 20.0 + 3.0 * (np.arange(79) + 0.5), atol=1e-9)
-    mixed = brick(a_power_pct=np.full(100, 30.0), a_regulation=(power > 0.0).astype(float))
+    runs = 20 + np.array([11, 21, 51, 61])  # just after the regulator has run, at 0.3 + 0.101 n
+    np.testing.assert_allclose(goal[20:31], 20.0)
+    since = 0.01 * (runs - 20) / 0.101 % 1.0
+    np.testing.assert_allclose(
+        goal[runs], np.array([50, 80, 130, 120]) + since * np.array([30, 30, -10, -10])
+    )
+    np.testing.assert_array_equal(signals.command_mode[at][:20], MODE_BRAKE)
+    np.testing.assert_array_equal(signals.command_mode[at][20:], MODE_DRIVE)
+    mixed = brick(a_power_pct=np.full(100, 30.0), a_regulation=(power != 0.0).astype(float))
     with pytest.raises(RecordingError, match="split the recording where the regulation is switched"):
         signals_of(mixed, "a")
