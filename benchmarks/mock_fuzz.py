@@ -37,7 +37,7 @@ def fuzz(count: int, seed: int) -> Counter[str]:
         if number % _FRESH_EVERY == 0 or firmware.power is not Power.ON:
             firmware = _fresh()
         transport = random.choice((Transport.USB, Transport.BLUETOOTH))
-        telegram = _telegram(random)[: 64 if transport is Transport.USB else 128]
+        telegram = random_telegram(random)[: 64 if transport is Transport.USB else 128]
         firmware.receive(transport, telegram if transport is Transport.USB else fp.frame(telegram))
         for _ in range(_REPLY_TICKS):
             firmware.tick()
@@ -69,7 +69,8 @@ def _fresh() -> Firmware:
     return firmware
 
 
-def _telegram(random: Random) -> bytes:
+def random_telegram(random: Random) -> bytes:
+    """A telegram of random bytes, or a command with random fields; neither erases the flash."""
     if random.random() < 0.2:
         return random.randbytes(random.randint(1, 128))
     command = random.choice(fp.all_commands())
@@ -85,7 +86,7 @@ def _telegram(random: Random) -> bytes:
     while random.random() < 0.3:
         telegram[random.randrange(len(telegram))] = random.randrange(256)
     if telegram[:2] in _ERASING:
-        return _telegram(random)
+        return random_telegram(random)
     return bytes(telegram)
 
 

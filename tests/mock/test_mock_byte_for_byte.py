@@ -252,6 +252,14 @@ def test_a_search_that_is_cropped_crops_what_it_found(rig):
     assert rig.get(fp.FindFirst("log.rdt")).size == 3
 
 
+def test_a_data_file_tells_what_was_in_it_when_it_was_closed(rig):
+    handle = rig.get(fp.OpenWriteData("log.rdt", 100)).handle
+    rig.get(fp.WriteFile(handle, b"abc"))
+    assert rig.get(fp.OpenRead("log.rdt")).size == 0
+    rig.get(fp.CloseFile(handle))
+    assert rig.get(fp.OpenRead("log.rdt")).size == 3
+
+
 def test_a_download_keeps_others_files_from_being_deleted(rig):
     # Its handle stands before the first file, and moves on when one is listed that ends sooner.
     download = rig.get(fp.OpenWrite("long.txt", 10)).handle

@@ -32,6 +32,7 @@ class StoredFile:
         appendable: whether it is a data file, which may be closed early.
         sectors: where it lies, the first one first.
         data: what has been written.
+        told: how much of that the header tells; a data file's is brought up to date when it is closed.
     """
 
     name: str
@@ -40,6 +41,7 @@ class StoredFile:
     appendable: bool
     sectors: list[int]
     data: bytearray = field(default_factory=bytearray)
+    told: int = 0
 
 
 def sectors_needed(size: int) -> int:

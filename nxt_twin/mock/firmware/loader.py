@@ -104,8 +104,8 @@ class Loader(Module):
             raise LoaderRefusal(Status.FILE_NOT_FOUND)
         handle = self.handles[number]
         handle.file = file
-        handle.position = 0
-        return number, len(file.data)
+        handle.position, handle.remaining = 0, file.told
+        return number, file.told
 
     def open_linear(self, name: str) -> tuple[int, StoredFile]:
         """A handle for a file that lies in one piece, as a program's does while it runs."""
@@ -160,7 +160,7 @@ class Loader(Module):
                 raise LoaderRefusal(Status.FILE_IS_BUSY, number)
             if not file.appendable:
                 raise LoaderRefusal(Status.APPEND_NOT_POSSIBLE, number)
-            room = file.size - len(file.data)
+            room = file.size - file.told
             if room <= 0:
                 raise LoaderRefusal(Status.FILE_IS_FULL, number)
             self._take_buffer(number)
@@ -169,7 +169,7 @@ class Loader(Module):
             raise
         handle = self.handles[number]
         handle.file, handle.use = file, Use.WRITING
-        handle.position, handle.remaining, handle.failed = len(file.data), room, False
+        handle.position, handle.remaining, handle.failed = file.told, room, False
         return number, room
 
     def read(self, number: int, length: int) -> tuple[bytes, Status]:
@@ -177,8 +177,10 @@ class Loader(Module):
         handle = self._handle_for(number, Use.READING)
         if handle.file is None:
             return b"", Status.END_OF_FILE
-        data = bytes(handle.file.data[handle.position : handle.position + length])
+        given = min(length, handle.remaining)
+        data = bytes(handle.file.data[handle.position : handle.position + given])
         handle.position += len(data)
+        handle.remaining -= len(data)
         return data, Status.OK if len(data) == length else Status.END_OF_FILE
 
     def rest(self, number: int) -> bytes:
@@ -205,14 +207,20 @@ class Loader(Module):
         handle = self.handles[number]
         if handle.use is Use.FREE:
             return Status.HANDLE_ALREADY_CLOSED
-        if handle.use is Use.WRITING and handle.file is not None and not handle.file.appendable:
-            if handle.failed or handle.remaining:
-                self._recount()
-            else:
-                self._insert(handle.file)
+        if handle.use is Use.WRITING and handle.file is not None:
+            self._complete(handle, handle.file)
         handle.buffered = False
         handle.use = Use.FREE
         return Status.OK
+
+    def _complete(self, handle: Handle, file: StoredFile) -> None:
+        if file.appendable:
+            file.told = file.size - handle.remaining
+        elif handle.failed or handle.remaining:
+            self._recount()
+        else:
+            file.told = file.size
+            self._insert(file)
 
     def crop(self, number: int) -> Status:
         """Close a handle and give back what is free in the data file that it stands on."""
@@ -220,8 +228,8 @@ class Loader(Module):
         status = self.close(number)
         if status == Status.OK and index < len(self.files):
             file = self.files[index]
-            if len(file.data) < file.size:
-                file.size = len(file.data)
+            if file.told < file.size:
+                file.size = file.told
                 file.sectors = file.sectors[: sectors_needed(file.size)]
                 self._recount()
         self.free_flash = self._free
