@@ -7,16 +7,12 @@ import json as json_format
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.mock.serve.profile import LinkProfile
-
-if TYPE_CHECKING:
-    from nxt_twin.world.arena import Arena
-    from nxt_twin.world.film import Film
 
 
 def world(
@@ -37,6 +33,13 @@ def world(
     film: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Film the robot: .gif, .webp or an animated .png.")
     ] = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="All that moved, for rerun's viewer: .rrd.")
+    ] = None,
+    ghost: Annotated[
+        str | None,
+        typer.Option(metavar="PLANT", help="A differential_drive: where the encoders alone have the robot."),
+    ] = None,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link to the brick.")] = "usb",
     seed: Annotated[int, typer.Option(help="Of the sensors' noise.")] = 0,
     json: JsonOption = None,
@@ -46,28 +49,23 @@ def world(
     The program finds the brick on USB, as it would find a real one; time passes as fast as this machine can reckon.
     Exit status 0 if the program ended by itself, 1 if it failed or ran out of time.
     """
+    from nxt_twin.api.worlds import Wanted, Watched
     from nxt_twin.world.arena import open_arena
     from nxt_twin.world.load import load_setting
-    from nxt_twin.world.outcome import outcome, summary, to_json
+    from nxt_twin.world.outcome import summary, to_json
     from nxt_twin.world.program import let_pass, run_program
-    from nxt_twin.world.trace import Trace
 
     if program is not None and not program.is_file():
         raise typer.BadParameter(f"there is no program {program}", param_hint="--program")
     arena = open_arena(load_setting(file), seed)
-    course = Trace(arena)
-    filmed = None if film is None else _filming(film, arena)
+    watched = Watched(arena, Wanted(trace, film, save, ghost))
     began_s = time.monotonic()
     with contextlib.redirect_stdout(sys.stderr) if json == "-" else contextlib.nullcontext():
         if program is None:
             ran = let_pass(arena, seconds)
         else:
             ran = run_program(arena, program, argument or (), limit_s=seconds, link=profile)
-    told = outcome(arena, course, ran, wall_s=time.monotonic() - began_s)
-    if film is not None and filmed is not None:
-        filmed.write(film)
-    if trace is not None:
-        course.write(trace)
+    told = watched.concluded(ran, wall_s=time.monotonic() - began_s)
     if json:
         emit_json(json, json_format.dumps(to_json(told)))
     if json != "-":
@@ -75,10 +73,3 @@ def world(
     if ran.ending != "done":
         fail(ran.said or f"{program}: still running after {seconds:g} s")
         raise typer.Exit(1)
-
-
-def _filming(path: Path, arena: Arena) -> Film:
-    from nxt_twin.world.film import Film, refuse_unknown
-
-    refuse_unknown(path)
-    return Film(arena)

@@ -14,7 +14,7 @@ from nxt_twin.mock.body.body import Body as BrickBody
 from nxt_twin.mock.body.motors import Motors
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.columns import PORTS
-from nxt_twin.world.assembly import Vector, rotation
+from nxt_twin.world.assembly import Assembly, Vector, rotation
 from nxt_twin.world.bullet import Bullet
 from nxt_twin.world.carpets import Carpets
 from nxt_twin.world.engine import Body
@@ -37,6 +37,7 @@ class Arena:
         setting: what was written.
         engine: the world's physics.
         robot: the robot in it.
+        assembly: its links.
         things: the things in it, by name.
         body: the brick's body: advancing it advances all.
         watchers: called after each millisecond.
@@ -45,6 +46,7 @@ class Arena:
     setting: Setting
     engine: Bullet
     robot: Body
+    assembly: Assembly
     things: dict[str, Body]
     body: BrickBody
     watchers: list[Callable[[], None]]
@@ -110,7 +112,7 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
         Motors(world_plants),
         sockets({int(port): mount for port, mount in robot.sensors.items()}, around, seed),
     )
-    return Arena(setting, engine, body, things, brick, watchers)
+    return Arena(setting, engine, body, assembly, things, brick, watchers)
 
 
 def _downhill(scene: Scene) -> Vector:

@@ -231,6 +231,16 @@ class Bullet:
         turn = quaternion_to_matrix(quaternion)
         return Pose(np.array(place) - turn @ self._centres[body], turn)
 
+    def frames(self, body: Body) -> list[tuple[float, ...]]:
+        """The frames of an assembly's links, the base's first: place (m) and quaternion x, y, z, w of each."""
+        place = self.pose(body).at_m.tolist()
+        base = (*place, *self._p.getBasePositionAndOrientation(body, physicsClientId=self._id)[1])
+        numbers = [number for number in self._links[body].values() if number >= 0]
+        if not numbers:
+            return [base]
+        states = self._p.getLinkStates(body, numbers, physicsClientId=self._id)
+        return [base, *((*state[4], *state[5]) for state in states)]
+
     def link_place_m(self, body: Body, link: str) -> FloatArray:
         """Where a link's centre of mass is, shape (3,)."""
         return np.array(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, final
 
 import numpy as np
@@ -11,6 +11,16 @@ import numpy as np
 from nxt_twin.world.arena import Arena
 from nxt_twin.world.program import Ran
 from nxt_twin.world.trace import Trace
+
+
+@final
+@dataclass(frozen=True)
+class Ghost:
+    """Where a model of its wheels has the robot: x, y (m) and heading (deg)."""
+
+    x_m: float
+    y_m: float
+    heading_deg: float
 
 
 @final
@@ -25,6 +35,7 @@ class Outcome:
         upright: the robot stands as it began, within 45 deg.
         hubs_deg: the hubs' angles, by port.
         things_m: where things are that can move.
+        ghost: where a model has the robot, if one was asked.
     """
 
     ran: Ran
@@ -36,9 +47,16 @@ class Outcome:
     upright: bool
     hubs_deg: dict[str, float]
     things_m: dict[str, tuple[float, float, float]]
+    ghost: Ghost | None = None
+
+    @property
+    def apart_mm(self) -> float:
+        """How far robot and ghost are apart; 0 without a ghost."""
+        ghost = self.ghost
+        return 0.0 if ghost is None else 1e3 * float(np.hypot(ghost.x_m - self.x_m, ghost.y_m - self.y_m))
 
 
-def outcome(arena: Arena, course: Trace, ran: Ran, *, wall_s: float) -> Outcome:
+def outcome(arena: Arena, course: Trace, ran: Ran, *, wall_s: float, ghost: Ghost | None = None) -> Outcome:
     """Look at the world as it is now."""
     pose = arena.robot_pose()
     x_m, y_m = (float(part) for part in pose.at_m[:2])
@@ -54,6 +72,7 @@ def outcome(arena: Arena, course: Trace, ran: Ran, *, wall_s: float) -> Outcome:
         upright=bool(pose.turn[2, 2] > np.sqrt(0.5)),
         hubs_deg=dict(zip("abc", hubs, strict=True)),
         things_m={name: _place(arena, name) for name in loose},
+        ghost=ghost,
     )
 
 
@@ -64,6 +83,7 @@ def _place(arena: Arena, name: str) -> tuple[float, float, float]:
 
 def to_json(told: Outcome) -> dict[str, Any]:
     """The outcome as JSON has it."""
+    ghost = None if told.ghost is None else {**asdict(told.ghost), "apart_mm": round(told.apart_mm, 3)}
     return {
         "schema": "nxt-twin/world/1",
         "program": {"ending": told.ran.ending, "said": told.ran.said},
@@ -76,6 +96,7 @@ def to_json(told: Outcome) -> dict[str, Any]:
             "path_m": round(told.path_m, 6),
             "upright": told.upright,
         },
+        "ghost": ghost,
         "motors_deg": {port: round(angle, 3) for port, angle in told.hubs_deg.items()},
         "things_m": {name: [round(part, 6) for part in place] for name, place in told.things_m.items()},
     }
@@ -89,5 +110,8 @@ def summary(told: Outcome) -> Iterator[str]:
         f"The robot: x {1e3 * told.x_m:.0f} mm, y {1e3 * told.y_m:.0f} mm, turned by {told.heading_deg:.1f} deg, "
         f"after {told.path_m:.2f} m{'' if told.upright else '; it has fallen over'}."
     )
+    if told.ghost is not None:
+        turned = told.heading_deg - told.ghost.heading_deg
+        yield f"Its ghost: {told.apart_mm:.0f} mm away, and the robot is turned {turned:.1f} deg further."
     for name, place in told.things_m.items():
         yield f"{name}: x {1e3 * place[0]:.0f} mm, y {1e3 * place[1]:.0f} mm, z {1e3 * place[2]:.0f} mm"

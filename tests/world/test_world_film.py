@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import yaml
@@ -9,6 +11,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from nxt_twin.cli.app import program
+from nxt_twin.errors import PlantError
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.film import Camera, Film, View
@@ -51,3 +54,37 @@ def test_a_film_of_an_unknown_kind_is_refused(tmp_path):
     arena = open_arena(load_setting("playground"))
     with pytest.raises(WorldError, match=r"\.gif"):
         Film(arena).write(tmp_path / "film.mp4")
+
+
+def test_a_view_holds_bodies_floor_echoes_and_the_ghost_that_parts_from_a_changed_robot(tmp_path):
+    pytest.importorskip("rerun")
+    world, script = tmp_path / "world.yaml", tmp_path / "on.py"
+    world.write_text("robot: {like: tribot, wheels: {right: {radius_mm: 27}}}")
+    script.write_text(
+        "import time, nxt.locator, nxt.motor\n"
+        "with nxt.locator.find() as brick:\n"
+        "    for port in (nxt.motor.Port.B, nxt.motor.Port.C):\n"
+        "        brick.get_motor(port).run(40)\n"
+        "    time.sleep(1.5)\n"
+    )
+    view, told = tmp_path / "run.rrd", tmp_path / "told.json"
+    arguments = ["world", str(world), "--program", str(script), "--ghost", "castor_bot"]
+    result = CliRunner().invoke(
+        program(["world", "mock"]), [*arguments, "--save", str(view), "--json", str(told)]
+    )
+    assert result.exit_code == 0
+    assert view.stat().st_size > 10_000
+    found = json.loads(told.read_text())
+    gone_m = found["robot"]["path_m"]
+    turned_deg = np.degrees(
+        (27.0 - 28.0) / 103.0 * gone_m / 27.5e-3
+    )  # what the smaller right wheel makes of the way
+    assert found["robot"]["heading_deg"] == pytest.approx(turned_deg, rel=0.1)
+    assert abs(found["ghost"]["heading_deg"]) < 2.0
+    assert found["ghost"]["apart_mm"] > 10.0
+
+
+def test_a_ghost_that_is_no_robot_is_refused():
+    result = CliRunner().invoke(program(["world", "mock"]), ["world", "playground", "--ghost", "nxt_motr"])
+    assert isinstance(result.exception, PlantError)
+    assert "nxt_motor" in str(result.exception)

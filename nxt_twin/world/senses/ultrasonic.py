@@ -43,6 +43,9 @@ class UltrasonicSense:
         around: what it looks at.
         rng: chance.
         others_ping: whether another sensor's pings are in the air.
+
+    Attributes:
+        ray_m: from where to where the last echo's ray went, shape (2, 3); None without an echo.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class UltrasonicSense:
         self._disturbed = replace(self._parameters, crosstalk_per_mm=1.0 / way_mm)
         self._around, self._rng, self._others_ping = around, rng, others_ping
         self._face_m = np.array(metres(mount.at_mm))
+        self.ray_m: FloatArray | None = None
         inside, self._off_deg = _beam()
         self._rays = inside @ rotation(mount.turned_rad).T
 
@@ -78,9 +82,11 @@ class UltrasonicSense:
         angle_deg = np.degrees(np.arccos(cosine)) + self._off_deg
         limit_deg = beam_limit_deg(self._parameters, distance_mm) + 2.0 * self._parameters.beam_edge_deg
         heard = np.flatnonzero((hits.body >= 0) & (angle_deg <= limit_deg))
+        self.ray_m = None
         if not heard.size:
             return _NOWHERE_MM, _NEVER_DEG
         first = heard[np.argmin(distance_mm[heard])]
+        self.ray_m = np.array([start, hits.at_m[first]])
         return float(distance_mm[first]), float(angle_deg[first])
 
 
