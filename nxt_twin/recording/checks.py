@@ -56,6 +56,11 @@ def check_row_count(rows: int, path: Path) -> None:
 def check_stamps(table: Table, name: str, *, or_else: str = "") -> None:
     """Refuse stamps that are missing, infinite, or smaller than the one before; equal ones are data.
 
+    Args:
+        table: where `name` is a column.
+        name: of the column of stamps.
+        or_else: what else mends stamps that run backwards, after a semicolon.
+
     Raises:
         RecordingError: naming the first row in which that is so.
     """
