@@ -33,7 +33,7 @@ AIM: Final = 0.9
 
 TARGETS: Final[Mapping[str, tuple[str, ...]]] = {
     "nxt_twin/brick/exchange.py": ("tests/brick/test_brick_exchange.py",),
-    "nxt_twin/twin/driver.py": ("tests/twin/test_twin_logbook.py", "tests/twin/test_twin_parts.py"),
+    "nxt_twin/twin/logbook.py": ("tests/twin/test_twin_logbook.py",),
     "nxt_twin/recording/checks.py": ("tests/recording/test_recording_csv.py", "tests/api/test_api_public.py"),
     "nxt_twin/recording/stream.py": ("tests/recording/test_recording_stream.py",),
     "firmware_protocol/framing.py": ("tests/firmware_protocol/test_firmware_protocol_framing.py",),

@@ -11,18 +11,22 @@ from numba.extending import register_jitable
 
 from nxt_twin.physics import inline
 
-for helper in (inline.sine, inline.exponential, inline.logarithm):
-    register_jitable(helper)
-
-OF_ONE = (inline.sine, inline.cosine, inline.exponential, inline.logarithm)
-compiled_of = functools.partial(njit, error_model="numpy", fastmath={"contract", "arcp"})
-COMPILED = {function.__name__: compiled_of("float64(float64)")(function) for function in OF_ONE}
-COMPILED["power"] = compiled_of("float64(float64, float64)")(inline.power)
+OF_ONE = "float64(float64)"
+OF_TWO = "float64(float64, float64)"
 BOTH_WAYS = pytest.mark.parametrize("compiled", [False, True])
 
 
 def functions(compiled, name):
-    return COMPILED[name] if compiled else getattr(inline, name)
+    return compiled_function(name) if compiled else getattr(inline, name)
+
+
+@functools.cache
+def compiled_function(name):
+    """Compiled at its first use: compiling while tests are collected would cost every worker half a minute."""
+    for helper in (inline.sine, inline.exponential, inline.logarithm):
+        register_jitable(helper)
+    signature = OF_TWO if name == "power" else OF_ONE
+    return njit(signature, error_model="numpy", fastmath={"contract", "arcp"})(getattr(inline, name))
 
 
 @BOTH_WAYS
