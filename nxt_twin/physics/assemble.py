@@ -12,6 +12,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
+from nxt_twin.physics import frame
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
@@ -28,15 +29,17 @@ _HELD = (
     "load_torque -= grasp",
     "damping += grip",
     "inverse = 1.0 / (momentum + coupling + damping)",
-    "free = (",
-    "    (momentum - coupling - damping) * before",
-    "    + 2.0 * (force + load_torque + inertia * disturbance)",
-    ") * inverse",
+    "free = _free_speed(",
+    "    momentum - coupling - damping, before, force + load_torque + inertia * disturbance, inverse",
+    ")",
     "level = 0.0",
 )
 
 _FORMED = frozenset({"resistance", "supply_v"})
 """Parameters of a base that a step forms anew."""
+
+_FRAME = (frame.schedule, frame.log_scales, frame.free_speed, frame.slowed, frame.scattered, frame.believed)
+"""What a kernel calls whatever effects are in it."""
 
 _FEWEST_GROUPED = 3  # lines of one stage that are worth a flag of their own
 
@@ -142,7 +145,7 @@ def _helpers(plan: Layout) -> list[FunctionType]:
 def _functions(plan: Layout) -> list[FunctionType]:
     terms = [effect.terms[stage] for effect in plan.effects for stage in effect.terms]
     own = [plan.base.drive, plan.base.current_after, plan.base.drawn_by_others, plan.base.control]
-    return [function for function in [*own, *terms] if isinstance(function, FunctionType)]
+    return [function for function in [*_FRAME, *own, *terms] if isinstance(function, FunctionType)]
 
 
 def _imports(plan: Layout) -> Iterator[str]:
@@ -152,6 +155,8 @@ def _imports(plan: Layout) -> Iterator[str]:
     yield ""
     for helper in _helpers(plan):
         yield f"register_jitable({helper.__module__}.{helper.__name__})"
+    for function in _FRAME:
+        yield f"_{function.__name__} = _framed({function.__module__}.{function.__name__})"
     yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
     if settle := plan.base.current_after:
         yield f"_current_after = njit({settle.__module__}.{settle.__name__})"

@@ -10,9 +10,9 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-{imports}
+_framed = njit(error_model="numpy", fastmath={{"contract", "arcp"}})
 
-_SQRT_TAU = math.sqrt(2.0 * math.pi)
+{imports}
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
@@ -28,47 +28,6 @@ def _timing(values, active, out_time_s, target_s):
 {lag}
         target_s[k] = target
     return delay_s, pace, any_lag
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def _schedule(
-    target_s, began_s, delay_s, pace, step_max_s, command_time_s, command, command_mode, command_supply_v,
-    others_time_s, others_load, disturbance_rate, span, steps, first,
-):
-    commands = command_time_s.shape[0]
-    loads = others_time_s.shape[0]
-    t = target_s[0]
-    j = -1
-    m = -1
-    n = 0
-    for k in range(target_s.shape[0]):
-        target = target_s[k]
-        first[k] = n
-        while t < target:
-            while j + 1 < commands and command_time_s[j + 1] + delay_s <= t:
-                j += 1
-            stop = target
-            if j + 1 < commands and command_time_s[j + 1] + delay_s < target:
-                stop = command_time_s[j + 1] + delay_s
-            while m + 1 < loads and others_time_s[m + 1] + delay_s <= t:
-                m += 1
-            if m + 1 < loads and others_time_s[m + 1] + delay_s < stop:
-                stop = others_time_s[m + 1] + delay_s
-            pieces = max(1, int(math.ceil((stop - t) / step_max_s - 1e-9)))
-            piece_s = (stop - t) / pieces
-            span[n, 0] = piece_s
-            span[n, 1] = piece_s / pace
-            span[n, 2] = math.exp(-piece_s / pace * disturbance_rate)
-            span[n, 3] = t - began_s
-            span[n, 4] = command[j] if j >= 0 else 0.0
-            span[n, 5] = command_supply_v[j] if j >= 0 else command_supply_v[0]
-            span[n, 6] = others_load[m, 0] if m >= 0 else 0.0
-            span[n, 7] = others_load[m, 1] if m >= 0 else 0.0
-            steps[n, 0] = pieces
-            steps[n, 1] = command_mode[j] if j >= 0 else command_mode[0]
-            n += 1
-            t = stop
-    first[target_s.shape[0]] = n
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
@@ -144,20 +103,12 @@ def run(
                 if any_scatter:
                     scatter = 0.0
 {scatter}
-                    trust = std * std / (std * std + scatter)
-                    log_std -= 0.5 * math.log(trust)
-                    std /= math.sqrt(trust)
+                    trust, std, log_std = _scattered(std, log_std, scatter)
                 ratio = innovation / std
                 share = 1.0
                 outlier = 0.0
 {outlier}
-                if share < 1.0:
-                    density = share * math.exp(-0.5 * ratio * ratio - log_std)
-                    total = density + outlier + 1e-300
-                    fresh = density / total
-                    cost[k] = -math.log(total)
-                else:
-                    cost[k] = 0.5 * ratio * ratio + log_std
+                fresh, cost[k] = _believed(ratio, log_std, share, outlier)
             fresh *= trust
             weight[k] = fresh
             angle += gains[k, 0] * fresh * innovation
@@ -190,19 +141,16 @@ def run_many(
     span = np.empty((most, 8))
     steps = np.empty((most, 2), np.int64)
     first = np.empty(rows + 1, np.int64)
-    log_scale = np.zeros(rows)
-    for k in range(rows):
-        if reading_std[k] > 0.0:
-            log_scale[k] = math.log(reading_std[k] * _SQRT_TAU)
+    log_scale = _log_scales(reading_std)
+    commands = (command_time_s, command, command_mode, command_supply_v)
+    others = (others_time_s, others_load)
     delay_s, pace, lagged = math.nan, math.nan, False
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
         delay_s, pace, lagged = _timing(values[i], active[i], out_time_s, target_s)
         if lagged or before != (delay_s, pace, False):
-            _schedule(
-                target_s, out_time_s[0], delay_s, pace, step_max_s, command_time_s, command, command_mode,
-                command_supply_v, others_time_s, others_load, disturbance_rate, span, steps, first,
-            )
+            clock = (delay_s, pace, step_max_s, disturbance_rate)
+            _schedule(target_s, commands, others, clock, (span, steps, first))
         run(
             values[i], active[i], span, steps, first,
             measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
@@ -238,10 +186,7 @@ damping = 0.0
 load_torque = 0.0
 {torque}
 inverse = 1.0 / (momentum + coupling + damping)
-free = (
-    (momentum - coupling - damping) * before
-    + 2.0 * (force + load_torque + inertia * disturbance)
-) * inverse
+free = _free_speed(momentum - coupling - damping, before, force + load_torque + inertia * disturbance, inverse)
 direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
@@ -250,11 +195,7 @@ level = 0.0
 """What acts in a step: drive, loads, damping, dry friction's level."""
 
 SOLVING = """\
-bite = 2.0 * level * inverse
-after = free - direction * bite
-if after * direction < 0.0:
-    push = direction * (before - free) - bite
-    after = -direction * push * (1.0 - direction * before / (push + 2.0 * bite)) if push > 0.0 else 0.0
+after = _slowed(before, free, direction, 2.0 * level * inverse)
 """
 """The speed at the step's end, where the plant is the whole world."""
 
@@ -321,6 +262,8 @@ import math
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
+
+_framed = njit(error_model="numpy", fastmath={{"contract", "arcp"}})
 
 {imports}
 
