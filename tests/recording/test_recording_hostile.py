@@ -154,6 +154,16 @@ def test_yaml_may_say_a_thing_once_and_mean_it_twice(put):
     assert read_mapping(path).output.column == "y"
 
 
+@pytest.mark.parametrize("digits", [400, 5000])
+def test_a_json_number_without_end_is_refused_with_its_row(put, refusal, digits):
+    row = '{{"t": {}, "u": 1, "y": {}}}\n'
+    table = put("run.json", row.format(0, 1) + row.format(1, "9" * digits) + row.format(2, 1))
+    json_mapping = Mapping.model_validate(
+        MAT_MAPPING.model_dump(exclude_none=True) | {"table": {"format": "json"}}
+    )
+    assert "row 2" in refusal(RecordingError, read_mapped, table, json_mapping)
+
+
 def test_what_is_quoted_in_an_error_is_quoted_in_part(put, refusal):
     nested = "{a: [1, 2, {b: " + "[" * 40 + "]" * 40 + "}]}"
     for content in (f"time: {nested}", f"{'k' * 900_000}: 1", f"time: {{unit: {'m' * 900_000}}}"):

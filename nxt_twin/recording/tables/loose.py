@@ -44,7 +44,7 @@ def _numbers(cells: Cells, path: Path, name: str) -> FloatArray:
     for row, cell in enumerate(cells):
         try:
             values[row] = math.nan if cell is None else float(cell)  # type: ignore[arg-type]  # any cell
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             where = f"{path}, row {row + 1}, column {name}"
             raise RecordingError(
                 f"{quoted(cell)} is no number", where=where, mend="map another column"
