@@ -228,6 +228,29 @@ def bench(
     score(cases, answers, diagnoses, reached, json)
 
 
+@blind.command()
+def robots(
+    folder: Annotated[
+        Path, typer.Argument(help="Where one JSON a case goes; what is there already is kept.")
+    ],
+    seed: Annotated[int, typer.Option(help="Of the first case; the others count on.")] = 1,
+    singles: Annotated[int, typer.Option(min=0, help="Cases with one effect, in turn.")] = 60,
+    pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 20,
+    clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 30,
+    unknown: Annotated[int, typer.Option(min=0, help="Cases with an effect that no library holds.")] = 10,
+) -> None:
+    """Make, solve and score concealed robots on two wheels, and print the table with the aims."""
+    from nxt_twin.blind.robot.bench import plan_robots, robots_as_text, solve_robots
+
+    plans = plan_robots(seed, singles=singles, pairs=pairs, clean=clean, unknown=unknown)
+    outcomes = []
+    with progress("robots") as tell:
+        for number, outcome in enumerate(solve_robots(plans, folder), start=1):
+            tell(f"{number} of {len(plans)}")
+            outcomes.append(outcome)
+    print(robots_as_text(outcomes))
+
+
 def _chosen(effects: str | None) -> tuple[str, ...] | None:
     if effects == "none":
         return ()

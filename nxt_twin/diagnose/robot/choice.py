@@ -7,6 +7,7 @@ subset is weighed by one small matrix, and confusion shows as subsets that are n
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -58,23 +59,56 @@ def choose(full: FittedGeometry, given: FloatArray) -> GeometryChoice:
         given: the values as the model came, shape (6,).
     """
     off = full.state.geometry - given
-    able = [effect for effect in GEOMETRY if _matters(off, given, effect)]
+    able = {effect.id: places_of(effect) for effect in GEOMETRY if _matters(off, given, effect)}
+    weighed = weigh(able, off, full.covariance, full.clusters)
+    named = tuple(effect for effect in GEOMETRY if effect.id in weighed.best)
+    probability = {effect.id: weighed.probability.get(effect.id, 0.0) for effect in GEOMETRY}
+    return GeometryChoice(named, probability, weighed.rivals, weighed.second)
+
+
+@final
+@dataclass(frozen=True)
+class WeighedSubsets:
+    """Which effects are called for.
+
+    Attributes:
+        best: ids of the best subset.
+        probability: of every effect.
+        rivals: of each named effect, the ids that could stand in its place.
+        second: subsets in which something else is named, best first, with how many nats they are behind.
+    """
+
+    best: frozenset[str]
+    probability: dict[str, float]
+    rivals: dict[str, tuple[str, ...]]
+    second: tuple[tuple[frozenset[str], float], ...]
+
+
+def weigh(
+    able: Mapping[str, list[int]], off: FloatArray, covariance: FloatArray, clusters: int
+) -> WeighedSubsets:
+    """Weigh every subset of effects by what is lost without the others.
+
+    Args:
+        able: the effects, each with the places of its parameters.
+        off: how far the parameters are from where they would be without effects.
+        covariance: of `off`.
+        clusters: how many independent parts it rests on.
+    """
     scores: dict[frozenset[str], float] = {}
     for size in range(len(able) + 1):
         for kept in itertools.combinations(able, size):
-            scores[frozenset(effect.id for effect in kept)] = _score(full, off, able, kept)
+            dropped = [place for one, places in able.items() if one not in kept for place in places]
+            asked = sum(NEEDED_NATS + len(able[one]) - 1 for one in kept)
+            lost = sum(robust_nats(one, clusters) for one in _independent(off, covariance, dropped))
+            scores[frozenset(kept)] = -lost - asked
     best = max(scores, key=lambda ids: (scores[ids], -len(ids)))
     weight = {ids: float(np.exp(score - scores[best])) for ids, score in scores.items()}
     total = sum(weight.values())
-    probability = {
-        effect.id: sum(value for ids, value in weight.items() if effect.id in ids) / total
-        for effect in GEOMETRY
-    }
+    probability = {one: sum(value for ids, value in weight.items() if one in ids) / total for one in able}
     order = sorted(scores, key=lambda ids: -scores[ids])
     second = tuple((ids, scores[best] - scores[ids]) for ids in order if ids - best)
-    named = tuple(effect for effect in GEOMETRY if effect.id in best)
-    rivals = {effect.id: _rivals(effect.id, best, second) for effect in named}
-    return GeometryChoice(named, probability, rivals, second)
+    return WeighedSubsets(best, probability, {one: _rivals(one, best, second) for one in best}, second)
 
 
 def _matters(off: FloatArray, given: FloatArray, effect: RobotEffect) -> bool:
@@ -84,20 +118,11 @@ def _matters(off: FloatArray, given: FloatArray, effect: RobotEffect) -> bool:
     return bool(np.any(np.abs(off[places]) > least[places]))
 
 
-def _score(
-    full: FittedGeometry, off: FloatArray, able: list[RobotEffect], kept: tuple[RobotEffect, ...]
-) -> float:
-    """Minus the nats lost without the others, minus what those that are kept have to gain."""
-    dropped = [place for effect in able if effect not in kept for place in places_of(effect)]
-    asked = sum(NEEDED_NATS + len(effect.units) - 1 for effect in kept)
-    if not dropped:
-        return -asked
-    return -sum(robust_nats(lost, full.clusters) for lost in _independent(full, off, dropped)) - asked
-
-
-def _independent(full: FittedGeometry, off: FloatArray, places: list[int]) -> list[float]:
+def _independent(off: FloatArray, covariance: FloatArray, places: list[int]) -> list[float]:
     """Squared deviations in standard deviations, each given those before it, the farthest off first."""
-    inner = full.covariance[np.ix_(places, places)]
+    if not places:
+        return []
+    inner = covariance[np.ix_(places, places)]
     std = np.sqrt(np.diag(inner))
     far = off[places] / std
     order = np.argsort(-np.abs(far))

@@ -87,9 +87,45 @@ WHEEL_SLIP: Final = RobotEffect(
     {"clock_skew": "stop for two seconds: what a lag displaces comes back, what slipped does not"},
 )
 
+CASTER_DRAG: Final = RobotEffect(
+    "caster_drag",
+    "a caster that drags",
+    "force on the caster = −drag_force · direction of its motion",
+    "torque_balance",
+    {"drag_force_n": "N"},
+    {"floor_slope": "drive to two headings: a slope changes its sign, a drag does not"},
+)
+FLOOR_SLOPE: Final = RobotEffect(
+    "floor_slope",
+    "a floor that is not level",
+    "force = −mass · g · sin(slope), along uphill_heading",
+    "torque_balance",
+    {"slope_deg": "deg", "uphill_heading_deg": "deg"},
+    {"caster_drag": "drive to two headings: a slope changes its sign, a drag does not"},
+)
+PAYLOAD_MASS: Final = RobotEffect(
+    "payload_mass",
+    "a payload",
+    "mass = the body's + added_mass",
+    "torque_balance",
+    {"added_mass_kg": "kg"},
+    {"caster_drag": "start and stop often: a mass resists only changes of speed"},
+)
+CENTRE_OF_MASS: Final = RobotEffect(
+    "centre_of_mass_offset",
+    "a centre of mass beside the axle's middle",
+    "torque = −mass · offset × acceleration, so that starting straight turns the robot",
+    "torque_balance",
+    {"offset_left_m": "m", "offset_forward_m": "m"},
+    {"payload_mass": "start and stop straight: an offset to a side turns the robot, a payload does not"},
+)
+
+POWERED: Final = (CASTER_DRAG, FLOOR_SLOPE, PAYLOAD_MASS, CENTRE_OF_MASS)
+"""Effects of the body on the floor, which need the motors' powers to be seen."""
+
 GEOMETRY: Final = (WHEEL_RADIUS, UNEQUAL_WHEELS, WRONG_TRACK, POSE_OFFSET)
 """Effects that are parameters of the geometry, which all recordings share."""
 
 LIBRARY: Final[Mapping[str, RobotEffect]] = MappingProxyType(
-    {effect.id: effect for effect in (*GEOMETRY, CLOCK_SKEW, WHEEL_SLIP)}
+    {effect.id: effect for effect in (*GEOMETRY, CLOCK_SKEW, WHEEL_SLIP, *POWERED)}
 )

@@ -33,11 +33,13 @@ from nxt_twin.diagnose.robot.leftover import (
     spells_of,
     what_is_left,
 )
-from nxt_twin.diagnose.robot.runs import RobotRun, robot_runs
+from nxt_twin.diagnose.robot.powered_search import PoweredFindings, search_powered
+from nxt_twin.diagnose.robot.runs import RobotRun, has_powers, robot_runs
 from nxt_twin.diagnose.robot.search import RobotFindings, mend, search, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from_config
+from nxt_twin.physics.robot.powered import dynamics_config, is_powered
 from nxt_twin.recording.case import ROBOT_KIND, Case
 from nxt_twin.recording.configs import load_plant_config
 
@@ -71,12 +73,15 @@ class _Evidence:
     judged: tuple[JudgedRun, ...]
     left: tuple[RobotLeft, ...]
     short: ShortErrors
+    powered: PoweredFindings | None
 
     @property
     def structured(self) -> RobotLeft | None:
         """The most that is left and is more than noise."""
         kept = [one for one in self.left if one.nats > STRUCTURED_NATS and one.size > STRUCTURED_SHARE]
-        return max(kept, key=lambda one: one.size * one.nats, default=None)
+        if kept:
+            return max(kept, key=lambda one: one.size * one.nats)
+        return self.powered.left if self.powered else None
 
 
 def is_robot_case(case: Case) -> bool:
@@ -110,6 +115,11 @@ def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotA
     if len(runs) < FEWEST_RUNS:
         runs = tuple(part for run in runs for part in cut(run, _PARTS))
     found = search(runs, drive.geometry, progress)
+    powered = None
+    if is_powered(drive) and has_powers(case.recordings, drive):
+        progress("fitting motors and body")
+        held_powers = case.holdout if has_powers(case.holdout, drive) else ()
+        powered = search_powered(case.recordings, held_powers, drive, found.final.state.as_geometry)
     progress("judging on what was held out")
     judged = tuple(judge_held_out(runs, held, drive.geometry, found))
     stack = stacked(mend(runs, found.slips))
@@ -118,7 +128,7 @@ def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotA
     before = short_errors(
         runs, drive.geometry, wheels_at(plain, start_of(drive.geometry, len(runs))), scale_of(after)
     )
-    evidence = _Evidence(case, drive, found, judged, tuple(what_is_left(after)), before)
+    evidence = _Evidence(case, drive, found, judged, tuple(what_is_left(after)), before, powered)
     diagnosis = _diagnosis(evidence)
     geometry = model_of(found.final).geometry
     named = {
@@ -126,7 +136,8 @@ def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotA
     }
     if "clock_skew" in named:
         named["clock_skew"]["lag_s"] = model_of(found.final).lag_s
-    model = DifferentialDrive(drive.left, drive.right, geometry, drive.dynamics, {**drive.effects, **named})
+    dynamics = dynamics_config(drive, powered.values) if powered else drive.dynamics
+    model = DifferentialDrive(drive.left, drive.right, geometry, dynamics, {**drive.effects, **named})
     return RobotAnswer(diagnosis, model)
 
 
@@ -162,7 +173,8 @@ def fit_robot(case: Case) -> tuple[dict[str, Any], DifferentialDrive]:
 
 def _diagnosis(evidence: _Evidence) -> Diagnosis:
     found, judged = evidence.found, evidence.judged
-    effects = found_effects(found)
+    powered = evidence.powered
+    effects = (*found_effects(found), *(powered.effects if powered else ()))
     structured = evidence.structured
     verdict: Verdict = "unexplained" if structured else "explained" if effects else "adequate"
     horizons = horizons_of(judged)
@@ -178,7 +190,10 @@ def _diagnosis(evidence: _Evidence) -> Diagnosis:
         alternatives=_alternatives(evidence),
         fit=fit,
         next_experiment=words.next_path(effects, verdict, structured, found.runs),
-        notes=words.notes(judged, found.spread, found.slips, structured, found.runs),
+        notes=(
+            *words.notes(judged, found.spread, found.slips, structured, found.runs),
+            *(powered.notes if powered else ()),
+        ),
         held_out=drawn_runs(judged),
         leftover=None,
         detectable=sizes_seen(found),
@@ -204,7 +219,7 @@ def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
         reverse=True,
     )
     return tuple(
-        Alternative(one, chance, _error_with(evidence, one)) for chance, one in others[:2] if chance > 1e-3
+        Alternative(one, chance, _error_with(evidence, one)) for chance, one in others[:2] if chance > 0.02
     )
 
 

@@ -235,7 +235,7 @@ def sandwich(scores: FloatArray, cluster: IntArray, inverse: FloatArray) -> tupl
 _WIDER: Final = 1.5
 """A coarser kind of cluster counts where its variance is so many times that of a finer one."""
 
-_FEWEST_CLUSTERS: Final = 4
+_FEWEST_CLUSTERS: Final = 7
 
 
 def widest(scores: FloatArray, clusters: tuple[IntArray, ...], inverse: FloatArray) -> tuple[FloatArray, int]:

@@ -11,9 +11,9 @@ import numpy as np
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.robot.fit import robust_nats, sandwich
+from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
-from nxt_twin.physics.robot.odometry import Pose
 
 LENGTH_S: Final = 1.0
 _CHANNELS: Final = ("along", "sideways", "turn")
@@ -118,42 +118,30 @@ def _of_run(
     edges = np.searchsorted(run.time_s, run.time_s[0] + LENGTH_S * np.arange(count + 1))
     edges = np.unique(np.minimum(edges, run.time_s.size - 1))
     begin, end = edges[:-1], edges[1:]
-    pose = _axle(run.pose, geometry)
-    place = pose.x_m + 1j * pose.y_m
+    motion = body_motion(run.pose, geometry)
     left = geometry.left_wheel_radius_m * (wheels[0][end] - wheels[0][begin])
     right = geometry.right_wheel_radius_m * (wheels[1][end] - wheels[1][begin])
-    turn = (right - left) / geometry.track_m
-    seen = pose.heading_rad[end] - pose.heading_rad[begin]
-    middle = 0.5 * (pose.heading_rad[begin] + pose.heading_rad[end])
-    chord = (place[end] - place[begin]) * np.exp(-1j * middle)
-    travel = 0.5 * (left + right)
-    along = chord.real / np.maximum(np.sinc(seen / (2.0 * np.pi)), 0.3) - travel
-    centre = 0.5 * (place[begin] + place[end])
+    turn, travel = (right - left) / geometry.track_m, 0.5 * (left + right)
+    heading = motion.heading_rad
+    middle = (begin + end) // 2
     return np.array(
         [
             np.full(begin.size, float(index)),
             run.time_s[begin],
             run.time_s[end],
-            along,
-            chord.imag,
-            seen - turn,
+            motion.along_m[end] - motion.along_m[begin] - travel,
+            motion.aside_m[end] - motion.aside_m[begin],
+            heading[end] - heading[begin] - turn,
             travel,
             turn,
             run.time_s[end] - run.time_s[begin],
-            middle,
-            centre.real,
-            centre.imag,
-            pose.heading_rad[begin],
-            pose.heading_rad[end],
+            0.5 * (heading[begin] + heading[end]),
+            run.pose.x_m[middle],
+            run.pose.y_m[middle],
+            heading[begin],
+            heading[end],
         ]
     )
-
-
-def _axle(pose: Pose, geometry: Geometry) -> Pose:
-    """The axle's middle under the measured poses."""
-    heading = pose.heading_rad - np.radians(geometry.heading_offset_deg)
-    lever = (geometry.offset_forward_m + 1j * geometry.offset_left_m) * np.exp(1j * heading)
-    return Pose(pose.x_m - lever.real, pose.y_m - lever.imag, heading)
 
 
 def what_is_left(short: ShortErrors) -> list[RobotLeft]:

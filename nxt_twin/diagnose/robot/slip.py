@@ -8,7 +8,8 @@ from typing import Final, Literal, final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 
@@ -23,6 +24,7 @@ _KEPT: Final = 0.6
 _REACH_S: Final = 4.0
 _ALIKE: Final = 0.15
 _MAD: Final = 1.4826
+_SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 
 @final
@@ -31,7 +33,8 @@ class SlipSpell:
     """One spell of one wheel.
 
     Attributes:
-        run: index of the run; `recording` its name.
+        run: index of the run.
+        recording: its name.
         side: which wheel.
         start_s, end_s: on the recording's clock.
         ratio: of the wheel's travel that was lost, with its standard deviation.
@@ -49,22 +52,26 @@ class SlipSpell:
 
 
 def find_slip(
-    runs: Sequence[RobotRun], geometry: Geometry, wheels: Sequence[tuple[FloatArray, FloatArray]]
+    runs: Sequence[RobotRun], geometry: Geometry, wheels_rad: Sequence[tuple[FloatArray, FloatArray]]
 ) -> tuple[SlipSpell, ...]:
     """Spells in which wheels turned without travel.
 
     Args:
         runs: the recordings.
         geometry: the fitted robot.
-        wheels: angles of each run's wheels when its poses were taken.
+        wheels_rad: angles of each run's wheels when its poses were taken.
     """
+    wheels = [
+        _wheel(index, run, geometry, angles, side)
+        for index, (run, angles) in enumerate(zip(runs, wheels_rad, strict=True))
+        for side in (0, 1)
+    ]
     found: list[SlipSpell] = []
-    lost = [_lost(run, geometry, angles, _WINDOW_S) for run, angles in zip(runs, wheels, strict=True)]
-    pooled = np.concatenate([each.lost for each in lost], axis=1)
-    scale = np.maximum(_MAD * np.median(np.abs(pooled - np.median(pooled, axis=1)[:, None]), axis=1), 1e-4)
-    for index, (run, angles) in enumerate(zip(runs, wheels, strict=True)):
-        for wheel, side in enumerate(("left", "right")):
-            found += _of_wheel(index, run, geometry, angles, lost[index], wheel, side, float(scale[wheel]))
+    for side in (0, 1):
+        pooled = np.concatenate([wheel.over(wheel.lost_m, _WINDOW_S)[1] for wheel in wheels[side::2]])
+        spread = _MAD * float(np.median(np.abs(pooled - np.median(pooled)))) if pooled.size else 0.0
+        for wheel in wheels[side::2]:
+            found += _of_wheel(replace(wheel, scale=max(spread, 1e-4)))
     return tuple(sorted(found, key=lambda slip: -slip.strength))
 
 
@@ -83,61 +90,57 @@ def without_slip(run: RobotRun, slips: Sequence[SlipSpell]) -> RobotRun:
 
 @final
 @dataclass(frozen=True)
-class _Lost:
-    """Of windows that begin at each row: travel that both wheels lost, and that they made; shape (2, windows)."""
+class _Wheel:
+    """One wheel of one run.
 
-    start_s: FloatArray
-    lost: FloatArray
-    made: FloatArray
+    Attributes:
+        run: index and name of the run, and the wheel's side.
+        time_s: shape (rows,).
+        angle_rad: of the wheel.
+        turned_m: the travel that its turning stands for.
+        lost_m: that travel less what the pose says that the wheel rolled.
+        scale: standard deviation of what is lost in a second, m.
+    """
 
+    run: tuple[int, str, Side]
+    time_s: FloatArray
+    angle_rad: FloatArray
+    turned_m: FloatArray
+    lost_m: FloatArray
+    scale: float = 1e-4
 
-def _lost(run: RobotRun, geometry: Geometry, angles: tuple[FloatArray, FloatArray], length_s: float) -> _Lost:
-    """What the wheels turned, less what the pose says that they rolled, in every window."""
-    begin = np.flatnonzero(run.time_s <= run.time_s[-1] - length_s)
-    end = np.minimum(np.searchsorted(run.time_s, run.time_s[begin] + length_s), run.time_s.size - 1)
-    return _Lost(run.time_s[begin], *_between(run, geometry, angles, begin, end))
+    def over(self, values: FloatArray, length_s: float) -> tuple[FloatArray, FloatArray]:
+        """Where windows of a length begin, and what `values` gain in each."""
+        begin = np.flatnonzero(self.time_s <= self.time_s[-1] - length_s)
+        end = np.minimum(np.searchsorted(self.time_s, self.time_s[begin] + length_s), self.time_s.size - 1)
+        return self.time_s[begin], values[end] - values[begin]
 
-
-def _between(
-    run: RobotRun,
-    geometry: Geometry,
-    angles: tuple[FloatArray, FloatArray],
-    begin: IntArray,
-    end: IntArray,
-) -> tuple[FloatArray, FloatArray]:
-    heading = run.pose.heading_rad - np.radians(geometry.heading_offset_deg)
-    lever = geometry.offset_forward_m + 1j * geometry.offset_left_m
-    place = run.pose.x_m + 1j * run.pose.y_m - lever * np.exp(1j * heading)
-    turn = heading[end] - heading[begin]
-    chord = (place[end] - place[begin]) * np.exp(-0.5j * (heading[end] + heading[begin]))
-    travel = chord.real / np.maximum(np.sinc(turn / (2.0 * np.pi)), 0.3)
-    rolled = np.array([travel - 0.5 * geometry.track_m * turn, travel + 0.5 * geometry.track_m * turn])
-    radii = np.array([[geometry.left_wheel_radius_m], [geometry.right_wheel_radius_m]])
-    turned = radii * np.array([angle[end] - angle[begin] for angle in angles])
-    return turned - rolled, turned
+    def between(self, values: FloatArray, begin_s: float, end_s: float) -> float:
+        """What `values` gain from one moment to another."""
+        begin, end = np.interp([begin_s, end_s], self.time_s, values)
+        return float(end - begin)
 
 
-def _of_wheel(
-    index: int,
-    run: RobotRun,
-    geometry: Geometry,
-    angles: tuple[FloatArray, FloatArray],
-    lost: _Lost,
-    wheel: int,
-    side: str,
-    scale: float,
-) -> list[SlipSpell]:
-    if lost.start_s.size == 0:
+def _wheel(
+    index: int, run: RobotRun, geometry: Geometry, angles: tuple[FloatArray, FloatArray], side: int
+) -> _Wheel:
+    motion = body_motion(run.pose, geometry)
+    radius = geometry.left_wheel_radius_m if side == 0 else geometry.right_wheel_radius_m
+    rolled = motion.wheel_m(side, geometry.track_m)
+    turned = radius * angles[side]
+    return _Wheel((index, run.name, _SIDES[side]), run.time_s, angles[side], turned, turned - rolled)
+
+
+def _of_wheel(wheel: _Wheel) -> list[SlipSpell]:
+    start_s, gone = wheel.over(wheel.lost_m, _WINDOW_S)
+    if start_s.size == 0:
         return []
-    way = np.sign(lost.made[wheel])
-    gone = lost.lost[wheel] * way
-    suspect = (
-        (gone > _SIGMAS * scale) & (gone > _LEAST_RATIO * np.abs(lost.made[wheel])) & (gone > _LEAST_LOST_M)
-    )
+    _, made = wheel.over(wheel.turned_m, _WINDOW_S)
+    gone = gone * np.sign(made)
+    suspect = (gone > _SIGMAS * wheel.scale) & (gone > _LEAST_RATIO * np.abs(made)) & (gone > _LEAST_LOST_M)
     found = []
     for first, last in _stretches(suspect):
-        span = _sharpened(run, geometry, angles, wheel, lost.start_s[first], lost.start_s[last] + _WINDOW_S)
-        slip = _measured(index, run, geometry, angles, wheel, side, span, scale)
+        slip = _measured(wheel, _sharpened(wheel, float(start_s[first]), float(start_s[last]) + _WINDOW_S))
         if slip is not None:
             found.append(slip)
     return found
@@ -148,59 +151,36 @@ def _stretches(flags: BoolArray) -> list[tuple[int, int]]:
     return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
 
 
-def _sharpened(
-    run: RobotRun,
-    geometry: Geometry,
-    angles: tuple[FloatArray, FloatArray],
-    wheel: int,
-    begin_s: float,
-    end_s: float,
-) -> tuple[float, float]:
+def _sharpened(wheel: _Wheel, begin_s: float, end_s: float) -> tuple[float, float]:
     """Where, within a stretch, windows of a fine length lose at least half of what the most losing one does."""
-    fine = _lost(run, geometry, angles, _FINE_S)
-    inside = (fine.start_s >= begin_s - _FINE_S) & (fine.start_s <= end_s)
-    gone = np.where(inside, fine.lost[wheel] * np.sign(fine.made[wheel]), 0.0)
+    start_s, gone = wheel.over(wheel.lost_m, _FINE_S)
+    _, made = wheel.over(wheel.turned_m, _FINE_S)
+    inside = (start_s >= begin_s - _FINE_S) & (start_s <= end_s)
+    gone = np.where(inside, gone * np.sign(made), 0.0)
     strong = np.flatnonzero(gone > 0.5 * gone.max(initial=0.0))
     if strong.size == 0:
         return begin_s, end_s
-    return float(fine.start_s[strong[0]] + 0.5 * _FINE_S), float(fine.start_s[strong[-1]] + 0.5 * _FINE_S)
+    return float(start_s[strong[0]] + 0.5 * _FINE_S), float(start_s[strong[-1]] + 0.5 * _FINE_S)
 
 
-def _measured(
-    index: int,
-    run: RobotRun,
-    geometry: Geometry,
-    angles: tuple[FloatArray, FloatArray],
-    wheel: int,
-    side: str,
-    span: tuple[float, float],
-    scale: float,
-) -> SlipSpell | None:
+def _measured(wheel: _Wheel, span: tuple[float, float]) -> SlipSpell | None:
     """The spell with its ratio; None where the pose catches up once the wheel turns as before, as after a lag."""
-    ends = _alike(run, angles[wheel], span)
+    ends = _alike(wheel.time_s, wheel.angle_rad, span)
     if ends is None:
         return None
-    rows = np.searchsorted(run.time_s, [span[0] - 0.2, span[1] + 0.2])
-    near_begin, near_end = np.clip(rows, 0, run.time_s.size - 1)
-    near, far = (
-        float(_between(run, geometry, angles, np.array([a]), np.array([b]))[0][wheel, 0])
-        for a, b in ((near_begin, near_end), ends)
-    )
-    angle = angles[wheel]
-    radius = geometry.left_wheel_radius_m if wheel == 0 else geometry.right_wheel_radius_m
-    made = radius * float(np.interp(span[1], run.time_s, angle) - np.interp(span[0], run.time_s, angle))
+    near = wheel.between(wheel.lost_m, span[0] - 0.2, span[1] + 0.2)
+    far = wheel.between(wheel.lost_m, *ends)
+    made = wheel.between(wheel.turned_m, *span)
     if abs(made) < _LEAST_LOST_M or far * made <= 0.0 or abs(far) < _KEPT * abs(near):
         return None
-    ratio, strength = far / made, abs(far) / scale
+    ratio, strength = far / made, abs(far) / wheel.scale
     if strength < _SIGMAS or ratio < _LEAST_RATIO:
         return None
-    name: Side = "left" if side == "left" else "right"
-    return SlipSpell(index, run.name, name, *span, min(ratio, 1.0), scale * 1.4 / abs(made), strength)
+    return SlipSpell(*wheel.run, *span, min(ratio, 1.0), wheel.scale * 1.4 / abs(made), strength)
 
 
-def _alike(run: RobotRun, angle: FloatArray, span: tuple[float, float]) -> tuple[int, int] | None:
-    """A row before and a row after the spell at which the wheel turns alike, so that a lag cancels; None without."""
-    time_s = run.time_s
+def _alike(time_s: FloatArray, angle: FloatArray, span: tuple[float, float]) -> tuple[float, float] | None:
+    """Moments before and after the spell at which the wheel turns alike, so that a lag cancels; None without."""
     step = np.interp(time_s + 0.1, time_s, angle) - np.interp(time_s - 0.1, time_s, angle)
     before = np.flatnonzero((time_s < span[0] - 0.3) & (time_s > span[0] - _REACH_S))
     after = np.flatnonzero((time_s > span[1] + 0.3) & (time_s < span[1] + _REACH_S))
@@ -213,4 +193,4 @@ def _alike(run: RobotRun, angle: FloatArray, span: tuple[float, float]) -> tuple
     place = np.unravel_index(int(np.argmin(cost)), cost.shape)
     if differs[place] > _ALIKE * fastest:
         return None
-    return int(before[place[0]]), int(after[place[1]])
+    return float(time_s[before[place[0]]]), float(time_s[after[place[1]]])

@@ -135,6 +135,10 @@ def _slips(slips: Sequence[SlipSpell]) -> list[str]:
 def _leftover(left: RobotLeft | None) -> list[str]:
     if left is None:
         return []
+    if left.channel == "wheels":
+        return [
+            "The powers do not account for how the wheels turn: a force is missing that no known effect has."
+        ]
     channel = {"along": "travel", "sideways": "place across the heading", "turn": "turn"}[left.channel]
     return [f"Most is left in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."]
 

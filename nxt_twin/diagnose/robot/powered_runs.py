@@ -1,0 +1,136 @@
+"""A robot's recordings with the powers of its motors, cut into windows with free starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.diagnose.robot.runs import RobotRun
+from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
+from nxt_twin.physics.robot.dynamics import wheel_angles
+from nxt_twin.recording.columns import BATTERY, power_column
+from nxt_twin.recording.recording import Recording
+
+_SMOOTH_S: Final = 0.12
+_NUDGE: Final = np.array([[0.02, 0.0], [0.0, 0.2]])
+_APART_S: Final = 100.0
+
+
+@final
+@dataclass(frozen=True)
+class PoweredStack:
+    """Rows of several runs one after another.
+
+    Attributes:
+        run: index of each row's run, shape (rows,).
+        time_s: on an axis on which runs lie apart.
+        volts: at both motors from each row on, shape (rows, 2).
+        angles_rad: of both wheels, shape (rows, 2).
+        heading_rad: as measured.
+        place: measured x + i·y.
+        speeds: travel and turning rate from the counts, shape (rows, 2).
+        shape: radii, track, caster, as `wheel_angles` takes them.
+    """
+
+    run: IntArray
+    time_s: FloatArray
+    volts: FloatArray
+    angles_rad: FloatArray
+    heading_rad: FloatArray
+    place: FloatArray
+    speeds: FloatArray
+    shape: FloatArray
+
+    def windows(self, length_s: float) -> IntArray:
+        """The window that each row is in; windows of about a length, none across two runs."""
+        number, total = np.zeros(self.run.size, dtype=np.int64), 0
+        for index in range(int(self.run[-1]) + 1):
+            rows = np.flatnonzero(self.run == index)
+            time_s = self.time_s[rows] - self.time_s[rows[0]]
+            parts = max(1, round(float(time_s[-1]) / length_s))
+            number[rows] = total + np.minimum((parts * time_s / time_s[-1]).astype(np.int64), parts - 1)
+            total += parts
+        return number
+
+    def off(self, values: FloatArray, begins: BoolArray, start: FloatArray) -> FloatArray:
+        """Counted minus predicted angles since each window began, rad, shape (rows, 2)."""
+        told = wheel_angles(values, self.shape, self.time_s, self.volts, self.heading_rad, begins, start)
+        first = np.maximum.accumulate(np.where(begins, np.arange(begins.size), 0))
+        return np.asarray(self.angles_rad - self.angles_rad[first] - told)
+
+    def free_starts(self, values: FloatArray, window: IntArray) -> tuple[FloatArray, FloatArray]:
+        """What is off, and how it answers to each window's starting speeds, shape (2, rows, 2)."""
+        begins = np.diff(window, prepend=-1) != 0
+        off = self.off(values, begins, self.speeds)
+        answers = [(self.off(values, begins, self.speeds + nudge) - off) / nudge.sum() for nudge in _NUDGE]
+        return off, np.array(answers)
+
+
+def powered_stack(
+    recordings: Sequence[Recording],
+    runs: Sequence[RobotRun],
+    drive: DifferentialDrive,
+    geometry: Geometry,
+    shape_back_m: float,
+    supply_v: float,
+) -> PoweredStack:
+    """Runs with their powers.
+
+    Args:
+        recordings: with both power columns.
+        runs: of the same recordings, with poses.
+        drive: names the ports.
+        geometry: the fitted wheels and track.
+        shape_back_m: the caster's distance behind the axle.
+        supply_v: of the battery where a recording holds none.
+    """
+    volts, time_s = [], []
+    for index, (recording, run) in enumerate(zip(recordings, runs, strict=True)):
+        supply = _supply(recording, run.time_s, supply_v)
+        rows = np.searchsorted(recording.time_s, run.time_s)
+        powers = [recording.columns[power_column(port)][rows] for port in (drive.left, drive.right)]
+        volts.append(np.array(powers).T / 100.0 * supply[:, None])
+        time_s.append(run.time_s - run.time_s[0] + _APART_S * index)
+    angles = [np.stack([run.left_rad, run.right_rad], axis=1) for run in runs]
+    offset = np.radians(geometry.heading_offset_deg)
+    radii = np.array([geometry.left_wheel_radius_m, geometry.right_wheel_radius_m])
+    rates = [_rates(run.time_s, angle) * radii for run, angle in zip(runs, angles, strict=True)]
+    speeds = [
+        np.stack([rate.mean(axis=1), (rate[:, 1] - rate[:, 0]) / geometry.track_m], axis=1) for rate in rates
+    ]
+    return PoweredStack(
+        run=np.repeat(np.arange(len(runs)), [run.time_s.size for run in runs]),
+        time_s=np.concatenate(time_s),
+        volts=np.concatenate(volts),
+        angles_rad=np.concatenate(angles),
+        heading_rad=np.concatenate([run.pose.heading_rad for run in runs]) - offset,
+        place=np.concatenate([np.stack([run.pose.x_m, run.pose.y_m], axis=1) for run in runs]),
+        speeds=np.concatenate(speeds),
+        shape=np.array([*radii, geometry.track_m, shape_back_m]),
+    )
+
+
+def _supply(recording: Recording, time_s: FloatArray, otherwise_v: float) -> FloatArray:
+    """A straight line through the battery's readings."""
+    battery = recording.columns.get(BATTERY)
+    known = np.zeros(0, dtype=bool) if battery is None else np.isfinite(battery)
+    if battery is None or not known.any():
+        return np.full(time_s.size, otherwise_v)
+    if np.count_nonzero(known) < 4:
+        return np.full(time_s.size, float(np.median(battery[known])))
+    line = np.polyfit(recording.time_s[known], battery[known], 1)
+    return np.asarray(np.polyval(line, time_s))
+
+
+def _rates(time_s: FloatArray, angles: FloatArray) -> FloatArray:
+    """Of both wheels, by central differences, rad/s."""
+    ahead, behind = (
+        np.stack([np.interp(time_s + shift, time_s, angles[:, k]) for k in (0, 1)], axis=1)
+        for shift in (_SMOOTH_S, -_SMOOTH_S)
+    )
+    span = np.minimum(time_s + _SMOOTH_S, time_s[-1]) - np.maximum(time_s - _SMOOTH_S, time_s[0])
+    return np.asarray((ahead - behind) / span[:, None])

@@ -1,0 +1,161 @@
+"""From a robot's powers to what its body and its floor add."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from scipy.special import stdtrit
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect
+from nxt_twin.diagnose.robot.choice import WeighedSubsets, weigh
+from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
+from nxt_twin.diagnose.robot.leftover import RobotLeft
+from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
+from nxt_twin.diagnose.robot.powered_runs import powered_stack
+from nxt_twin.diagnose.robot.runs import robot_runs
+from nxt_twin.diagnose.robot.words import why_confusable
+from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
+from nxt_twin.physics.robot.dynamics import NAMES
+from nxt_twin.physics.robot.powered import powered_robot
+from nxt_twin.recording.recording import Recording
+
+_PLACES: Final = {
+    "caster_drag": [12],
+    "floor_slope": [13, 14],
+    "centre_of_mass_offset": [15, 16],
+    "payload_mass": [17],
+}
+_MATTERS: Final = {
+    "caster_drag": 0.05,
+    "floor_slope": 5e-3,
+    "centre_of_mass_offset": 3e-3,
+    "payload_mass": 0.05,
+}
+"""Smaller sizes are not named: N, rise, m, kg."""
+
+_ONE_WAY: Final = ("caster_drag", "payload_mass")
+STRUCTURED_TIMES: Final = 2.5
+"""What three seconds leave is more than noise where it is so many times what half a second leaves."""
+
+
+@final
+@dataclass(frozen=True)
+class PoweredFindings:
+    """What the powers tell.
+
+    Attributes:
+        effects: named, with parameters.
+        values: motors, body and effects, in the order of `dynamics.NAMES`.
+        left: what is left, None where it is noise.
+        notes: plain remarks.
+    """
+
+    effects: tuple[FoundEffect, ...]
+    values: FloatArray
+    left: RobotLeft | None
+    notes: tuple[str, ...]
+
+
+def search_powered(
+    recordings: Sequence[Recording], held: Sequence[Recording], drive: DifferentialDrive, geometry: Geometry
+) -> PoweredFindings:
+    """Fit motors and body to the wheels' angles, and name what the body and the floor add.
+
+    Args:
+        recordings: to fit, with both powers.
+        held: not to fit; judged where they hold powers too.
+        drive: the robot as its model came.
+        geometry: the wheels and the track as they were fitted.
+
+    Raises:
+        PlantError: a dynamic key is missing or none.
+    """
+    robot = powered_robot(drive)
+
+    stack = powered_stack(
+        recordings, robot_runs(recordings, drive), drive, geometry, robot.caster_back_m, robot.supply_v
+    )
+    full = fit_powered(stack, robot.values, np.ones(len(NAMES), dtype=bool))
+    able = {name: places for name, places in _PLACES.items() if _matters(name, full.off[places])}
+    weighed = weigh(able, full.off, full.covariance, full.clusters)
+    off, covariance = _given_none_of(full, weighed.best)
+    values = values_at(robot.values, off)
+    effects = tuple(
+        _found(effect, off, covariance, weighed, full) for effect in POWERED if effect.id in weighed.best
+    )
+    ratio = full.left_deg / noise_deg(stack, full.values)
+    left = (
+        RobotLeft("the powers", "wheels", ratio, 1.0 - 1.0 / ratio**2) if ratio > STRUCTURED_TIMES else None
+    )
+    return PoweredFindings(effects, values, left, _notes(held, drive, geometry, robot.values, values))
+
+
+def _matters(name: str, off: FloatArray) -> bool:
+    if name in _ONE_WAY and off[0] <= 0.0:
+        return False
+    return bool(np.max(np.abs(off)) > _MATTERS[name])
+
+
+def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, FloatArray]:
+    """The fit where all effects that are not kept are none, by the full fit's covariance."""
+    gone = [place for name, places in _PLACES.items() if name not in kept for place in places]
+    off, covariance = full.off.copy(), full.covariance.copy()
+    if gone:
+        gain = np.linalg.solve(covariance[np.ix_(gone, gone)], covariance[gone]).T
+        off = off - gain @ full.off[gone]
+        covariance = covariance - gain @ covariance[gone]
+        off[gone] = 0.0
+    return off, covariance
+
+
+def _found(
+    effect: RobotEffect, off: FloatArray, covariance: FloatArray, weighed: WeighedSubsets, full: PoweredFit
+) -> FoundEffect:
+    places = _PLACES[effect.id]
+    sizes, inner = off[places], covariance[np.ix_(places, places)]
+    slopes = np.eye(len(places))
+    values = sizes
+    if effect.id == "floor_slope":
+        rise = float(np.hypot(*sizes))
+        values = np.degrees([np.arcsin(min(rise, 1.0)), np.arctan2(sizes[1], sizes[0])])
+        along, across = sizes / rise, np.array([-sizes[1], sizes[0]]) / rise**2
+        slopes = np.degrees(np.array([along, across]))
+    stds = np.sqrt(np.maximum(np.diag(slopes @ inner @ slopes.T), 0.0))
+    reach = float(stdtrit(max(full.clusters - 1, 2), 0.975))
+    params = {
+        name: Estimate(
+            float(value), float(std), unit, (float(value - reach * std), float(value + reach * std))
+        )
+        for (name, unit), value, std in zip(effect.units.items(), values, stds, strict=True)
+    }
+    confusable = tuple(Confusion(one, why_confusable(effect.id, one)) for one in weighed.rivals[effect.id])
+    return FoundEffect(
+        effect.id, effect.name, effect.equation, params, weighed.probability[effect.id], confusable
+    )
+
+
+def _notes(
+    held: Sequence[Recording],
+    drive: DifferentialDrive,
+    geometry: Geometry,
+    given: FloatArray,
+    values: FloatArray,
+) -> tuple[str, ...]:
+    said = [
+        "Motors' resistances and inertias rest on the given numbers as anchors: powers and angles fix their ratios."
+    ]
+    if held:
+        robot = powered_robot(drive)
+        stack = powered_stack(
+            held, robot_runs(held, drive), drive, geometry, robot.caster_back_m, robot.supply_v
+        )
+        before, after = (rms_of(stack, one) for one in (given, values))
+        said.append(
+            f"From the powers alone the wheels' angles err by {after:.2g}° in windows of 3 s that were not fitted; "
+            f"as given by {before:.2g}°."
+        )
+    return tuple(said)
