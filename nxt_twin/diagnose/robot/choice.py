@@ -24,7 +24,7 @@ NEEDED_NATS: Final = 6.0
 RIVAL_NATS: Final = 5.0
 """A subset that is behind the best by less cannot be told from it."""
 
-_MATTERS: Final = np.array([1e-3, 5e-4, 2e-3, 5e-4, 5e-4, 0.1])
+_MATTERS: Final = np.array([1.5e-3, 5e-4, 2e-3, 5e-4, 5e-4, 0.1])
 """Smaller deviations are re-fitted and not named: radius and track relative, ratio, offsets in m, heading in deg."""
 
 

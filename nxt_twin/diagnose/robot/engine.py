@@ -45,7 +45,7 @@ from nxt_twin.recording.configs import load_plant_config
 
 Progress = Callable[[str], None]
 
-STRUCTURED_NATS: Final = 12.0
+STRUCTURED_NATS: Final = 6.0
 STRUCTURED_SHARE: Final = 0.1
 """What is left is more than noise where letting it go with something gains so much and accounts for such a share."""
 
