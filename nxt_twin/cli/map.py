@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json as json_format
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from nxt_twin.cli.output import JsonOption, emit_json
 
 if TYPE_CHECKING:
     from nxt_twin.recording.guess.guess import Guessed
@@ -20,6 +23,7 @@ def map(  # noqa: A001  # the command's name
     joint: Annotated[
         str | None, typer.Option(help="Name or index of the joint, where the table holds several.")
     ] = None,
+    json: JsonOption = None,
 ) -> None:
     """Guess which columns of a table are time, command and angle, in which units, and say why.
 
@@ -32,23 +36,29 @@ def map(  # noqa: A001  # the command's name
     from nxt_twin.recording.mapping import mapping_of
 
     if joint is None and is_recording(table):
-        print(
-            f"# {table.name} has a recording's own columns: it needs no mapping; diagnose, fit and simulate read it"
-        )
+        _tell(f"# {table.name} has a recording's own columns and needs no mapping\n", json, None)
         return
     guessed = guess_mapping(table, joint)
     if guessed.lacking is not None:
-        print(mapping_text(guessed, [f"what {table.name} seems to be, as far as it goes"]), end="")
+        if json != "-":
+            print(mapping_text(guessed, [f"what {table.name} seems to be, as far as it goes"]), end="")
         raise guessed.lacking
-    recordings = read_all_mapped(table, mapping_of(guessed.keys, str(table)))
-    text = mapping_text(guessed, _seen(guessed, recordings))
-    if out is None:
+    text = mapping_text(guessed, _seen(guessed, read_all_mapped(table, mapping_of(guessed.keys, str(table)))))
+    if out:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        out.write_text(text, encoding="utf-8")
+    written = f"# written to {out}; now: nxt-twin diagnose {table} --mapping {out}\n" if out else ""
+    _tell(text + written, json, guessed)
+
+
+def _tell(text: str, json: str | None, guessed: Guessed | None) -> None:
+    """Print the text, and write the mapping with its reasons as JSON."""
+    if json:
+        why = {guess.key: guess.why for guess in guessed.guesses} if guessed else {}
+        keys = guessed.keys if guessed else None
+        emit_json(json, json_format.dumps({"schema": "nxt-twin/map/1", "mapping": keys, "why": why}))
+    if json != "-":
         print(text, end="")
-        return
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(text, encoding="utf-8")
-    print(text, end="")
-    print(f"# written to {out}; now: nxt-twin diagnose {table} --mapping {out}")
 
 
 def _seen(guessed: Guessed, recordings: tuple[Recording, ...]) -> list[str]:

@@ -1,5 +1,7 @@
 """`map`, `--mapping` and `--columns` from end to end."""
 
+import json
+
 import numpy as np
 from typer.testing import CliRunner
 
@@ -19,6 +21,8 @@ def test_a_stranger_s_table_is_mapped_and_then_simulated(tmp_path):
     found = run("map", tmp_path / "log.csv", "--out", tmp_path / "log.yaml")
     assert found.exit_code == 0
     assert "input: {column: 'pwm [%]', kind: power_pct}" in found.output
+    told = json.loads(run("map", tmp_path / "log.csv", "--json", "-").stdout)
+    assert told["mapping"]["time"] == {"column": "millis", "unit": "ms"}
     mapped = run("simulate", "nxt_motor", tmp_path / "log.csv", "--mapping", tmp_path / "log.yaml")
     assert "199 readings" in mapped.output
     words = "time=millis:ms,power=pwm [%],angle=angle [deg]"

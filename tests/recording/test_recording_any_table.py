@@ -203,6 +203,12 @@ def test_coasting_constants_wrapping_and_dates(put):
         ({}, "t,u,y\n5,0,0\n1,0,1\n", ["runs backwards", "write `split: {column"]),
         ({}, "PK\x03\x04 a sheet", ["spreadsheet", "export the sheet"]),
         ({}, '[{"t": 1}', ["no JSON"]),
+        ({}, '{"t": 0, "u": 1' + "0" * 5000 + '}\n{"t": 1}\n', ["row 1", "no JSON"]),
+        (
+            {},
+            '[{"t": 0, "u": 1' + "0" * 400 + ', "y": 0}, {"t": 1, "u": 0, "y": 1}]',
+            ["row 1, column u", "no number"],
+        ),
         ({}, '{"t": [1], "u": [1, 2]}', ["differ in length: t 1, u 2"]),
     ],
 )

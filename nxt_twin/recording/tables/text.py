@@ -79,7 +79,7 @@ def _read_plain(path: Path, layout: TextLayout, choose: Choose) -> Table | None:
                 decimal_point=layout.decimal,
             ),
         )
-    except pa.ArrowInvalid:
+    except (pa.ArrowInvalid, UnicodeError):
         return None
     numbers = {}
     words = {}
