@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, final
@@ -78,6 +79,10 @@ class Effect:
         plain: its parameters are keys of the plant itself rather than of an entry under `effects:`.
         fault: a fault of the recording rather than physics of the plant.
         counted: it makes sense only where readings are counts of whole steps.
+        notable: size of the main parameter, in its unit at NXT scale, below which motors of one make differ so: it is
+            no physics worth a name. Of two parameters that replace one, half their difference; of one that has to
+            exceed another, the excess.
+        notable_most: likewise the size above which it is none, where a larger one does less.
     """
 
     id: str
@@ -100,6 +105,8 @@ class Effect:
     plain: bool = False
     fault: bool = False
     counted: bool = False
+    notable: float = 0.0
+    notable_most: float = math.inf
 
     def __repr__(self) -> str:
         """Short: id and name."""

@@ -55,7 +55,7 @@ STAGES: dict[Stage, StageRule] = {
     "drop": StageRule("add", "drop", _DRIVE),
     "limit": StageRule("replace", "limit", ("limit", *_DRIVE)),
     "damping": StageRule("add", "damping", _MOTION),
-    "torque": StageRule("add", "load_torque", ("drive_torque", *_MOTION)),
+    "torque": StageRule("add", "load_torque", ("drive_torque", "session_s", *_MOTION)),
     "friction": StageRule("replace", "level", _FRICTION),
     "hold": StageRule("hold", "", _FRICTION),
     "advance": StageRule("states", "", ("before", "after", "resistance", "held", *_MOTION)),

@@ -35,7 +35,7 @@ recordings = st.builds(
         min_size=1,
         max_size=8,
     ),
-    rate_hz=st.sampled_from([2.0, 5.0, 10.0]),
+    rate_hz=st.sampled_from([4.0, 10.0]),
     jitter=st.floats(0.0, 1.0),
     read_share=st.sampled_from([1.0, 0.7]),
     seed=st.integers(0, 1000),

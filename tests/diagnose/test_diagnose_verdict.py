@@ -34,7 +34,7 @@ EDGES = {
         "left_nats",
     ),
     "unsettled": (replace(FOUND, run_ratio=0.5, torque_after=2.0 * LIMITS.unsettled), "torque_after"),
-    "hardly": (replace(FOUND, run_ratio=LIMITS.hardly, torque_after=2.5e-2, torque_before=1.0), "run_ratio"),
+    "hardly": (replace(FOUND, run_ratio=LIMITS.hardly, torque_after=5e-2, torque_before=1.0), "run_ratio"),
     "still_large": (
         replace(FOUND, torque_after=0.1, torque_before=0.1 / LIMITS.still_large),
         "torque_after",

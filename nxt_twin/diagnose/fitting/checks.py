@@ -11,6 +11,7 @@ from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
@@ -23,8 +24,17 @@ class Checks:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self._simulator = simulator
         self._checking = problem.objective.checking()
-        self._predicting = problem.target.jobs
+        self._predicting = problem.target
+        everything = problem.target.everything()
+        self._every_run = FreeRunCheck(everything.jobs, everything.counted, problem.window_s)
         self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
+
+    def simulated_error(self, plant: Plant, noise: Noise, step_s: float) -> float:
+        """The mean error of windows of simulation over fitted and checking readings, SI."""
+        values, active = plant.vectors()
+        tuned = with_noise(self._predicting.with_step(step_s), noise)
+        corrected = self._simulator.run(values[None], active[None], tuned.jobs)
+        return self._every_run.rms(self._simulator, plant, noise, corrected, step_s)[0][0]
 
     def checked(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
         """The fitted plant with its cost on the checking readings and its error in free runs over them.
@@ -41,6 +51,6 @@ class Checks:
         size = len(checking.jobs)
         costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
         rms, believed = self._free_runs.rms(
-            self._simulator, plant, noise, results[: len(self._predicting)], step_s
+            self._simulator, plant, noise, results[: len(self._predicting.jobs)], step_s
         )
         return Structure(fitted, noise, min(costs), rms, believed)

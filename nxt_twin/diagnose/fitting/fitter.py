@@ -94,10 +94,14 @@ class Fitter:
                 return replace(fitted, plant=plant), slopes
             slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
 
-    def simulating(self, plant: Plant, noise: Noise) -> tuple[Plant, Noise]:
-        """`plant` fitted on windows of simulation alone, and `noise` with how far these are off."""
+    def simulating(self, plant: Plant, noise: Noise, *, everything: bool = False) -> tuple[Fitted, Noise]:
+        """`plant` fitted on windows of simulation alone, and `noise` with how far these are off.
+
+        Of the target's readings, or of `everything` that is not held out.
+        """
         variables = variables_of(plant, self.problem.plant, self.problem.scale)
         target = self.target(step_for(plant, DRAFT_STEP_S))
+        target = target.everything() if everything else target
         for _ in range(_SIMULATING_ROUNDS):
             noise = replace(noise, drift=drift_of(self.simulator, plant, target, noise))
             tuned = with_noise(target.simulating(), noise)
@@ -105,7 +109,11 @@ class Fitter:
                 self.simulator, plant, variables, tuned, iterations=12, patience_nats=0.2, covariance=False
             )
             plant = fitted.plant
-        return plant, noise
+        return fitted, noise
+
+    def simulated_error(self, plant: Plant, noise: Noise) -> float:
+        """The mean error of all windows of simulation over all that is not held out, SI."""
+        return self._checks.simulated_error(plant, noise, step_for(plant, SETTLED_STEP_S))
 
     def checked(self, fitted: Fitted, noise: Noise, effort: Effort = SETTLED) -> Structure:
         """The fitted plant with what the checking readings say of it."""

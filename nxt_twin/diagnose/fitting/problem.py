@@ -35,6 +35,7 @@ _READINGS_PER_TIME_CONSTANT = 8.0
 _PHASES = 2  # where few readings are left, a thinned recording is fitted from each of so many first readings
 _FEW_READINGS = 2000
 _HALF = 0.5  # of an encoder's step does not matter
+_MOST_QUANTA = 3.0  # slow polls leave more than noise off a smooth curve
 _FEWEST_READINGS = 50
 _LARGEST_READING = 1e9
 
@@ -183,7 +184,9 @@ def _refuse_too_few(name: str, target: Target, held_out: Sequence[HeldOut]) -> N
 
 
 def _default_tolerance(signals: Sequence[Signals]) -> float:
-    return max(_HALF * max(one.quantum for one in signals), roughness(signals))
+    quantum = max(one.quantum for one in signals)
+    rough = roughness(signals)
+    return max(_HALF * quantum, min(rough, _MOST_QUANTA * quantum) if quantum > 0.0 else rough)
 
 
 def _held_out(signals: Signals, window_s: float, held: BoolArray) -> HeldOut:

@@ -13,7 +13,7 @@ _RUN_IN_READINGS = 8
 _WORTH_OF_A_WINDOW = (
     4.0  # independent readings: what is simulated errs together from a window's beginning to its end
 )
-_PULL = 4.0
+_PULL = 12.0
 
 
 def simulated(target: Target, window_s: float) -> Target:

@@ -16,7 +16,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import smoothed
 
-_LOOSE = 1.0  # of what a plant file gives with nothing said of its doubt: a factor of three is not unheard of
+_LOOSE = 0.5  # of what a plant file gives with nothing said of its doubt: a factor of three is rare
 _RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 

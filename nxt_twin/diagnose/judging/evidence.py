@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -13,6 +14,7 @@ from nxt_twin.diagnose.fitting.kalman import clean_innovations
 from nxt_twin.diagnose.fitting.linear import Linear, linearise, trials_of
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.residuals import Residuals, residuals
+from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.detectable import allowed
@@ -127,7 +129,7 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         baseline_errors=baseline_errors,
         final_errors=final_errors,
         floors=floors,
-        record=_record(problem, searched, left, (baseline_errors, final_errors)),
+        record=_record(problem, searched, left, (baseline_errors, final_errors), floors),
     )
 
 
@@ -151,11 +153,13 @@ def _record(
     searched: Searched,
     left: tuple[float, float],
     errors: tuple[Errors, Errors],
+    floors: Sequence[float],
 ) -> Record:
     baseline, final = searched.refit, searched.final
     before, after = errors
     found = searched.explanation.found
-    mattering = [n for n, rms in enumerate(after.rms) if rms > problem.tolerance]
+    windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
+    mattering = [n for n in windows if after.rms[n] > problem.tolerance]
     return Record(
         named=sum(not effect.plain for effect, _ in found),
         found=bool(found),
@@ -166,9 +170,15 @@ def _record(
         torque_after=torque_share(problem, final),
         run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
         off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
-        matters=any(after.seconds[n] <= problem.window_s for n in mattering),
+        matters=bool(mattering) and not (found and _at_the_floor(after, floors)),
         worst_ratio=max((after.rms[n] / max(before.rms[n], 1e-15) for n in mattering), default=0.0),
     )
+
+
+def _at_the_floor(errors: Errors, floors: Sequence[float]) -> bool:
+    """Whether windows of two seconds or shorter are off by no more than noise makes them."""
+    own = zip(errors.seconds, errors.rms, floors, strict=True)
+    return all(rms <= floor for seconds, rms, floor in own if seconds <= WINDOW_S)
 
 
 def torque_share(problem: Problem, structure: Structure) -> float:

@@ -11,13 +11,15 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
+from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.judging.judge import stale_readings
 from nxt_twin.physics.observer import Noise, free_run_std
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import Start, moving_start, restarts
 
-_ROUNDING = 1.02
+_SLACK = 1.02
+_SLACK_OF_DRIFT = 1.1  # a whole run is one number, in which much is luck
 HORIZONS_S = (0.5, 2.0, 10.0, np.inf)
 """Lengths of the simulated windows, s; inf is a whole recording."""
 
@@ -75,14 +77,19 @@ def floors_of(problem: Problem, noise: Noise, seconds: Sequence[float]) -> tuple
 
 
 def best_at_every_horizon(ranked: Sequence[tuple[Plant, Errors]], tolerance: float) -> Plant:
-    """The first plant that no other beats at any horizon by more than rounding, above what does not matter.
+    """The first plant that no later one beats at any horizon by more than chance, above what does not matter.
 
-    Where each is beaten somewhere, the one with the least error over all horizons, in logarithms.
+    Where each but the last is beaten somewhere, the one with the least error over all horizons, in logarithms, of those
+    after the first.
     """
-    for plant, errors in ranked:
-        rivals = [np.array(other.rms) for _, other in ranked]
-        if all((np.array(errors.rms) <= np.maximum(_ROUNDING * rms, tolerance)).all() for rms in rivals):
+    for number, (plant, errors) in enumerate(ranked):
+        slack = np.where(np.array(errors.seconds) <= WINDOW_S, _SLACK, _SLACK_OF_DRIFT)
+        rivals = [np.array(other.rms) for _, other in ranked[number + 1 :]]
+        if rivals and all(
+            (np.array(errors.rms) <= np.maximum(slack * rms, tolerance)).all() for rms in rivals
+        ):
             return plant
+    ranked = ranked[1:]
     sizes = [float(np.sum(np.log(np.maximum(errors.rms, max(tolerance, 1e-15))))) for _, errors in ranked]
     return ranked[int(np.argmin(sizes))][0]
 

@@ -25,11 +25,11 @@ class VerdictLimits:
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
     """
 
-    structured_torque: float = 2e-3
+    structured_torque: float = 6e-3
     large_torque: float = 3e-2
     most_left: float = 0.1
     far_off: float = 4.0
-    unsettled: float = 3.5e-3
+    unsettled: float = 6e-3
     hardly: float = 0.15
     still_large: float = 0.5
     most_named: int = 3
@@ -54,8 +54,10 @@ class Record:
             of an ordinary one.
         run_ratio: error in free runs of the improved plant over that of the baseline, on readings that check.
         off: error of the improved plant in free runs over that of noise alone, on readings that check.
-        matters: whether what is left matters: the error of windows of two seconds, or shorter, is above the tolerance.
-        worst_ratio: largest error of the improved plant over that of the baseline, of all horizons where it matters.
+        matters: whether what is left matters: windows of two seconds, or shorter, err by more than the tolerance, and
+            beside found effects by more than the floor.
+        worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
+            where it matters.
     """
 
     named: int

@@ -21,6 +21,8 @@ SLOW_ITERATIONS = 10
 _LEAST_PROMISE_NATS = 2.0
 _STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
 _START_ITERATIONS = 2
+_ALIKE_NATS = 0.1
+_MANY_ALIKE = 2
 _QUICK_ITERATIONS = 4
 
 
@@ -56,7 +58,7 @@ class Drafts:
         drafts = self._of(structure).drafts
         for effect in likely[:most]:
             if effect.id not in drafts:
-                followed = [p for p in prospects[effect.id] if p.gain > _LEAST_PROMISE_NATS]
+                followed = self._ordered(prospects[effect.id], structure.noise)
                 drafts[effect.id] = self._draft(followed, structure.noise)
         made = [(effect, drafts[effect.id]) for effect in likely[:most]]
         return sorted(made, key=lambda item: item[1].cost)
@@ -91,6 +93,19 @@ class Drafts:
             best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
             plants = [best.fitted.plant]
         return drafted(self._fitter, plants[0], noise, iterations=further)
+
+    def _ordered(self, prospects: list[Prospect], noise: Noise) -> list[Prospect]:
+        """Those that promise anything; of starts that the fitted readings cannot tell apart the best to check first.
+
+        A payload put on between two recordings is as likely at either end of one that only checks.
+        """
+        promising = [p for p in prospects if p.gain > _LEAST_PROMISE_NATS]
+        alike = [p for p in promising if p.gain > prospects[0].gain - _ALIKE_NATS]
+        if len(alike) < _MANY_ALIKE:
+            return promising
+        checking = self._fitter.tuned(noise, DRAFTED.step_for(alike[0].plant)).checking()
+        costs = checking.costs_of(self._fitter.simulator, [p.plant for p in alike])
+        return [alike[n] for n in np.argsort(costs)] + promising[len(alike) :]
 
     def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
         """Each start as it is or stretched by what it promises the more for, whichever is likelier."""

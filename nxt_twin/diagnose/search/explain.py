@@ -13,11 +13,11 @@ from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.moments import moments_gained
+from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
-from nxt_twin.diagnose.search.weight import FREE_RUN_RATIO, Weight, free_run_ratio, weigh
+from nxt_twin.diagnose.search.weight import Weight, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -30,6 +30,7 @@ CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
 SWAP_NATS = 1.0
+_RIVAL_RATIO = 1.03  # of errors in free runs, from which they speak against a likelier rival
 
 _DRAFTED = 10
 _PROMISED = 0.1  # of the gain that is needed: with less of it no linear look at an effect has been that wrong
@@ -52,18 +53,29 @@ _EXCHANGES = 4
 _SOBER = 0.3
 _LEFT_OUT_NATS = 3.0
 _FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
-_CLEAR = 1.3
-_ABOVE = 1.1
 
 
 @final
 @dataclass(frozen=True)
 class Rival:
-    """An effect that does nearly as well in the place of a found one; `behind` in nats, negative if better."""
+    """An effect that does nearly as well in the place of a found one.
+
+    Attributes:
+        effect: the other.
+        behind: nats, negative if it is likelier.
+        structure: with it in the found one's place.
+        simulates_worse: whether free runs over checking readings speak against it.
+    """
 
     effect: Effect
     behind: float
     structure: Structure
+    simulates_worse: bool
+
+    @property
+    def doubt_nats(self) -> float:
+        """How far behind it counts when beliefs are shared: where likelihood and simulation disagree, a tie."""
+        return max(self.behind, 0.0) if self.simulates_worse else self.behind
 
 
 @final
@@ -95,7 +107,7 @@ def explain(fitter: Fitter, baseline: Structure, progress: Progress) -> Explanat
         progress("checking each effect's place")
         found = search.found(best)
         rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-        better = _better(best, rivals)
+        better = _better(rivals)
         if better is None or exchange == _EXCHANGES:
             break
         best = search.pruned(better)
@@ -183,12 +195,17 @@ class _Search:
             for effect_id in sorted(best.plant.active - self._baseline.plant.active):
                 simpler = self._settled.without(best, effect_id)
                 weight = weigh(simpler, best)
-                kept = _keeps_its_place(weight, KEEP_NATS + self._belief_in_what_returns(simpler, best))
+                kept = self._is_notable(best, effect_id) and _keeps_its_place(
+                    weight, KEEP_NATS + self._belief_in_what_returns(simpler, best)
+                )
                 if not kept and (weakest is None or weight.total < weakest[0]):
                     weakest = (weight.total, simpler)
             if weakest is None:
                 return best
             best = weakest[1]
+
+    def _is_notable(self, best: Structure, effect_id: str) -> bool:
+        return is_notable(best.plant, best.plant.layout.effect(effect_id), self._fitter.problem.scale)
 
     def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
         """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
@@ -209,20 +226,21 @@ class _Search:
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
         allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
         known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
-        rivals = [
-            Rival(e, weigh(known[e.id], best).total + _belief(effect) - _belief(e), known[e.id])
-            for e in allowed
-            if e.id in known
-        ]
+        rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
         equal = self._drafts.cost(best, bare.noise)
         for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, _RIVALS_DRAFTED)):
             reach = _RIVAL_REACH_NATS if rank or known else _FAR_REACH_NATS
             if draft.cost - equal < reach:
                 trial = self._settled.settle(draft.fitted.plant, bare.noise)
-                beaten_by = weigh(trial, best).total + _belief(effect) - _belief(other)
-                rivals.append(Rival(other, beaten_by, trial))
-        return tuple(sorted(rivals, key=lambda rival: rival.behind)[:_SHORT_LIST])
+                rivals.append(self._rival(best, effect, other, trial))
+        notable = [one for one in rivals if self._is_notable(one.structure, one.effect.id)]
+        return tuple(sorted(notable, key=lambda rival: rival.doubt_nats)[:_SHORT_LIST])
+
+    def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
+        """`other` in the place of `effect`."""
+        behind = weigh(trial, best).total + _belief(effect) - _belief(other)
+        return Rival(other, behind, trial, free_run_ratio(best, trial) >= _RIVAL_RATIO)
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
@@ -247,7 +265,7 @@ class _Search:
         for effect, trial in settled:
             if best.fitted_cost - trial.fitted_cost > in_reach:
                 trial = self._settled_anew(best, effect, trial)
-            if _shows(trial.plant, effect, self._fitter.problem.scale):
+            if is_notable(trial.plant, effect, self._fitter.problem.scale):
                 ranked.append((effect, weigh(best, trial), trial))
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
@@ -334,13 +352,13 @@ class _Search:
         return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
 
 
-def _better(best: Structure, rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
-    """The structure with one effect exchanged that clearly beats `best`, in free run as well."""
+def _better(rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
+    """The structure with one effect exchanged that is clearly likelier, and simulates no worse."""
     beating = [
         rival
         for near in rivals.values()
         for rival in near
-        if rival.behind < -SWAP_NATS and free_run_ratio(best, rival.structure) < FREE_RUN_RATIO
+        if rival.behind < -SWAP_NATS and not rival.simulates_worse
     ]
     return min(beating, key=lambda rival: rival.behind).structure if beating else None
 
@@ -358,16 +376,6 @@ def _belief(effect: Effect) -> float:
 
 def _keeps_its_place(weight: Weight, needed: float) -> bool:
     return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse
-
-
-def _shows(plant: Plant, effect: Effect, scale: Scale) -> bool:
-    """Whether the effect's main parameter is clear of the least value with which it makes a difference."""
-    main = effect.parameters[0]
-    value = plant.values[Slot(effect.id, main.symbol)]
-    bounds = main.in_frame(plant.layout.frame).scaled(scale)
-    nothing = plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0
-    nothing = max(nothing, main.least(scale.recordings) if main.least else 0.0)
-    return value > _CLEAR * bounds.lower * bounds.si and (nothing <= 0.0 or value > _ABOVE * nothing)
 
 
 def probability(behind: float, others: list[float]) -> float:

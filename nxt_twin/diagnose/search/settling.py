@@ -52,7 +52,8 @@ def _begun(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[P
     Under an unknown torque that grows as it likes, single readings forgive parameters that do not simulate. Windows of
     simulation bring these into reach first; an onset or a period they may lose.
     """
-    simulated, drifting = fitter.simulating(plant, noise)
+    fitted, drifting = fitter.simulating(plant, noise)
+    simulated = fitted.plant
     settled_noise, _ = estimate(fitter.simulator, simulated, fitter.target(step_s), drifting)
     costs = fitter.tuned(settled_noise, step_s).pulling().costs_of(fitter.simulator, [plant, simulated])
     return (plant if costs[0] < costs[1] else simulated), settled_noise

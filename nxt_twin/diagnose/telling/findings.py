@@ -36,7 +36,7 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
                 name=effect.name,
                 equation=effect.equation,
                 params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
-                probability=probability(0.0, [rival.behind for rival in rivals]),
+                probability=probability(0.0, [rival.doubt_nats for rival in rivals]),
                 confusable_with=_confusions(simulator, evidence, effect, rivals),
             )
         )
@@ -49,16 +49,16 @@ def near_rivals(evidence: Evidence) -> list[tuple[Effect, Rival]]:
         (effect, rival)
         for effect, _ in evidence.explanation.found
         for rival in evidence.explanation.rivals.get(effect.id, ())
-        if rival.behind < RIVAL_NATS
+        if rival.doubt_nats < RIVAL_NATS
     ]
-    return sorted(pairs, key=lambda pair: pair[1].behind)
+    return sorted(pairs, key=lambda pair: pair[1].doubt_nats)
 
 
 def _confusions(
     simulator: Simulator, evidence: Evidence, effect: Effect, rivals: Sequence[Rival]
 ) -> tuple[Confusion, ...]:
     """The rivals that do nearly as well when fitted in the effect's place, with how alike their traces are here."""
-    near = [rival for rival in rivals if rival.behind < RIVAL_NATS]
+    near = [rival for rival in rivals if rival.doubt_nats < RIVAL_NATS]
     if not near:
         return ()
     bare = without(evidence.final.plant, effect.id, evidence.problem.plant)
@@ -68,7 +68,7 @@ def _confusions(
     return tuple(
         Confusion(
             rival.effect.id,
-            words.why_confusable(effect, rival.effect, rival.behind, traces.get(rival.effect.id)),
+            words.why_confusable(effect, rival, traces.get(rival.effect.id)),
         )
         for rival in near
     )
@@ -78,12 +78,12 @@ def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative,
     """The structures with one effect exchanged that came nearest, with their own error on what is held out."""
     rivals = [rival for near in evidence.explanation.rivals.values() for rival in near]
     listed = []
-    for rival in sorted(rivals, key=lambda rival: rival.behind)[:_SHOWN_ALTERNATIVES]:
+    for rival in sorted(rivals, key=lambda rival: rival.doubt_nats)[:_SHOWN_ALTERNATIVES]:
         plant = rival.structure.plant
         runs = free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
-        behind = [0.0, *(other.behind for other in rivals if other is not rival)]
+        behind = [0.0, *(other.doubt_nats for other in rivals if other is not rival)]
         rmse = overall(runs) * evidence.units.reading_factor
-        listed.append(Alternative(rival.effect.id, probability(rival.behind, behind), rmse))
+        listed.append(Alternative(rival.effect.id, probability(rival.doubt_nats, behind), rmse))
     return tuple(listed)
 
 
@@ -107,4 +107,7 @@ def _why_refused(weight: Weight) -> str:
         reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
     if weight.runs_worse:
         reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")
-    return ", and ".join(reasons) or "as many effects as are allowed were found before it"
+    return (
+        ", and ".join(reasons)
+        or "beside what was found it gains too little, or is too small to be worth a name"
+    )

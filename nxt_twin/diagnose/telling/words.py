@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
 from nxt_twin.diagnose.judging.confusion import Alike
+from nxt_twin.diagnose.search.explain import Rival
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
 
@@ -88,14 +89,17 @@ def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
     return f"{listed(named, 'or')}{why}"
 
 
-def why_confusable(effect: Effect, other: Effect, behind: float, trace: Alike | None = None) -> str:
+def why_confusable(effect: Effect, rival: Rival, trace: Alike | None = None) -> str:
     """Why these recordings leave it open which of two effects it is; `trace` says how alike what they do is here."""
+    other = rival.effect
     told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
     likeness = (
-        f"in its place, the log-likelihood is {-behind:.1f} nats higher"
-        if behind < 0.0
-        else f"in its place, the log-likelihood is only {behind:.1f} nats lower"
+        f"in its place, the log-likelihood is {-rival.behind:.1f} nats higher"
+        if rival.behind < 0.0
+        else f"in its place, the log-likelihood is only {rival.behind:.1f} nats lower"
     )
+    if rival.simulates_worse:
+        likeness += ", but it simulates unseen readings worse"
     if trace is not None and trace.cosine >= _ALIKE:
         likeness += f", and after a re-fit the two change these readings {100.0 * trace.cosine:.0f} % alike"
     return f"{likeness}; {told}" if told else f"{likeness} on these recordings"

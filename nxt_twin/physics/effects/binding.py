@@ -16,6 +16,7 @@ PRESLIDING = Effect(
     source="Dahl 1968; the bristles of Canudas de Wit et al. 1995 without their damping",
     equation_of="torque_balance",
     shows=("reversal", "low_speed"),
+    notable=0.5,
     parameters=(
         Parameter(
             "presliding_deg",
@@ -55,6 +56,7 @@ ANGLE_DEPENDENT_FRICTION = Effect(
     source="our own: the simplest periodic bump with a free width",
     equation_of="torque_balance",
     shows=("angle", "low_speed"),
+    notable=0.002,
     parameters=(
         Parameter(
             "binding_torque_nm",

@@ -38,6 +38,7 @@ BATTERY_SAG = Effect(
     source="a battery as a source with an internal resistance",
     equation_of="electrical",
     shows=("high_current", "after_command"),
+    notable=0.12,
     parameters=(Parameter("internal_resistance_ohm", "internal", "Ω", NUMBER, (0.8, 2.5), 0.0, 20.0),),
     terms={"supply": _lowered, "resistance": _sag},
     confusable_with={
@@ -59,6 +60,7 @@ VOLTAGE_DROP = Effect(
     source="the contact drop of brushes and the saturation of a bipolar bridge, taken as constant",
     equation_of="electrical",
     shows=("low_speed", "direction"),
+    notable=0.06,
     parameters=(
         # A real drop sets in gradually with the current; the law is that of a step.
         Parameter("drop_v", "brush_drop", "V", NUMBER, (0.4, 1.0), 0.0, 5.0, law=0.05),
@@ -178,6 +180,7 @@ WINDING_HEATING = Effect(
     source="one thermal mass; copper gains 0.393 % of its resistance a kelvin (IEC 60028)",
     equation_of="electrical",
     shows=("elapsed_time", "high_current"),
+    notable=0.0005,
     parameters=(
         Parameter("resistance_rise_per_joule", "rise", "1/J", NUMBER, (0.01, 0.05, 2e-3), 0.0, 1.0),
         # The heat may be that of the cold resistance or of the warm one, which makes the more the warmer it is.

@@ -31,6 +31,7 @@ MISSED_COUNTS = Effect(
     source="our own: a counter that misses a share p of the edges above a speed ωm",
     equation_of="measurement",
     shows=("high_speed",),
+    notable=0.005,
     parameters=(
         Parameter("loss_fraction", "loss", "1", NUMBER, (0.05, 0.15), 0.0, 0.95),
         Parameter(
@@ -69,6 +70,7 @@ ENCODER_ECCENTRICITY = Effect(
     source="geometry: a disc off its centre by a, read at radius r, errs by a/r·sin, to first order",
     equation_of="measurement",
     shows=("angle", "high_speed"),
+    notable=0.25,
     parameters=(
         Parameter("amplitude_deg", "amplitude", "deg", ANGLE, (2.0,), 0.0, 45.0, si=math.pi / 180.0),
         Parameter("cycles_per_turn", "cycles", "1", NUMBER, (1.0, 2.0, 3.0, 4.0, 6.0), 0.5, 60.0),

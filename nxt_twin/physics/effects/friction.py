@@ -91,6 +91,7 @@ ASYMMETRIC_FRICTION = Effect(
     source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, a survey",
     equation_of="torque_balance",
     shows=("direction", "low_speed"),
+    notable=0.001,
     parameters=(
         Parameter(
             "coulomb_forward_nm",
@@ -132,6 +133,7 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
     source="the same survey; a slope of its own for each direction",
     equation_of="torque_balance",
     shows=("direction", "high_speed"),
+    notable=3e-4,
     parameters=(
         Parameter(
             "viscous_forward_nm_s_per_rad",
@@ -181,6 +183,7 @@ STICTION = Effect(
     source="Armstrong-Hélouvry, Dupont and Canudas de Wit 1994, a survey, with exponents δ from 0.5 to 2",
     equation_of="torque_balance",
     shows=("low_speed", "reversal"),
+    notable=0.001,
     parameters=(
         Parameter(
             "breakaway_torque_nm",
@@ -234,6 +237,7 @@ LOAD_DEPENDENT_FRICTION = Effect(
     source="Duclusaud et al. 2024, models M3 to M6",
     equation_of="torque_balance",
     shows=("high_current", "after_command"),
+    notable=0.02,
     parameters=(
         Parameter(
             "friction_per_torque",
@@ -266,6 +270,7 @@ QUADRATIC_DRAG = Effect(
     source="drag at high Reynolds numbers: a fan, a paddle",
     equation_of="torque_balance",
     shows=("high_speed",),
+    notable=1.2e-05,
     parameters=(
         Parameter(
             "quadratic_drag_nm_s2_per_rad2",
@@ -294,6 +299,7 @@ FRICTION_WARMUP = Effect(
     source="Bittencourt et al. 2010 on how gear friction falls as it warms; one time constant",
     equation_of="torque_balance",
     shows=("elapsed_time",),
+    notable=0.0012,
     parameters=(
         Parameter(
             "cold_extra_torque_nm",

@@ -24,6 +24,7 @@ CONSTANT_LOAD = Effect(
     source="the weight of a mass on a drum: m·g·r",
     equation_of="torque_balance",
     shows=("direction", "low_speed"),
+    notable=1e-3,
     parameters=(
         Parameter(
             "load_torque_nm",
@@ -55,6 +56,7 @@ GRAVITY_LOAD = Effect(
     source="the pendulum: m·g·l·sin",
     equation_of="torque_balance",
     shows=("angle",),
+    notable=1.5e-3,
     parameters=(
         Parameter("gravity_torque_nm", "gravity", "N·m", TORQUE, (0.05,), 0.0, 3.0),
         Parameter(
@@ -109,6 +111,7 @@ HANGING_PAYLOAD = Effect(
     source="the physical pendulum: m·g·l·sin, and m·l² with what the payload has about its own middle",
     equation_of="torque_balance",
     shows=("angle", "after_command"),
+    notable=1.5e-3,
     parameters=(
         Parameter("gravity_torque_nm", "payload_gravity", "N·m", TORQUE, (0.05,), 0.0, 3.0),
         Parameter("added_inertia_kg_m2", "payload_inertia", "kg·m²", INERTIA, (1e-3,), 0.0, 0.2),
@@ -155,6 +158,7 @@ SPRING_LOAD = Effect(
     source="Hooke's law; a rubber band about its rest",
     equation_of="torque_balance",
     shows=("angle",),
+    notable=1.5e-4,
     parameters=(
         Parameter(
             "stiffness_nm_per_rad",
@@ -194,6 +198,7 @@ COGGING = Effect(
     source="Hanselman 2003; the first harmonic of magnets, commutator or teeth",
     equation_of="torque_balance",
     shows=("angle", "low_speed"),
+    notable=1.5e-3,
     parameters=(
         Parameter("cogging_torque_nm", "cogging", "N·m", TORQUE, (0.012,), 0.0, 3.0),
         Parameter(

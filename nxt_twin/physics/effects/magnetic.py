@@ -21,6 +21,7 @@ TORQUE_SATURATION = Effect(
     source="Fröhlich's curve of iron that saturates, in the torque constant",
     equation_of="torque_balance",
     shows=("high_current", "after_command"),
+    notable=0.03,
     parameters=(Parameter("torque_yield_per_a", "saturation", "1/A", NUMBER, (0.5, 0.15), 0.0, 20.0),),
     terms={"torque": _yielded},
     confusable_with={
@@ -46,6 +47,7 @@ COMMUTATION_RIPPLE = Effect(
     source="Hanselman 2003; the first harmonic of the torque between two commutations",
     equation_of="torque_balance",
     shows=("angle", "high_current"),
+    notable=0.05,
     parameters=(
         Parameter("ripple_fraction", "ripple", "1", NUMBER, (0.15,), 0.0, 1.0),
         Parameter(

@@ -37,6 +37,7 @@ COMMAND_DELAY = Effect(
     source="a dead time, as a radio link or a polling loop has; negative where a logger writes what acts already",
     equation_of="timing",
     shows=("after_command",),
+    notable=2e-3,
     parameters=(
         Parameter(
             "delay_s",

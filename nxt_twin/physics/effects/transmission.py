@@ -88,6 +88,7 @@ BACKLASH = Effect(
     source="the dead-zone model of Nordin and Gutman 2002, flanks critically damped",
     equation_of="torque_balance",
     shows=("reversal", "after_command"),
+    notable=0.4,
     parameters=(
         Parameter(
             "gap_deg",
@@ -171,6 +172,7 @@ SHAFT_COMPLIANCE = Effect(
     source="two masses on a torsion spring, as in any text on drives",
     equation_of="torque_balance",
     shows=("after_command", "reversal"),
+    notable_most=4.5,
     parameters=(
         Parameter(
             "stiffness_nm_per_rad",

@@ -1,0 +1,42 @@
+"""Whether an effect in a plant is large enough to have a name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import Parameter, Scale
+from nxt_twin.physics.plant import Plant
+
+_CLEAR = 1.3
+_ABOVE = 1.1
+_BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
+
+
+def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether `effect` is clear of what makes no difference, and of what motors of one make differ by."""
+    main = effect.parameters[0]
+    value = plant.values[Slot(effect.id, main.symbol)]
+    lower = _carried(main, main.lower, plant, scale)
+    least = main.least(scale.recordings) if main.least else 0.0
+    nothing = max(plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0, least)
+    makes_a_difference = value > _CLEAR * lower and (nothing <= 0.0 or value > _ABOVE * nothing)
+    least_worth_a_name = _carried(main, effect.notable, plant, scale)
+    most_worth_a_name = _carried(main, effect.notable_most, plant, scale)
+    size = _size(plant, effect, value, nothing)
+    return makes_a_difference and least_worth_a_name <= size <= most_worth_a_name
+
+
+def _size(plant: Plant, effect: Effect, value: float, nothing: float) -> float:
+    """What of the main parameter is the effect's own, SI."""
+    if effect.supersedes and len(effect.parameters) == _BOTH_WAYS:
+        other = plant.values[Slot(effect.id, effect.parameters[1].symbol)]
+        return 0.5 * abs(value - other)
+    return abs(value) - nothing
+
+
+def _carried(parameter: Parameter, value: float, plant: Plant, scale: Scale) -> float:
+    """A value of the parameter, given in its unit at NXT scale, for this plant, SI."""
+    own = replace(parameter, lower=value, hints=None).in_frame(plant.layout.frame).scaled(scale)
+    return own.lower * own.si
