@@ -5,6 +5,7 @@ from __future__ import annotations
 import json as json_format
 import os
 from collections.abc import Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -20,6 +21,7 @@ from nxt_twin.blind.by_family import (
 )
 from nxt_twin.blind.families.orders import Amounts, Outcome, families_of, make_orders, plan_orders
 from nxt_twin.blind.families.table import BRISTLE, FAMILIES
+from nxt_twin.blind.peers.answers import PEERS, answer_all, peer_rows
 from nxt_twin.blind.polling import Link
 from nxt_twin.blind.proof import Proof
 from nxt_twin.blind.ranges import RANGES
@@ -162,6 +164,23 @@ def proof(
         emit_json(json, json_format.dumps({"schema": "nxt-twin/proof/1", "range": chosen, **values}))
     if json != "-":
         print("\n".join(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items()))
+
+
+@blind.command()
+def peers(
+    cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
+    answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
+    out: Annotated[Path, typer.Argument(help="Folder for one folder a method.")],
+) -> None:
+    """Let other methods answer the same cases, each by its recipe, and score them."""
+    if not find_spec("pysindy"):
+        fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
+        raise typer.Exit(1)
+    folders = case_folders(cases)
+    _follow("letting others answer", answer_all(folders, out), len(folders))
+    judged = {peer.name: score_answers(cases, answers, out / peer.name).cases for peer in PEERS}
+    print("\n".join(f"{peer.name}: {peer.words}" for peer in PEERS) + "\n")
+    print(as_text(peer_rows(judged)))
 
 
 @blind.command()

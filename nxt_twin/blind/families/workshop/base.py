@@ -46,15 +46,15 @@ def draw_flaws(motor: Numbers) -> Flaws:
     """The flaws that belong to a motor's seed."""
     rng = np.random.default_rng(int(motor.seed))
     return Flaws(
-        lean=float(rng.uniform(-0.04, 0.04)),
-        thaw=float(rng.uniform(0.02, 0.06)),
+        lean=float(rng.uniform(-0.025, 0.025)),
+        thaw=float(rng.uniform(0.015, 0.035)),
         thaw_time_s=float(rng.uniform(8.0, 25.0)),
-        load=float(rng.uniform(0.002, 0.008)),
-        fade_per_a=float(rng.uniform(0.004, 0.012)),
+        load=float(rng.uniform(0.001, 0.005)),
+        fade_per_a=float(rng.uniform(0.003, 0.008)),
         ripple=float(rng.uniform(0.01, 0.03)),
         ripple_cycles=float(rng.choice((144.0, 240.0, 288.0))),
-        mesh=float(rng.uniform(0.03, 0.1)),
+        mesh=float(rng.uniform(0.02, 0.06)),
         mesh_cycles=float(rng.choice((20.0, 24.0, 36.0, 48.0))),
-        tired_ohm=motor.resistance_ohm * float(rng.uniform(0.002, 0.008)),
+        tired_ohm=motor.resistance_ohm * float(rng.uniform(0.002, 0.005)),
         recovery_s=float(rng.uniform(0.8, 3.0)),
     )
