@@ -98,11 +98,22 @@ class ScoreTable:
         )
         return (
             "\n".join(line.rstrip() for line in lines)
-            + "\n\n"
+            + f"\n{_COLUMNS}\n\n"
             + self.where.as_text()
             + "\n"
             + aims_as_text(self.aims)
         )
+
+
+_COLUMNS = """
+exact            right verdict and exactly the right effects; of an unknown effect: the verdict unexplained
+holds truth      every hidden effect is named, or listed as one that it could be confused with
+called adequate  something was hidden and the verdict is adequate
+misnamed         an effect is named that is not hidden
+set              mean number of effects that are named or listed as confusable
+error, own       median relative error of the main parameters: as printed; relative to the motor's inertia or resistance
+fit              median error on held-out data, in multiples of the noise floor
+Shares have their 95 % interval in brackets."""
 
 
 def score(

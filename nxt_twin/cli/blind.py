@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 import os
+import sys
 from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
@@ -276,12 +277,20 @@ def _chosen(effects: str | None) -> tuple[str, ...] | None:
     return tuple(effects.split(",")) if effects else None
 
 
+def _log(words: str, number: int, total: int) -> None:
+    """Where no terminal shows a spinner, a long run tells each tenth of itself on standard error."""
+    tenth = total // 10
+    if tenth > 1 and number % tenth == 0 and not sys.stderr.isatty():
+        print(words, file=sys.stderr, flush=True)
+
+
 def _follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
     """Show how far it is; leave with status 1 at the end if a case failed."""
     failed = False
     with progress(title) as tell:
         for number, (name, why) in enumerate(outcomes, start=1):
             tell(f"{name}, {number} of {total}")
+            _log(f"{title}: {number} of {total}", number, total)
             if why:
                 fail(why)
                 failed = True

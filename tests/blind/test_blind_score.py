@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -186,3 +187,12 @@ def test_table_goes_out_as_text_and_as_json(bench):
     values = json.loads(json.dumps(table.as_dict()))
     assert values["cases"][0]["exact"] is True
     assert values["rows"][0]["exact"]["count"] == 1
+
+
+def test_the_table_defines_each_of_its_columns(bench):
+    bench("case", [effect("stiction", breakaway_torque_nm=0.03)], "explained", [found("stiction")])
+    head, *rest = bench.score().as_text().splitlines()
+    titles = re.split(r"\s{2,}", head)[1:]
+    defined = [line for line in rest if re.match(r"\w[\w ,]*? {2,}\w", line)]
+    for title in titles:
+        assert any(title in re.split(r" {2,}|, ", line) for line in defined), title
