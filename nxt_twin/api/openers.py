@@ -14,6 +14,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkLostError, LinkTimeoutError, LinkUrlError
 from nxt_twin.brick.link import Link
 from nxt_twin.brick.open import Opener
+from nxt_twin.errors import CaseError
 from nxt_twin.mock.serve.profile import PROFILES
 
 if TYPE_CHECKING:
@@ -67,7 +68,20 @@ def concealing(secret: str | None) -> Callable[[Body], None]:
     from nxt_twin.blind.body import hiding
     from nxt_twin.blind.secret import secret_of
 
-    return hiding(secret_of(secret))
+    hide = hiding(secret_of(secret))
+
+    def conceal(body: Body) -> None:
+        from nxt_twin.world.plants import WorldPlants
+
+        plants = body.motors.plants
+        if isinstance(plants, WorldPlants) and plants.drives_joint(0):
+            mend = "give it another plant under motors:, or change the robot by like:"
+            raise CaseError(
+                "nothing can be concealed in a motor that moves a robot", where="motor A", mend=mend
+            )
+        hide(body)
+
+    return conceal
 
 
 def world_bodies(world: World, file: Path | None, seed: int, *, ready: bool) -> Body:

@@ -37,6 +37,10 @@ class WorldPlants:
         self._joint = np.zeros((len(driven), 2))
         self._angle, self._shown, self._current = (np.zeros(len(plants)) for _ in range(3))
 
+    def drives_joint(self, index: int) -> bool:
+        """Whether the motor of that index (0 to 2) is on the robot."""
+        return index in self._driven
+
     @property
     def angle(self) -> FloatArray:
         """Angles, rad, shape (3,)."""

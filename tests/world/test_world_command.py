@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.app import program
-from nxt_twin.errors import NxtTwinError
+from nxt_twin.errors import CaseError, NxtTwinError
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.recording.files import read_recording
@@ -89,6 +89,13 @@ def test_two_runs_are_alike_to_the_last_bit(ahead):
 def test_the_mock_stands_on_a_robot_too():
     with open_brick(f"mock:?world={PLAYGROUND}", VirtualClock(), OPENERS) as brick:
         assert brick.device.info().value.name == "Castor"
+
+
+def test_nothing_is_concealed_in_a_motor_that_moves_the_robot():
+    arm = PLAYGROUND.with_name("arm.yaml")
+    with pytest.raises(CaseError, match="motor A"):
+        open_brick(f"mock:?world={arm}&conceal=5", VirtualClock(), OPENERS)
+    open_brick(f"mock:?world={PLAYGROUND}&conceal=5", VirtualClock(), OPENERS).close()
 
 
 def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
