@@ -16,7 +16,8 @@ STEP_S = 1e-3
 
 
 def motor(**effects: dict[str, float]) -> Plant:
-    return plant_from_config({**load_plant_config("nxt_motor"), "effects": effects}, "power_pct")
+    plain = effects.pop("plain", {})
+    return plant_from_config({**load_plant_config("nxt_motor"), **plain, "effects": effects}, "power_pct")
 
 
 def on_a_body(drives: JointDrives, joint: np.ndarray) -> None:
@@ -35,7 +36,7 @@ def on_a_body(drives: JointDrives, joint: np.ndarray) -> None:
     [
         {},
         {
-            "current_limit": {"current_limit_a": 0.4},
+            "plain": {"current_limit_a": 0.4},
             "gravity_load": {"gravity_torque_nm": 0.03, "phase_deg": 20.0},
         },
         {"winding_heating": {"resistance_rise_per_joule": 0.1, "thermal_time_constant_s": 60.0}},
