@@ -18,7 +18,8 @@ from nxt_twin.sensors.walk import walked
 _STARTS_FOLLOWED = 3
 _STEPS_TO_COMPARE = 15
 _MOST_CORRELATED = 0.9
-_WALKERS, _STEPS = 24, 250
+_WALKERS, _STEPS = 24, 400
+_BEGIN = 2.0  # times a change that matters: narrower crowds have not spread by the end, wider ones get lost
 
 
 @final
@@ -116,7 +117,7 @@ class SensorFitter:
             )
 
         # Not by the curvature, which tells nothing of a likelihood that goes in steps.
-        spread = np.array([part.scale for part in free])
+        spread = _BEGIN * np.array([part.scale for part in free])
         bounds = np.array([part.lower for part in free]), np.array([part.upper for part in free])
         rng = np.random.default_rng(self._seed)
         draws = walked(nats, best, spread, bounds, rng, walkers=_WALKERS, steps=_STEPS)
