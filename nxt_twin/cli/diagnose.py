@@ -36,6 +36,10 @@ def diagnose(
     mapping: MappingOption = None,
     columns: ColumnsOption = None,
     seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(help="Error that does not matter (2deg, 0.5mm); else half a step of the encoder or so."),
+    ] = None,
 ) -> None:
     """Find the physics that a model leaves out, from recordings.
 
@@ -45,10 +49,11 @@ def diagnose(
     from nxt_twin.diagnose.telling.to_json import to_json
 
     failed = False
+    tolerated = _tolerated(tolerance)
     mapping_of = stated_mapping(mapping, columns)
     for path, label in zip(paths, _labels(paths), strict=True):
         try:
-            answer = _diagnose_one(path, label, seed, mapping_of)
+            answer = _diagnose_one(path, label, seed, mapping_of, tolerated)
         except NxtTwinError as error:
             fail(str(error))
             failed = True
@@ -143,7 +148,20 @@ class _Answered:
     model: dict[str, Any]
 
 
-def _diagnose_one(path: Path, label: str | None, seed: int, mapping_of: MappingOf | None) -> _Answered:
+def _tolerated(text: str | None) -> float | None:
+    """The tolerance in SI units; wrong use where it is none."""
+    from nxt_twin.diagnose.tolerance import parse_tolerance
+
+    try:
+        return None if text is None else parse_tolerance(text)
+    except NxtTwinError as error:
+        fail(str(error))
+        raise typer.Exit(2) from None
+
+
+def _diagnose_one(
+    path: Path, label: str | None, seed: int, mapping_of: MappingOf | None, tolerance: float | None
+) -> _Answered:
     from nxt_twin.diagnose.engine import diagnose as run_diagnosis
     from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
     from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
@@ -158,7 +176,7 @@ def _diagnose_one(path: Path, label: str | None, seed: int, mapping_of: MappingO
         if is_robot_case(case):
             driven = diagnose_robot(case, progress=tell)
             return _Answered(driven.diagnosis, driven.model.to_config())
-        answer = run_diagnosis(case, seed=seed, progress=tell)
+        answer = run_diagnosis(case, seed=seed, tolerance=tolerance, progress=tell)
         return _Answered(answer.diagnosis, answer.plant.to_config())
 
 
