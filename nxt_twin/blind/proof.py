@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final, final
 
 from nxt_twin.blind.aims import detectable
@@ -17,6 +18,22 @@ from nxt_twin.blind.solve import case_folders, reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
 
 DELETED: Final = "deleted"
+
+_CONTAINED_IN: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "gravity_load": ("hanging_payload",),
+        "payload_inertia": ("hanging_payload",),
+        "hanging_payload": ("gravity_load", "payload_inertia"),
+        "coulomb_friction": ("asymmetric_friction",),
+        "viscous_friction": ("asymmetric_viscous_friction",),
+    }
+)
+"""Effects that hold the physics of another, or its parts: they go with it."""
+
+
+def taken_out(effect: str) -> frozenset[str]:
+    """What leaves the library so that nobody knows an effect's physics."""
+    return frozenset((effect, *_CONTAINED_IN.get(effect, ())))
 
 
 @final
@@ -37,7 +54,7 @@ class Proof:
             yield f"solving {seed}", len(folders), solve_all(folders, diagnoses, seed=0, jobs=jobs)
             yield f"reaching {seed}", len(folders), reach_all(folders, answers, reached, jobs=jobs)
             alone = self._alone(seed)
-            without = {case.name: frozenset(case.hidden) for case in alone}
+            without = {case.name: taken_out(case.hidden[0]) for case in alone}
             kept = [folder for folder in folders if folder.name in without]
             yield (
                 f"solving {seed} with what is hidden taken out of the library",

@@ -15,7 +15,7 @@ from nxt_twin.blind.by_family import (
     withheld,
 )
 from nxt_twin.blind.families.table import FAMILIES
-from nxt_twin.blind.proof import Proof
+from nxt_twin.blind.proof import Proof, taken_out
 from nxt_twin.blind.ranges import RANGES
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.verdict import Judged
@@ -131,3 +131,12 @@ def test_a_proof_names_its_stages_before_they_run(empty):
     title, total, _ = next(empty.run(1))
     assert title == "making 901"
     assert total == RANGES["sample"].most * len(FAMILIES)
+
+
+def test_what_holds_an_effects_physics_is_taken_out_with_it():
+    assert taken_out("gravity_load") == {"gravity_load", "hanging_payload"}
+    assert taken_out("cogging") == {"cogging"}
+
+
+def test_of_limits_that_are_worth_as_much_the_least_is_taken():
+    assert best_limit([judged("mujoco", probability=1.0)]) == 0.0
