@@ -10,7 +10,7 @@ from typing import Final
 MOST_WORDS: Final = 25
 
 PAGES: Final = (
-    "README.md", "CONTRIBUTING.md", "docs/api.md", "docs/glossary.md", "docs/stability.md",
+    "README.md", "CONTRIBUTING.md", "docs/api.md", "docs/dashboard.md", "docs/glossary.md", "docs/stability.md",
     "docs/decisions",
 )  # fmt: skip
 """A page that is rewritten joins; a folder stands for its pages."""
