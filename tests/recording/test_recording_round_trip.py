@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nxt_twin.errors import RecordingError
+from nxt_twin.recording.checks import LONGEST_GAP_S
 from nxt_twin.recording.columns import CATALOGUE
 from nxt_twin.recording.files import read_recording, write_recording
 from nxt_twin.recording.mapped import read_mapped
@@ -30,8 +31,8 @@ def _values(name):
 def recordings(draw):
     rows = draw(st.integers(2, 12))
     names = draw(st.lists(st.sampled_from(sorted(set(CATALOGUE) - {"time_s"})), unique=True, max_size=6))
-    stamps = sorted(draw(st.lists(_values("time_s"), min_size=rows, max_size=rows)))
-    columns = {"time_s": np.array(stamps)}
+    gaps = draw(st.lists(st.floats(0.0, 0.9 * LONGEST_GAP_S), min_size=rows - 1, max_size=rows - 1))
+    columns = {"time_s": draw(_values("time_s")) + np.cumsum([0.0, *gaps])}
     for name in names:
         columns[name] = np.array(draw(st.lists(_values(name), min_size=rows, max_size=rows)))
     return Recording("run", columns)
