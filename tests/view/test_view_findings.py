@@ -91,7 +91,7 @@ def test_the_equations_compete_and_the_moment_is_named(page):
 
 def test_what_would_have_been_seen_is_listed_with_its_side(page):
     doubt = page.text("doubt")
-    for shown in ("≥ 0.0087", "≤ 0.94", "not at all", "Of 200 clean recordings", "1.3 %"):
+    for shown in ("≥ 0.0087", "≤ 0.94", "not at all", "Of 200 synthetic clean recordings", "1.3 %"):
         assert shown in doubt
     assert "details" in page.tags
 
