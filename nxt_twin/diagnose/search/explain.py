@@ -25,7 +25,7 @@ Progress = Callable[[str], None]
 
 MOST_EFFECTS = 4
 GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose from
-SILENT_NATS = 25.0  # where a simulation of two seconds is off by less than the tolerance already
+SILENT_NATS = 12.0  # where a simulation of two seconds is off by less than the tolerance already
 CHECK_NATS = 2.0
 KEEP_NATS = 3.0
 RIVAL_NATS = 6.0
