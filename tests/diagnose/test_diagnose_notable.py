@@ -1,0 +1,69 @@
+"""Notable sizes: an effect below the size that motors of one make differ by has no name."""
+
+import math
+
+import pytest
+
+from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import NXT_SCALE, Scale
+from nxt_twin.physics.plant import plant_from_config
+
+NXT = {
+    "kind": "dc_motor",
+    "resistance_ohm": 7.6,
+    "torque_constant_nm_per_a": 0.4908,
+    "back_emf_v_s_per_rad": 0.4908,
+    "coulomb_friction_nm": 8.45e-3,
+    "viscous_friction_nm_s_per_rad": 1.92e-3,
+    "inertia_kg_m2": 1.2e-3,
+    "supply_v": 8.0,
+}
+PLAIN = plant_from_config(NXT, "power_pct")
+WITH_A_SIZE = [effect for effect in PLAIN.layout.effects if effect.notable > 0.0]
+SMALLER_IS_MORE = [effect for effect in PLAIN.layout.effects if math.isfinite(effect.notable_most)]
+STEP = 0.02
+
+
+def sized(effect: Effect, size: float):
+    """The motor with `effect`, of which `size` (in its unit, at NXT scale) is the effect's own."""
+    main = effect.parameters[0]
+    values = {p.symbol: p.starts[0] * p.si for p in effect.parameters}
+    nothing = PLAIN.values[Slot(*main.above)] if main.above else 0.0
+    values[main.symbol] = nothing + size * main.si
+    if effect.supersedes:
+        other = effect.parameters[1]
+        values[other.symbol] = 0.01 * other.si
+        values[main.symbol] = 0.01 * main.si + 2.0 * size * main.si
+    return PLAIN.with_effect(effect.id, values)
+
+
+@pytest.mark.parametrize("effect", WITH_A_SIZE, ids=lambda effect: effect.id)
+def test_an_effect_has_a_name_from_its_notable_size_on(effect):
+    main = effect.parameters[0]
+    # What lies at the edge of the bounds, or hardly above the plain friction, makes no difference at any size.
+    edge = max(effect.notable, 1.3 * main.lower / (1.0 - STEP))
+    if main.above:
+        edge = max(edge, 0.1 * PLAIN.values[Slot(*main.above)] / main.si / (1.0 - STEP))
+    assert not is_notable(sized(effect, (1.0 - STEP) * effect.notable), effect, NXT_SCALE)
+    assert is_notable(sized(effect, (1.0 + 2.0 * STEP) * edge), effect, NXT_SCALE)
+
+
+@pytest.mark.parametrize("effect", SMALLER_IS_MORE, ids=lambda effect: effect.id)
+def test_an_effect_that_does_less_the_larger_it_is_has_a_name_up_to_a_size(effect):
+    assert is_notable(sized(effect, (1.0 - STEP) * effect.notable_most), effect, NXT_SCALE)
+    assert not is_notable(sized(effect, (1.0 + STEP) * effect.notable_most), effect, NXT_SCALE)
+
+
+def test_a_stronger_plant_has_larger_notable_sizes():
+    load = PLAIN.layout.effect("constant_load")
+    plant = sized(load, 1.5 * load.notable)
+    assert is_notable(plant, load, NXT_SCALE)
+    assert not is_notable(plant, load, Scale(torque=2.0 * NXT_SCALE.torque, speed=NXT_SCALE.speed))
+
+
+def test_a_load_has_a_name_in_either_direction():
+    load = PLAIN.layout.effect("constant_load")
+    assert is_notable(sized(load, -1.1 * load.notable), load, NXT_SCALE)
+    assert not is_notable(sized(load, -0.9 * load.notable), load, NXT_SCALE)
