@@ -18,6 +18,7 @@ QUIET = Record(
     off=1.0,
     matters=True,
     worst_ratio=1.0,
+    stalled_share=0.0,
 )
 FOUND = replace(
     QUIET, found=True, named=1, gained_nats=500.0, torque_before=2e-2, run_ratio=0.1, worst_ratio=0.1
@@ -39,6 +40,7 @@ EDGES = {
         replace(FOUND, torque_after=0.1, torque_before=0.1 / LIMITS.still_large),
         "torque_after",
     ),
+    "most_stalled": (replace(FOUND, stalled_share=LIMITS.most_stalled), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=LIMITS.worse), "worst_ratio"),
 }
 

@@ -29,6 +29,7 @@ from nxt_twin.physics.signals import Signals, in_session
 from nxt_twin.physics.simulate import free_job, with_supply
 from nxt_twin.physics.start import Start, moving_start, restarts
 from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.stalls import stalled_share, stalls, stalls_in_words
 
 _LONGEST_THINNING_S = 0.06
 _READINGS_PER_TIME_CONSTANT = 8.0
@@ -66,6 +67,8 @@ class Problem:
         signals: the recordings of `target`, unthinned.
         window_s: length of the free runs in `held_out`.
         tolerance: the error of a simulation that does not matter, SI.
+        stalls: where the host or the link stood still, in words, by recording.
+        stalled_share: the largest share of a recording's time that went by so.
         without: ids of effects that no search may try, as if nobody knew them.
     """
 
@@ -78,6 +81,8 @@ class Problem:
     signals: tuple[Signals, ...]
     window_s: float
     tolerance: float
+    stalls: Mapping[str, str]
+    stalled_share: float
     without: frozenset[str] = frozenset()
 
     def everything(self) -> Target:
@@ -112,7 +117,8 @@ def problem_of(
         DiagnosisError: the recordings are driven in different ways, are too short, or nothing moves.
     """
     follows = config.get("kind") == SERVO.kind
-    every = [signals_of(each, port, follows_goal=follows) for each in [*recordings, *holdout]]
+    made = [*recordings, *holdout]
+    every = [signals_of(each, port, follows_goal=follows) for each in made]
     read = in_session(every)
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
@@ -151,6 +157,8 @@ def problem_of(
         signals=tuple(fitted),
         window_s=window_s,
         tolerance=_default_tolerance(fitted) if tolerance is None else tolerance,
+        stalls={one.name: said for one in made if (said := stalls_in_words(stalls(one)))},
+        stalled_share=max(map(stalled_share, made)),
     )
 
 

@@ -171,6 +171,7 @@ def _record(
         run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
         off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
         matters=bool(mattering) and not (found and _at_the_floor(after, floors)),
+        stalled_share=problem.stalled_share,
         worst_ratio=max((after.rms[n] / max(before.rms[n], 1e-15) for n in mattering), default=0.0),
     )
 

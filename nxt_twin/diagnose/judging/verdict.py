@@ -22,6 +22,7 @@ class VerdictLimits:
         hardly: share of the error left below which `unsettled` is not asked.
         still_large: share of the baseline's unknown torque below which a large one is no objection.
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
+        most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
     """
 
@@ -33,6 +34,7 @@ class VerdictLimits:
     hardly: float = 0.15
     still_large: float = 0.5
     most_named: int = 3
+    most_stalled: float = 0.15
     worse: float = 1.05
 
 
@@ -58,6 +60,7 @@ class Record:
             beside found effects by more than the floor.
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
             where it matters.
+        stalled_share: largest share of a recording's time in which the host or the link stood still.
     """
 
     named: int
@@ -71,6 +74,7 @@ class Record:
     off: float
     matters: bool
     worst_ratio: float
+    stalled_share: float
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -78,14 +82,18 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
     missing = record.matters and _lacks_more(record, limits)
     if not record.found:
         return "unexplained" if missing else "adequate"
-    return (
-        "unexplained" if missing or is_patchwork(record, limits) or is_worse(record, limits) else "explained"
-    )
+    doubtful = is_patchwork(record, limits) or is_worse(record, limits) or is_stalled(record, limits)
+    return "unexplained" if missing or doubtful else "explained"
 
 
 def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether it took more effects than are likely to be missing at once, so that they stand for something else."""
     return record.named > limits.most_named
+
+
+def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the host or the link stood still for too long to trust what the stamps say."""
+    return record.stalled_share > limits.most_stalled
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:

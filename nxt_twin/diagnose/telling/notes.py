@@ -41,6 +41,7 @@ def notes(
             f"{name}: {times_s.size} readings are older than their stamps (at {at}{more} s). This is a fault of the "
             "transport, not of the motor; the errors leave these readings out."
         )
+    said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
