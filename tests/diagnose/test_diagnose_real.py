@@ -60,7 +60,7 @@ def test_ev3_free_run_over_the_first_two_seconds_of_the_test_steps_falls_to_5_5_
                 errors.append(np.degrees(part.signals.measured - run["predicted"])[first])
     assert len(errors) == 10
     assert np.sqrt(np.mean(np.concatenate(errors) ** 2)) <= 5.5
-    bad = [note for note in answer.diagnosis.notes if "stays bad" in note]
+    bad = [note for note in answer.diagnosis.notes if "keeps a large error" in note]
     assert any("step_p100.csv" in note and "1.25 times the largest" in note for note in bad)
 
 
@@ -69,6 +69,6 @@ def test_nxt_step_is_a_fault_of_the_transport_and_no_physics_is_invented(case_of
     assert [effect.id for effect in diagnosis.effects] == ["stale_samples"]
     assert diagnosis.mismatch.equation == "timing"
     assert diagnosis.sentence.startswith("No physics is missing")
-    note = next(note for note in diagnosis.notes if "before they were stamped" in note)
+    note = next(note for note in diagnosis.notes if "older than their stamps" in note)
     assert "0.355" in note
     assert "2.154" in note

@@ -3,13 +3,19 @@
 It shares the kernel with the engine, and nothing of how the engine fits.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.simulate import free_job
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import restarts
 
 WINDOW_S = 2.0
@@ -26,7 +32,9 @@ FREE = [
 ]
 
 
-def fitted_on_windows(simulator, plant, recordings, shown):
+def fitted_on_windows(
+    simulator: Simulator, plant: Plant, recordings: Sequence[Signals], shown: Sequence[BoolArray]
+) -> Plant:
     """`plant` with five parameters fitted to windows of 2 s that start from smoothed readings.
 
     `shown` has, for each of `recordings`, the samples that may be fitted.
@@ -35,11 +43,11 @@ def fitted_on_windows(simulator, plant, recordings, shown):
     kept = [mask & ~job.start.at for mask, job in zip(shown, jobs, strict=True)]
     _, active = plant.vectors()
 
-    def at(logs):
+    def at(logs: FloatArray) -> Plant:
         new = {slot: float(plant.values[slot] * np.exp(log)) for slot, log in zip(FREE, logs, strict=True)}
         return plant.with_values({**new, BACK_EMF: plant.values[BACK_EMF] * float(np.exp(logs[0]))})
 
-    def misses(points):
+    def misses(points: FloatArray) -> FloatArray:
         values = np.array([at(logs).vectors()[0] for logs in points])
         runs = simulator.run(values, np.repeat(active[None], len(points), axis=0), jobs)
         return np.concatenate(
@@ -50,9 +58,9 @@ def fitted_on_windows(simulator, plant, recordings, shown):
             axis=1,
         )
 
-    def slopes(logs):
+    def slopes(logs: FloatArray) -> FloatArray:
         ahead, behind = (misses(logs + sign * NUDGE * np.eye(logs.size)) for sign in (1.0, -1.0))
-        return (ahead - behind).T / (2.0 * NUDGE)
+        return np.asarray((ahead - behind).T / (2.0 * NUDGE))
 
     fit = least_squares(
         lambda logs: misses(logs[None])[0],
