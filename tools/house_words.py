@@ -12,6 +12,7 @@ MOST_WORDS: Final = 25
 PAGES: Final = (
     "README.md", "CONTRIBUTING.md", "docs/api.md", "docs/dashboard.md", "docs/glossary.md", "docs/stability.md",
     "docs/decisions", "docs/connect.md", "docs/record.md", "docs/protocol.md", "docs/paper.md", "docs/testing.md",
+    "docs/formats.md", "docs/robots.md", "docs/proof.md", "docs/world.md",
     "docs/export.md", "docs/reliability.md", "docs/diagnosis.md",
 )  # fmt: skip
 """A page that is rewritten joins; a folder stands for its pages."""
@@ -53,16 +54,18 @@ def _pages(root: Path) -> Iterator[Path]:
 def _paragraphs(text: str) -> Iterator[tuple[int, str]]:
     """Prose with the number of its first line; each item of a list is a paragraph."""
     kept: list[str] = []
-    began = 0
+    began, fenced = 0, False
     for number, line in enumerate([*text.splitlines(), ""], 1):
+        fenced ^= line.startswith("```")
+        prose = not fenced and not _NO_PROSE.match(line)
         item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
-        if kept and (item or _NO_PROSE.match(line)):
+        if kept and (item or not prose):
             yield began, _plain(" ".join(kept))
             kept = []
-        if not _NO_PROSE.match(line):
+        if prose:
             began = began if kept else number
             kept.append(line[item.end() :] if item else line)
 
 
 def _plain(text: str) -> str:
-    return _CODE.sub("code", _LINK.sub(r"\1", text)).replace("**", "")
+    return _CODE.sub("`code`", _LINK.sub(r"\1", text)).replace("**", "")
