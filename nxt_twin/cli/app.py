@@ -26,6 +26,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
     {
         "demo": "Watch the whole loop without hardware.",
         "diagnose": "Find the physics that a model leaves out, from recordings.",
+        "changed": "Say what differs between recordings made before and after.",
         "simulate": "Predict a recording's outputs from its inputs.",
         "fit": "Fit a plant's parameters to a case; look for nothing else.",
         "map": "Guess what the columns of a table are, and write the mapping.",

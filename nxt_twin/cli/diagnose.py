@@ -13,6 +13,7 @@ import typer
 
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
+from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 from nxt_twin.errors import NxtTwinError
 
 if TYPE_CHECKING:
@@ -36,10 +37,7 @@ def diagnose(
     mapping: MappingOption = None,
     columns: ColumnsOption = None,
     seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
-    tolerance: Annotated[
-        str | None,
-        typer.Option(help="Error that does not matter (2deg, 0.5mm); else half a step of the encoder or so."),
-    ] = None,
+    tolerance: ToleranceOption = None,
 ) -> None:
     """Find the physics that a model leaves out, from recordings.
 
@@ -49,11 +47,11 @@ def diagnose(
     from nxt_twin.diagnose.telling.to_json import to_json
 
     failed = False
-    tolerated = _tolerated(tolerance)
+    error_si = tolerated(tolerance)
     mapping_of = stated_mapping(mapping, columns)
     for path, label in zip(paths, _labels(paths), strict=True):
         try:
-            answer = _diagnose_one(path, label, seed, mapping_of, tolerated)
+            answer = _diagnose_one(path, label, seed, mapping_of, error_si)
         except NxtTwinError as error:
             fail(str(error))
             failed = True
@@ -146,17 +144,6 @@ class _Answered:
 
     diagnosis: Diagnosis
     model: dict[str, Any]
-
-
-def _tolerated(text: str | None) -> float | None:
-    """The tolerance in SI units; wrong use where it is none."""
-    from nxt_twin.diagnose.tolerance import parse_tolerance
-
-    try:
-        return None if text is None else parse_tolerance(text)
-    except NxtTwinError as error:
-        fail(str(error))
-        raise typer.Exit(2) from None
 
 
 def _diagnose_one(

@@ -19,7 +19,7 @@ def to_json(diagnosis: Diagnosis) -> str:
         "case": diagnosis.name,
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
-        "refit": {name: _moved(moved) for name, moved in diagnosis.refit.items()},
+        "refit": {name: moved(each) for name, each in diagnosis.refit.items()},
         "mismatch": _mismatch(diagnosis.mismatch),
         "effects": [asdict(effect) for effect in diagnosis.effects],
         "alternatives": [asdict(alternative) for alternative in diagnosis.alternatives],
@@ -36,11 +36,12 @@ def to_json(diagnosis: Diagnosis) -> str:
         "nearest": asdict(diagnosis.nearest) if diagnosis.nearest else None,
         "notes": list(diagnosis.notes),
     }
-    return json.dumps(_finite(content), ensure_ascii=False, indent=1)
+    return json.dumps(finite(content), ensure_ascii=False, indent=1)
 
 
-def _moved(moved: Moved) -> dict[str, Any]:
-    content = asdict(moved)
+def moved(one: Moved) -> dict[str, Any]:
+    """A parameter before and after, as JSON has it."""
+    content = asdict(one)
     return {"from": content.pop("before"), "to": content.pop("after"), **content}
 
 
@@ -63,11 +64,12 @@ def _experiment(experiment: NextExperiment) -> dict[str, Any]:
     }
 
 
-def _finite(value: Any) -> Any:  # noqa: ANN401  # any JSON value
+def finite(value: Any) -> Any:  # noqa: ANN401  # any JSON value
+    """The value with null for each number that is none."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return value

@@ -1,0 +1,70 @@
+"""What a comparison says: verdict, changes, errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Moved, Tolerance
+from nxt_twin.physics.effect import Equation
+
+Verdict = Literal["unchanged", "changed", "unexplained"]
+
+
+@final
+@dataclass(frozen=True)
+class Change:
+    """A parameter, or an effect, that differs after.
+
+    Attributes:
+        of: the parameter's name, or the effect's id.
+        before, after: values in `unit`; of an effect those of its main parameter, null where it did not act.
+        std: standard deviation of the difference.
+        interval_95: of the value after, given the one before.
+        probability: that it differs.
+        params: of an effect.
+    """
+
+    of: str
+    before: float | None
+    after: float
+    std: float
+    unit: str
+    interval_95: tuple[float, float]
+    probability: float
+    params: dict[str, Estimate] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True)
+class Changes:
+    """What differs on a side after, and how well that accounts for it.
+
+    Attributes:
+        name: of the side after.
+        before: name of the side before.
+        verdict: whether anything differs, and whether few changes say what.
+        sentence: in words.
+        changes: the likeliest first.
+        refit: what both sides share, as it came and as it was fitted.
+        effects: those among the changes.
+        fit: errors of simulated windows of the side after that were not fitted: with everything shared, with the
+            changes, and with everything different.
+        tolerance: error that does not matter.
+        channel: the column that was read.
+        equation: the one in which the changes stand.
+        notes: what else a reader should know.
+    """
+
+    name: str
+    before: str
+    verdict: Verdict
+    sentence: str
+    changes: tuple[Change, ...]
+    refit: dict[str, Moved]
+    effects: tuple[FoundEffect, ...]
+    fit: Fit
+    tolerance: Tolerance
+    channel: str
+    equation: Equation | None
+    notes: tuple[str, ...]

@@ -1,0 +1,148 @@
+"""What may have changed: each parameter, natural groups of them, each effect of the library; and what each promises."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.changed.joint import Joint, JointFitter, design_of
+from nxt_twin.diagnose.changed.model import Model, difference_spread
+from nxt_twin.diagnose.fitting.fit import SOFT
+from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.search.explain import candidates as lacking
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import Scale
+
+_GROUPS = (("gravity", "inertia"), ("gravity", "phase", "inertia"), ("coulomb", "viscous"))
+_HUNG = "gravity_load"
+_FROM_A_MOMENT_ON = frozenset({"payload_inertia", "hanging_payload"})
+_LARGEST_SIGNATURE = 1e3
+_LARGEST_STRETCH = 10.0
+
+
+@final
+@dataclass(frozen=True)
+class Candidate:
+    """One way in which the side after may differ.
+
+    Attributes:
+        slots: indices of shared variables that differ.
+        effect: id of an effect that acts after, if any.
+        start: its starting values, SI by symbol.
+    """
+
+    slots: tuple[int, ...]
+    effect: str | None = None
+    start: tuple[tuple[str, float], ...] = ()
+
+    def put(self, model: Model, scale: Scale) -> Model:
+        """`model` with it."""
+        wider = model.differing(self.slots)
+        return wider if self.effect is None else wider.with_effect(self.effect, dict(self.start), scale)
+
+
+def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Candidate]:
+    """What `model` does not yet let differ; an effect once for each of its starts."""
+    index = {variable.slots[0].symbol: n for n, variable in enumerate(model.shared)}
+    groups = [tuple(index[symbol] for symbol in group) for group in _GROUPS if set(group) <= index.keys()]
+    found: list[tuple[int, ...]] = [(n,) for n in range(len(model.shared)) if n not in model.differs]
+    found += [group for group in groups if set(group) - set(model.differs)]
+    every = [Candidate(tuple(sorted(each))) for each in found]
+    for effect in lacking(model.after, fitter.sides[1].jobs[0].signals):
+        if effect.id in _FROM_A_MOMENT_ON or "outlier" in effect.terms:
+            continue
+        for start in starts_of(effect, scale):
+            every.append(Candidate((), effect.id, tuple(start.items())))
+            if effect.id == _HUNG and index["inertia"] not in model.differs:
+                every.append(Candidate((index["inertia"],), effect.id, tuple(start.items())))
+    return every
+
+
+def promising(
+    fitter: JointFitter, joint: Joint, every: Sequence[Candidate], scale: Scale, most: int
+) -> list[Candidate]:
+    """The candidates that promise most beside `joint`, best first; of an effect's starts the best alone."""
+    view = _View(fitter, joint)
+    penalty = 0.5 * float(np.log(max(fitter.worth(), 2.0)))
+    promised = []
+    for each, signature in zip(every, view.signatures(every, scale), strict=True):
+        size = len(each.slots) + (len(each.put(joint.model, scale).added) if each.effect else 0)
+        promised.append((view.gain(each.slots, signature) - penalty * size, each))
+    promised.sort(key=lambda item: -item[0])
+    best: dict[tuple[tuple[int, ...], str | None], Candidate] = {}
+    for gain, each in promised:
+        if gain > 0.0:
+            best.setdefault((each.slots, each.effect), each)
+    return list(best.values())[:most]
+
+
+@final
+class _View:
+    """What the side after looks like from a fitted model: residuals and slopes there."""
+
+    def __init__(self, fitter: JointFitter, joint: Joint) -> None:
+        self._fitter, self._joint = fitter, joint
+        model, x = joint.model, joint.x
+        slopes = fitter.slopes(model, x, joint.error, "fitted")
+        self._hessian, self._gradient = fitter.normal_equations(model, x, slopes, "fitted")
+        self._residual = slopes.residual[1]
+        self._weight = fitter.sides[1].weight("fitted") / np.sqrt(1.0 + (self._residual / SOFT) ** 2)
+        self._design = design_of(model, slopes.slope[1], after=True)
+        self._slope = slopes.slope[1][: len(model.shared)]
+        self._base = _quadratic(self._hessian, self._gradient)
+
+    def signatures(self, every: Sequence[Candidate], scale: Scale) -> list[FloatArray | None]:
+        """How each candidate's effect at its start moves the readings after, in errors."""
+        fitter, joint = self._fitter, self._joint
+        side = fitter.sides[1]
+        plants = [
+            each.put(joint.model, scale).after.with_values(_common(joint)) for each in every if each.effect
+        ]
+        if not plants:
+            return [None] * len(every)
+        vectors = [plant.vectors() for plant in [joint.model.plant_at(joint.x, after=True), *plants]]
+        results = fitter.simulator.run(
+            np.array([v for v, _ in vectors]), np.array([a for _, a in vectors]), side.jobs
+        )
+        masks = side.masks("fitted")
+        found = np.concatenate([r.predicted[:, m] for r, m in zip(results, masks, strict=True)], axis=1)
+        moved = np.nan_to_num((found[1:] - found[0]) / joint.error)
+        moved = np.clip(moved, -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE)
+        left = iter(moved)
+        return [next(left) if each.effect else None for each in every]
+
+    def gain(self, slots: Sequence[int], signature: FloatArray | None) -> float:
+        """What letting these differ promises, nats, after all that the model moves already has been moved."""
+        new = [n for n in slots if n not in self._joint.model.differs]
+        rows = [self._slope[n] for n in new]
+        tight = [difference_spread(self._joint.model.shared[n]) ** -2.0 for n in new]
+        if signature is not None:
+            rows, tight = [*rows, signature], [*tight, _LARGEST_STRETCH**-2.0]
+        extra = np.array(rows)
+        corner = (extra * self._weight) @ extra.T + np.diag(tight)
+        side = (self._design * self._weight) @ extra.T
+        gradient = -extra @ (self._weight * self._residual)
+        hessian = np.block([[self._hessian, side], [side.T, corner]])
+        whole = np.concatenate([self._gradient, gradient])
+        if signature is not None:
+            stretch = -np.linalg.lstsq(hessian, whole, rcond=1e-12)[0][-1]
+            if stretch <= 0.0:
+                return 0.0
+        return _quadratic(hessian, whole) - self._base
+
+
+def _common(joint: Joint) -> dict[Slot, float]:
+    """What the fit moved, as far as an effect does not replace it."""
+    model = joint.model
+    plant = model.plant_at(joint.x, after=True)
+    return {slot: plant.values[slot] for v in model.shared for slot in v.slots if slot in plant.values}
+
+
+def _quadratic(hessian: FloatArray, gradient: FloatArray) -> float:
+    """The fall to the lowest point of a paraboloid."""
+    step = np.linalg.lstsq(hessian, gradient, rcond=1e-12)[0]
+    return 0.5 * float(gradient @ step)

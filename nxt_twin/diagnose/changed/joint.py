@@ -1,0 +1,223 @@
+"""Both sides fitted together: Gauss-Newton on windows of simulation, under the error that they have."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.changed.model import Model
+from nxt_twin.diagnose.changed.sides import Side, Which
+from nxt_twin.diagnose.fitting.batch import predictions
+from nxt_twin.diagnose.fitting.fit import SOFT
+from nxt_twin.physics.simulate import Simulator
+
+_DIFFERENCE = 2e-3
+_DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
+_LONGEST_STEP = 1.0
+_ROUNDS = 3
+_ITERATIONS = 8
+_PATIENCE_NATS = 0.1
+_SAME_ERROR = 0.02
+_ERROR_ROUNDS = 20
+_LARGEST_ERROR = 1e6
+
+
+@final
+@dataclass(frozen=True)
+class Joint:
+    """A model at its best numbers.
+
+    Attributes:
+        model: what is shared and what differs.
+        x: its numbers.
+        error: of simulated readings, SI: the likeliest, but never less than what does not matter.
+        cost: negative log-likelihood of the fitted readings and of the priors, nats.
+        check_cost: negative log-likelihood of the readings that only check, nats.
+        check_rms: error of windows that only check, SI, by side.
+    """
+
+    model: Model
+    x: FloatArray
+    error: float
+    cost: float
+    check_cost: float
+    check_rms: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True)
+class Slopes:
+    """Residuals over the error and slopes for each number of a model, by side.
+
+    Attributes:
+        residual: shape (readings,) by side.
+        slope: shape (numbers of the side, readings): the shared ones, and after those of its effects.
+    """
+
+    residual: tuple[FloatArray, ...]
+    slope: tuple[FloatArray, ...]
+
+
+@final
+class JointFitter:
+    """Fits models to one or two sides: before, and after where there are two."""
+
+    def __init__(self, simulator: Simulator, sides: Sequence[Side], tolerance: float) -> None:
+        self.simulator = simulator
+        self.sides = tuple(sides)
+        self.tolerance = tolerance
+
+    def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> Joint:
+        """Move the numbers of `model` from `x` to the likeliest ones, given the readings of one use."""
+        low, high = model.bounds()
+        x = np.clip(x, low, high)
+        error = self._error(model, x, which)
+        for _ in range(_ROUNDS):
+            x = self._moved(model, x, error, which)
+            before, error = error, self._error(model, x, which)
+            if abs(math.log(error / before)) < _SAME_ERROR:
+                break
+        centre, spread = model.priors()
+        prior = 0.5 * float((((x - centre) / spread) ** 2).sum())
+        check_rms = tuple(
+            _window_rms(side, self.run(model, x[None], n, "check")[0]) for n, side in enumerate(self.sides)
+        )
+        cost = self._costs(model, x[None], error, which)[0] + prior
+        return Joint(
+            model, x, error, float(cost), float(self._costs(model, x[None], error, "check")[0]), check_rms
+        )
+
+    def worth(self, which: Which = "fitted") -> float:
+        """How many independent readings there are."""
+        return sum(side.worth(which) for side in self.sides)
+
+    def covariance(self, joint: Joint, which: Which = "everything") -> FloatArray:
+        """Of the numbers, inside."""
+        hessian, _ = self.normal_equations(
+            joint.model, joint.x, self.slopes(joint.model, joint.x, joint.error, which), which
+        )
+        return np.asarray(np.linalg.pinv(hessian, hermitian=True))
+
+    def run(self, model: Model, x: FloatArray, side: int, which: Which) -> FloatArray:
+        """What each set predicts for a side's readings of one use, shape (sets, readings)."""
+        own = self.sides[side]
+        values, active = model.values(x, after=side == 1)
+        found, _ = predictions(self.simulator, values, active, own.jobs, own.masks(which))
+        return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
+
+    def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> Slopes:
+        """By one-sided differences, in errors per unit of the numbers inside."""
+        count, residuals, slopes = len(model.shared), [], []
+        for n, side in enumerate(self.sides):
+            extra = list(range(count + len(model.differs), model.size)) if n == 1 else []
+            rows = [*range(count), *extra]
+            steps = _steps(model, x)
+            sets = np.repeat(x[None], len(rows) + 1, axis=0)
+            sets[np.arange(len(rows)), rows] += steps[rows]
+            found = self.run(model, sets, n, which)
+            slopes.append((found[:-1] - found[-1]) / steps[rows][:, None] / error)
+            residuals.append((side.measured(which) - found[-1]) / error)
+        return Slopes(tuple(residuals), tuple(slopes))
+
+    def normal_equations(
+        self, model: Model, x: FloatArray, slopes: Slopes, which: Which
+    ) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Newton Hessian and gradient of the cost."""
+        centre, spread = model.priors()
+        hessian = np.diag(spread**-2.0)
+        gradient = (x - centre) / spread**2
+        for n, side in enumerate(self.sides):
+            weight = side.weight(which) / np.sqrt(1.0 + (slopes.residual[n] / SOFT) ** 2)
+            design = design_of(model, slopes.slope[n], after=n == 1)
+            hessian += (design * weight) @ design.T
+            gradient -= design @ (weight * slopes.residual[n])
+        return hessian, gradient
+
+    def _moved(self, model: Model, x: FloatArray, error: float, which: Which) -> FloatArray:
+        low, high = model.bounds()
+        objective = self._objectives(model, x[None], error, which)[0]
+        for _ in range(_ITERATIONS):
+            hessian, gradient = self.normal_equations(model, x, self.slopes(model, x, error, which), which)
+            free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
+            steps = np.zeros((len(_DAMPINGS), x.size))
+            inner = hessian[np.ix_(free, free)]
+            for row, damping in enumerate(_DAMPINGS):
+                damped = inner + damping * np.diag(np.maximum(np.diag(inner), 1e-12))
+                steps[row, free] = np.linalg.lstsq(damped, -gradient[free], rcond=1e-12)[0]
+            longest = _LONGEST_STEP * _sizes(model)
+            trials = np.clip(x + np.clip(steps, -longest, longest), low, high)
+            found = self._objectives(model, trials, error, which)
+            best = int(np.argmin(found))
+            gain = objective - found[best]
+            if gain > 0.0:
+                x, objective = trials[best], found[best]
+            if gain < _PATIENCE_NATS:
+                break
+        return x
+
+    def _objectives(self, model: Model, x: FloatArray, error: float, which: Which) -> FloatArray:
+        centre, spread = model.priors()
+        prior = 0.5 * (((x - centre) / spread) ** 2).sum(axis=1)
+        return np.asarray(self._costs(model, x, error, which) + prior)
+
+    def _costs(self, model: Model, x: FloatArray, error: float, which: Which) -> FloatArray:
+        total = np.zeros(len(x))
+        for n, side in enumerate(self.sides):
+            z = (side.measured(which) - self.run(model, x, n, which)) / error
+            soft = SOFT**2 * (np.sqrt(1.0 + (z / SOFT) ** 2) - 1.0)
+            total += side.weight(which) * (soft + math.log(error)).sum(axis=1)
+        return total
+
+    def _error(self, model: Model, x: FloatArray, which: Which) -> float:
+        """The likeliest error of simulated readings, SI; outliers count less."""
+        parts = [
+            (side.measured(which) - self.run(model, x[None], n, which)[0], side.weight(which))
+            for n, side in enumerate(self.sides)
+        ]
+        square = np.concatenate([part for part, _ in parts]) ** 2
+        weight = np.concatenate([np.full(part.size, w) for part, w in parts])
+        least = self.tolerance**2
+        found = max(float(np.median(square)), least)
+        for _ in range(_ERROR_ROUNDS):
+            scaled = square / found
+            mean = float(np.average(scaled / np.sqrt(1.0 + scaled / SOFT**2), weights=weight))
+            found = max(found * mean, least)
+        return math.sqrt(found)
+
+
+def design_of(model: Model, slope: FloatArray, *, after: bool) -> FloatArray:
+    """A side's slopes for all numbers of a model, shape (size, readings): a difference moves like what it is of."""
+    count, differs = len(model.shared), list(model.differs)
+    design = np.zeros((model.size, slope.shape[1]))
+    design[:count] = slope[:count]
+    if after:
+        design[count : count + len(differs)] = slope[differs]
+        design[count + len(differs) :] = slope[count:]
+    return design
+
+
+def _sizes(model: Model) -> FloatArray:
+    """An ordinary size of each number."""
+    variables = [*model.shared, *(model.shared[n] for n in model.differs), *model.added]
+    return np.array([1.0 if v.positive else max(v.scale, 1e-12) for v in variables])
+
+
+def _steps(model: Model, x: FloatArray) -> FloatArray:
+    """Steps for differences, away from upper bounds."""
+    _, high = model.bounds()
+    step = _DIFFERENCE * _sizes(model)
+    return np.where(x + step > high, -step, step)
+
+
+def _window_rms(side: Side, predicted: FloatArray) -> float:
+    """The mean of the windows' RMS errors: one in which the motor sticks otherwise does not outweigh all others."""
+    square = (side.measured("check") - predicted) ** 2
+    windows = side.windows("check")
+    count = np.bincount(windows)
+    total = np.bincount(windows, square)
+    return float(np.mean(np.sqrt(total[count > 0] / count[count > 0])))

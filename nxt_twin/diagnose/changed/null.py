@@ -1,0 +1,61 @@
+"""How much repeats of one state seem to differ among themselves: what a change has to exceed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.changed.joint import Joint, JointFitter
+from nxt_twin.diagnose.changed.model import difference_spread
+from nxt_twin.diagnose.fitting.fit import SOFT
+
+_PATTERNS = ((0, 1), (0, 1, 1, 0))
+_FEWEST = 2
+
+
+def alarm_nats(fitter: JointFitter, joint: Joint) -> float | None:
+    """What the best single parameter gains where one side's repeats are split against one another, nats net.
+
+    None where there is one recording alone. Recordings are sorted by how far they move, so that repeats of one motion
+    come apart.
+
+    Args:
+        fitter: of that side alone.
+        joint: its fit.
+    """
+    side = fitter.sides[0]
+    if len(side.jobs) < _FEWEST:
+        return None
+    slopes = fitter.slopes(joint.model, joint.x, joint.error, "everything")
+    hessian, gradient = fitter.normal_equations(joint.model, joint.x, slopes, "everything")
+    residual, slope = slopes.residual[0], slopes.slope[0]
+    weight = side.weight("everything") / np.sqrt(1.0 + (residual / SOFT) ** 2)
+    penalty = 0.5 * math.log(max(fitter.worth("everything"), 2.0))
+    spreads = [difference_spread(variable) for variable in joint.model.shared]
+    most = 0.0
+    for later in _splits(fitter):
+        for n, spread in enumerate(spreads):
+            own = slope[n] * later
+            column = (slope * weight) @ own
+            corner = float(own @ (weight * own)) + spread**-2.0
+            whole = np.block([[hessian, column[:, None]], [column[None], np.array([[corner]])]])
+            pull = np.concatenate([gradient, [-float(own @ (weight * residual))]])
+            most = max(most, _fall(whole, pull) - _fall(hessian, gradient) - penalty)
+    return most
+
+
+def _splits(fitter: JointFitter) -> list[BoolArray]:
+    """Which readings belong to the second part, by split."""
+    side = fitter.sides[0]
+    moved = [float(np.nanstd(job.signals.measured)) for job in side.jobs]
+    place = np.argsort(np.argsort(moved))
+    recording = side.recordings("everything")
+    return [
+        np.array([pattern[n % len(pattern)] for n in place], dtype=bool)[recording] for pattern in _PATTERNS
+    ]
+
+
+def _fall(hessian: FloatArray, gradient: FloatArray) -> float:
+    return 0.5 * float(gradient @ np.linalg.lstsq(hessian, gradient, rcond=1e-12)[0])

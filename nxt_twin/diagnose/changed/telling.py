@@ -1,0 +1,184 @@
+"""From a comparison to what it says of each parameter and effect."""
+
+from __future__ import annotations
+
+import math
+
+from nxt_twin.diagnose.changed import words
+from nxt_twin.diagnose.changed.answer import Change, Changes, Verdict
+from nxt_twin.diagnose.changed.engine import Compared
+from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Moved, Tolerance
+from nxt_twin.diagnose.fitting.fit import Variable
+from nxt_twin.diagnose.units import units_of
+from nxt_twin.physics.effect import Equation
+from nxt_twin.physics.layout import BASE_OWNER
+
+_Z = 1.96
+_FURTHER_OFF = 1.5  # than a plant of its own: what few changes do not account for
+_MUCH_FURTHER_OFF = 3.0  # than the side before: what no parameter accounts for
+
+
+def told(compared: Compared) -> Changes:
+    """The answer for one side after."""
+    changes = _changes(compared)
+    verdict = _verdict(compared)
+    fit = _fit(compared)
+    signals = compared.after.signals[0]
+    return Changes(
+        name=compared.after.name,
+        before=compared.before.name,
+        verdict=verdict,
+        sentence=words.sentence(verdict, changes, fit, compared),
+        changes=changes,
+        refit=_refit(compared),
+        effects=_effects(compared, changes),
+        fit=fit,
+        tolerance=Tolerance(compared.tolerance * _factor(compared), fit.unit, fit.improved),
+        channel=signals.channel,
+        equation=_equation(compared),
+        notes=words.notes(compared, fit),
+    )
+
+
+def _factor(compared: Compared) -> float:
+    return units_of(compared.before.plant.layout.frame, compared.before.signals[0]).reading_factor
+
+
+def _verdict(compared: Compared) -> Verdict:
+    """By windows that were not fitted: against a plant of the side's own, and against the side before."""
+    own, found = compared.free.check_rms, compared.chosen.joint.check_rms
+    tolerance = compared.tolerance
+    gains = compared.net_of_free > compared.limit_nats and compared.free.check_cost < (
+        compared.chosen.joint.check_cost
+    )
+    if gains and found[1] > _FURTHER_OFF * own[1] and found[1] > own[1] + tolerance:
+        return "unexplained"
+    if found[1] > _MUCH_FURTHER_OFF * found[0] and found[1] > found[0] + 2.0 * tolerance:
+        return "unexplained"
+    return "changed" if compared.chosen.joint.model.changes else "unchanged"
+
+
+def _fit(compared: Compared) -> Fit:
+    factor = _factor(compared)
+    return Fit(
+        metric=f"windows of {compared.window_s:.2g} s after that were not fitted, RMS",
+        unit=units_of(compared.before.plant.layout.frame, compared.before.signals[0]).reading,
+        baseline=compared.shared.check_rms[1] * factor,
+        improved=compared.chosen.joint.check_rms[1] * factor,
+        floor=min(compared.free.check_rms[1], compared.chosen.joint.check_rms[1]) * factor,
+    )
+
+
+def _changes(compared: Compared) -> tuple[Change, ...]:
+    model = compared.chosen.joint.model
+    found = [_of_parameter(compared, n) for n in model.differs]
+    found += [_of_effect(compared, each) for each in model.effects]
+    return tuple(sorted(found, key=lambda change: -change.probability))
+
+
+def _of_parameter(compared: Compared, index: int) -> Change:
+    joint = compared.chosen.joint
+    variable = joint.model.shared[index]
+    slot = variable.slots[0]
+    parameter = joint.model.plant.layout.parameters[slot]
+    place = joint.model.names().index(("differs", slot))
+    before, after = (
+        joint.model.plant_at(joint.x, after=side).values[slot] / parameter.si for side in (False, True)
+    )
+    estimate = _estimate(compared, variable, place, after, parameter.si, parameter.unit)
+    return Change(
+        parameter.name,
+        before,
+        after,
+        estimate.std,
+        parameter.unit,
+        estimate.interval_95 or (after, after),
+        _probability(compared, index),
+    )
+
+
+def _of_effect(compared: Compared, effect_id: str) -> Change:
+    joint = compared.chosen.joint
+    layout = joint.model.plant.layout
+    plant = joint.model.plant_at(joint.x, after=True)
+    params = {}
+    for variable in joint.model.added:
+        slot = variable.slots[0]
+        if slot.owner == effect_id:
+            parameter = layout.parameters[slot]
+            place = joint.model.names().index(("added", slot))
+            value = plant.values[slot] / parameter.si
+            params[parameter.name] = _estimate(compared, variable, place, value, parameter.si, parameter.unit)
+    main = next(iter(params.values()))
+    interval = main.interval_95 or (main.value, main.value)
+    return Change(
+        effect_id, None, main.value, main.std, main.unit, interval, _probability(compared, effect_id), params
+    )
+
+
+def _estimate(
+    compared: Compared, variable: Variable, place: int, value: float, si: float, unit: str
+) -> Estimate:
+    std = math.sqrt(max(float(compared.covariance[place, place]), 0.0))
+    if variable.positive:
+        reach = math.exp(min(_Z * std, 50.0))
+        return Estimate(value, value * std, unit, (value / reach, value * reach))
+    return Estimate(value, std / si, unit, (value - _Z * std / si, value + _Z * std / si))
+
+
+def _probability(compared: Compared, each: int | str) -> float:
+    return 1.0 / (1.0 + math.exp(-min(compared.chosen.nats[each], 50.0)))
+
+
+def _refit(compared: Compared) -> dict[str, Moved]:
+    joint = compared.chosen.joint
+    given = compared.before.plant.values
+    now = joint.model.plant_at(joint.x, after=False).values
+    found = {}
+    for place, variable in enumerate(joint.model.shared):
+        for slot in variable.slots:
+            if slot not in given:
+                continue
+            parameter = joint.model.plant.layout.parameters[slot]
+            value = now[slot] / parameter.si
+            own = _estimate(compared, variable, place, value, parameter.si, parameter.unit)
+            name = parameter.name if _is_plain(compared, slot.owner) else f"{slot.owner}.{parameter.name}"
+            found[name] = Moved(given[slot] / parameter.si, value, own.std, parameter.unit, own.interval_95)
+    return found
+
+
+def _is_plain(compared: Compared, owner: str) -> bool:
+    return owner == BASE_OWNER or compared.before.plant.layout.effect(owner).plain
+
+
+def _effects(compared: Compared, changes: tuple[Change, ...]) -> tuple[FoundEffect, ...]:
+    layout = compared.before.plant.layout
+    known = {effect.id: effect for effect in layout.effects}
+    return tuple(
+        FoundEffect(
+            change.of,
+            known[change.of].name,
+            known[change.of].equation,
+            change.params,
+            change.probability,
+            (),
+        )
+        for change in changes
+        if change.params
+    )
+
+
+def _equation(compared: Compared) -> Equation | None:
+    """Of the change that is worth most."""
+    nats = compared.chosen.nats
+    if not nats:
+        return None
+    most = max(nats, key=lambda each: nats[each])
+    model = compared.chosen.joint.model
+    if isinstance(most, str):
+        return model.plant.layout.effect(most).equation_of
+    slot = model.shared[most].slots[0]
+    if slot.owner != BASE_OWNER:
+        return model.plant.layout.effect(slot.owner).equation_of
+    mechanical = slot.symbol == "inertia" or model.plant.layout.frame != "motor"
+    return "torque_balance" if mechanical else "electrical"

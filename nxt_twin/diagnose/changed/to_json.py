@@ -1,0 +1,31 @@
+"""A comparison as JSON: the keys of a diagnosis, and what changed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from nxt_twin.diagnose.changed.answer import Changes
+from nxt_twin.diagnose.telling.to_json import SCHEMA, finite, moved
+
+
+def to_json(changes: Changes) -> str:
+    """The JSON text; a number that is not finite becomes null."""
+    content: dict[str, Any] = {
+        "schema": SCHEMA,
+        "case": changes.name,
+        "before": changes.before,
+        "verdict": changes.verdict,
+        "sentence": changes.sentence,
+        "changes": [asdict(change) for change in changes.changes],
+        "refit": {name: moved(each) for name, each in changes.refit.items()},
+        "mismatch": {"channel": changes.channel, "when": [], "regimes": [], "equation": changes.equation},
+        "effects": [asdict(effect) for effect in changes.effects],
+        "alternatives": [],
+        "fit": asdict(changes.fit),
+        "tolerance": asdict(changes.tolerance),
+        "next_experiment": None,
+        "notes": list(changes.notes),
+    }
+    return json.dumps(finite(content), ensure_ascii=False, indent=1)

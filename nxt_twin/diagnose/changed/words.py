@@ -1,0 +1,110 @@
+"""What a comparison says to a person."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from nxt_twin.diagnose.changed.answer import Change, Verdict
+from nxt_twin.diagnose.changed.engine import Compared
+from nxt_twin.diagnose.diagnosis import Fit
+from nxt_twin.diagnose.telling.words import listed
+from nxt_twin.diagnose.units import after_number
+from nxt_twin.physics.library import library
+
+_UNIT_SUFFIX = re.compile(
+    r"_(kg_m2|kg|nm_per_a|nm_s_per_rad|nm_per_rad|n_s_per_m|v_s_per_rad|nm|n|ohm|h|v|a|s|deg|pct|m|rad_s)$"
+)
+_PART_OF = {
+    "load": {
+        "gravity_torque_nm",
+        "phase_deg",
+        "inertia_kg_m2",
+        "inertia",
+        "gravity_load",
+        "constant_load",
+        "spring_load",
+        "load_torque_nm",
+        "load_force_n",
+        "load_inertia_kg_m2",
+    },
+    "motor": {
+        "resistance_ohm",
+        "torque_constant_nm_per_a",
+        "winding_heating",
+        "voltage_drop",
+        "current_limit",
+    },
+    "supply": {"battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
+}
+_FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
+
+
+def sentence(verdict: Verdict, changes: Sequence[Change], fit: Fit, compared: Compared) -> str:
+    """What changed, and by how much."""
+    before, after = compared.before.name, compared.after.name
+    named = listed([_change(change) for change in changes])
+    errors = f"{fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g}"
+    if verdict == "unchanged":
+        return (
+            f"Nothing changed between {before} and {after}: one model predicts windows of either side that it has "
+            f"not seen, those after to {fit.improved:.3g} {fit.unit}."
+        )
+    if verdict == "unexplained":
+        helps = f" What helps, {named}, does not suffice ({errors})." if changes else ""
+        own = f"A model of its own would predict {after} to {fit.floor:.3g} {fit.unit}."
+        return f"Something changed, and no few parameters or effects account for it.{helps} {own}"
+    return f"{_opening(changes)}: {named}. Simulated windows after: {errors}."
+
+
+def notes(compared: Compared, fit: Fit) -> tuple[str, ...]:
+    """How the limit was found, and what both sides lack."""
+    source = (
+        "as repeats of one side allow" if compared.calibrated else "no side has repeats that could tell it"
+    )
+    found = [f"a change had to gain {compared.limit_nats:.2g} nats beyond its penalty ({source})"]
+    names = {effect.id: effect.name for effect in library().values()}
+    common = compared.chosen.lacking
+    if common:
+        what = listed([names[each] for each in common])
+        found.append(
+            f"both sides would be predicted better with {what}, which the model leaves out; that is no change"
+        )
+    if not 0.0 < fit.improved < 1e6:
+        found.append("simulated windows run away: check units and signs of the recordings")
+    return tuple(found)
+
+
+def parameter_words(name: str) -> str:
+    """A parameter's name without its unit: `gravity_torque_nm` is the gravity torque."""
+    return _UNIT_SUFFIX.sub("", name).replace("_", " ")
+
+
+def _change(change: Change) -> str:
+    unit = after_number(change.unit)
+    if change.before is None:
+        name = {effect.id: effect.name for effect in library().values()}[change.of]
+        main = parameter_words(next(iter(change.params)))
+        return f"{name} came in ({main} {change.after:.3g}{unit})"
+    return f"{parameter_words(change.of)} {change.before:.3g} → {change.after:.3g}{unit}"
+
+
+def _opening(changes: Sequence[Change]) -> str:
+    parts = sorted({_part(change.of) for change in changes})
+    if "motor" in parts:
+        return f"The {listed(parts)} changed"
+    if parts == ["recording"]:
+        return "The recording changed, the motor and its load did not"
+    return f"The {listed(parts)} changed, the motor did not"
+
+
+def _part(of: str) -> str:
+    for part, names in _PART_OF.items():
+        if of in names:
+            return part
+    if _FRICTION.search(of):
+        return "friction"
+    effect = library().get(of)
+    if effect and effect.equation_of in ("measurement", "timing"):
+        return "recording"
+    return "transmission" if effect and effect.equation_of == "kinematic" else "load"

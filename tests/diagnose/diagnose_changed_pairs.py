@@ -1,0 +1,45 @@
+"""Recordings of the benchmark's own simulator, before and after somebody touched the motor."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from nxt_twin.blind.bench import draw_commands, draw_motor
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.blind.record import take
+from nxt_twin.blind.truth.sensing import Sensing
+from nxt_twin.diagnose.changed.compare import changed
+from nxt_twin.recording.case import Case
+
+
+def touched(truth, **factors):
+    """The motor with some of its numbers multiplied."""
+    return replace(truth, **{name: factor * getattr(truth, name) for name, factor in factors.items()})
+
+
+def side(rng, name, truth, families=("steps", "reversals")):
+    runs = [draw_commands(rng, family, "usb", 6.0, 0.5, 0.0) for family in families]
+    taken = [take(rng, f"{name}-{n}.csv", truth, Sensing(), run).recording for n, run in enumerate(runs)]
+    return Case(name, Path(), {"kind": "dc_motor", **NOMINAL}, tuple(taken), (), "a")
+
+
+@cache
+def pair(seed, what):
+    """Both sides; `what` names what was done between them."""
+    rng = np.random.default_rng(seed)
+    truth = draw_motor(rng)
+    rubbed = touched(truth, coulomb_forward_nm=3.0, coulomb_reverse_nm=3.0)
+    after = {
+        "nothing": truth,
+        "inertia": touched(truth, inertia_kg_m2=1.6),
+        "band and friction": replace(rubbed, band_stiffness_nm_per_rad=0.02),
+    }[what]
+    return side(rng, "before", truth), side(rng, "after", after)
+
+
+@cache
+def answer(seed, what):
+    before, after = pair(seed, what)
+    return changed(before, [after])[0]

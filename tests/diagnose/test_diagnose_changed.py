@@ -1,0 +1,52 @@
+"""Before and after: nothing, one change with its size, two of them, and what cannot be compared."""
+
+from dataclasses import replace
+
+import pytest
+from diagnose_changed_pairs import answer, pair
+
+from nxt_twin.diagnose.changed.compare import changed
+from nxt_twin.diagnose.changed.words import parameter_words
+from nxt_twin.errors import DiagnosisError, NxtTwinError
+
+
+def test_recordings_of_one_motor_are_unchanged():
+    found = answer(0, "nothing")
+    assert (found.verdict, found.changes) == ("unchanged", ())
+    assert found.sentence.startswith("Nothing changed")
+
+
+def test_more_inertia_is_found_with_its_size_and_the_motor_stays():
+    found = answer(0, "inertia")
+    (change,) = found.changes
+    assert found.verdict == "changed"
+    assert change.of == "inertia_kg_m2"
+    assert change.after / change.before == pytest.approx(1.6, rel=0.1)
+    assert change.interval_95[0] < change.after < change.interval_95[1]
+    assert found.sentence.startswith("The load changed, the motor did not: inertia")
+    assert found.fit.improved < 0.3 * found.fit.baseline
+
+
+def test_a_rubber_band_and_more_friction_are_told_apart():
+    found = {change.of: change for change in answer(0, "band and friction").changes}
+    assert found.keys() == {"spring_load", "coulomb_friction_nm"}
+    stiffness = found["spring_load"].params["stiffness_nm_per_rad"]
+    assert stiffness.value == pytest.approx(0.02, rel=0.3)  # angle and duty tell no torques, the model's do
+    assert found["spring_load"].before is None
+    friction = found["coulomb_friction_nm"]
+    assert friction.after / friction.before == pytest.approx(3.0, rel=0.2)
+
+
+def test_sides_driven_in_different_ways_are_refused():
+    before, after = pair(0, "nothing")
+    torque = replace(after.recordings[0], name="still.csv")
+    still = {**torque.columns, "a_tacho_deg": 0.0 * torque.columns["a_tacho_deg"]}
+    with pytest.raises(DiagnosisError, match="nothing moves"):
+        changed(before, [replace(after, recordings=(replace(torque, columns=still),))])
+    with pytest.raises(NxtTwinError):
+        changed(replace(before, plant={"kind": "rigid_body", "inertia": 1.0}), [after])
+
+
+def test_a_parameter_reads_without_its_unit():
+    assert parameter_words("gravity_torque_nm") == "gravity torque"
+    assert parameter_words("viscous_friction_nm_s_per_rad") == "viscous friction"
