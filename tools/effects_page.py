@@ -221,8 +221,12 @@ The thin line below is the power that is commanded. The sizes are chosen to be s
 
 Values are those at the output hub of an NXT motor. On another plant, starts and bounds are scaled with its own torque
 and speed. *Starts* are where a fit begins; *prior* is the standard deviation of the weak prior round the first of them,
-as a share of it; without one, only the bounds hold. What a baseline file gives has a prior of its own (*given*).
+as a share of it; without one, only the bounds hold. Of a parameter that can only be positive it is of its logarithm.
+A value that a baseline file gives has a prior of its own (*given*), of 50% at most.
 *If left out*: the value where a plant file does not give the parameter; without one it has to.
+
+Motors of one make differ by a little friction, load and ripple. A diagnosis therefore names an effect only from its
+*notable size* on; other plants scale it with torque and speed.
 """
 
 
@@ -237,6 +241,7 @@ def _section(effect: Effect) -> Iterator[str]:
     for parameter in effect.parameters:
         yield _row(parameter)
     yield ""
+    yield from _notable(effect)
     yield from _remarks(effect)
     yield "Easily taken for:\n"
     built_in = {other.id for other in BUILT_IN}
@@ -244,6 +249,19 @@ def _section(effect: Effect) -> Iterator[str]:
         if other in built_in:
             yield f"- [`{other}`](#{_anchor(library()[other])}): {why}"
     yield ""
+
+
+def _notable(effect: Effect) -> Iterator[str]:
+    main = effect.parameters[0]
+    unit = "" if main.unit == "1" else f" {main.unit}"
+    if effect.supersedes:
+        measure = f", as half the difference between `{main.name}` and `{effect.parameters[1].name}`"
+    else:
+        measure = f" more than `{main.above[0]}`" if main.above else ""
+    if effect.notable > 0.0:
+        yield f"Notable size: {effect.notable:g}{unit}{measure}.\n"
+    if math.isfinite(effect.notable_most):
+        yield f"Notable size: {effect.notable_most:g}{unit} or less.\n"
 
 
 def _row(parameter: Parameter) -> str:
