@@ -4,23 +4,14 @@ import math
 
 import pytest
 
+from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import NXT_SCALE, Scale
 from nxt_twin.physics.plant import plant_from_config
 
-NXT = {
-    "kind": "dc_motor",
-    "resistance_ohm": 7.6,
-    "torque_constant_nm_per_a": 0.4908,
-    "back_emf_v_s_per_rad": 0.4908,
-    "coulomb_friction_nm": 8.45e-3,
-    "viscous_friction_nm_s_per_rad": 1.92e-3,
-    "inertia_kg_m2": 1.2e-3,
-    "supply_v": 8.0,
-}
-PLAIN = plant_from_config(NXT, "power_pct")
+PLAIN = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
 WITH_A_SIZE = [effect for effect in PLAIN.layout.effects if effect.notable > 0.0]
 SMALLER_IS_MORE = [effect for effect in PLAIN.layout.effects if math.isfinite(effect.notable_most)]
 STEP = 0.02
