@@ -18,6 +18,7 @@ from nxt_twin.errors import NxtTwinError
 
 if TYPE_CHECKING:
     from nxt_twin.diagnose.diagnosis import Diagnosis
+    from nxt_twin.recording.case import Case
     from nxt_twin.recording.mappings import MappingOf
 
 
@@ -51,7 +52,11 @@ def diagnose(
     mapping_of = stated_mapping(mapping, columns)
     for path, label in zip(paths, _labels(paths), strict=True):
         try:
-            answer = _diagnose_one(path, label, seed, mapping_of, error_si)
+            case = _case(path, label, mapping_of)
+            if case.before:
+                _tell_changes(case, json, report, error_si, many=len(paths) > 1)
+                continue
+            answer = _diagnose_one(case, seed, error_si)
         except NxtTwinError as error:
             fail(str(error))
             failed = True
@@ -146,17 +151,37 @@ class _Answered:
     model: dict[str, Any]
 
 
-def _diagnose_one(
-    path: Path, label: str | None, seed: int, mapping_of: MappingOf | None, tolerance: float | None
-) -> _Answered:
+def _case(path: Path, label: str | None, mapping_of: MappingOf | None) -> Case:
+    from nxt_twin.recording.case import read_as_case
+
+    case = read_as_case(path, mapping_of)
+    return replace(case, name=label or case.name)
+
+
+def _tell_changes(
+    case: Case, json: str | None, report: Path | None, tolerance: float | None, *, many: bool
+) -> None:
+    """Say what has changed since the recordings that the case calls `before`."""
+    from nxt_twin.cli.changed import show as show_changes
+    from nxt_twin.diagnose.changed.compare import changed_since
+    from nxt_twin.diagnose.changed.to_json import to_json
+
+    with progress(case.name) as tell:
+        changes = changed_since(case, tolerance=tolerance, progress=tell)
+    if json:
+        emit_json(_place(json, case.name, "json", many=many), to_json(changes))
+    if json != "-":
+        show_changes(changes)
+    if report:
+        fail(f"{case.name}: a comparison has no HTML report yet")
+
+
+def _diagnose_one(case: Case, seed: int, tolerance: float | None) -> _Answered:
     from nxt_twin.diagnose.engine import diagnose as run_diagnosis
     from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
     from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
-    from nxt_twin.recording.case import read_as_case
 
-    with progress(str(path)) as tell:
-        case = read_as_case(path, mapping_of)
-        case = replace(case, name=label or case.name)
+    with progress(case.name) as tell:
         if is_sensor_case(case):
             told = diagnose_sensor(case, seed=seed, progress=tell)
             return _Answered(told.diagnosis, told.model.to_config())

@@ -40,6 +40,7 @@ class Case:
         recordings: the runs to fit.
         holdout: runs that must not be fitted.
         port: the port whose motor the case is about; None for a mapped plant, a sensor or a robot.
+        before: runs made while the baseline held, where the question is what has changed since.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Case:
     recordings: tuple[Recording, ...]
     holdout: tuple[Recording, ...]
     port: Port | None
+    before: tuple[Recording, ...] = ()
 
     def __repr__(self) -> str:
         """Short: name and recordings."""
@@ -64,6 +66,7 @@ class CaseFile(BaseModel):
     plant: str | dict[str, Any]
     recordings: list[str]
     holdout: list[str] = []
+    before: list[str] = []
     port: Port | None = None
     mapping: Given = None
 
@@ -110,8 +113,9 @@ def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     stated = mapping_of or mappings(file.mapping, folder, f"{path}, key mapping")
     recordings = tuple(each for name in file.recordings for each in _read(folder, name, stated))
     holdout = tuple(each for name in file.holdout for each in _read(folder, name, stated))
-    port = _port((*recordings, *holdout), plant, file.port, str(path))
-    return Case(folder.resolve().name, folder, plant, recordings, holdout, port)
+    before = tuple(each for name in file.before for each in _read(folder, name, stated))
+    port = _port((*recordings, *holdout, *before), plant, file.port, str(path))
+    return Case(folder.resolve().name, folder, plant, recordings, holdout, port, before)
 
 
 def case_of(recordings: Sequence[Recording], plant: Plant | None = None, port: Port | None = None) -> Case:
@@ -139,9 +143,9 @@ def _check_lists(file: CaseFile, path: Path) -> None:
     if not file.recordings:
         where = f"{path}, key recordings"
         raise CaseError("lists no recording", where=where, mend="list at least one file")
-    for name, count in Counter([*file.recordings, *file.holdout]).items():
+    for name, count in Counter([*file.recordings, *file.holdout, *file.before]).items():
         if count > 1:
-            mend = "list each file once, to be fitted or held out"
+            mend = "list each file once, to be fitted, held out or before"
             raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
 
 

@@ -65,3 +65,19 @@ def test_bad_input_ends_in_one_line(table, tmp_path):
     assert lacking.exit_code != 0
     assert run("changed", good).exit_code == 2
     assert run("changed", good, good, "--tolerance", "2 apples").exit_code == 2
+
+
+def test_a_case_with_recordings_from_before_is_compared_by_diagnose(table, tmp_path):
+    table("before.csv", 0.1)
+    table("after.csv", 0.2)
+    (tmp_path / "case.yaml").write_text(
+        "{plant: plant.yaml, mapping: map.yaml, recordings: [after.csv], before: [before.csv]}"
+    )
+    found = CliRunner().invoke(program(["diagnose"]), ["diagnose", str(tmp_path), "--json", "-"])
+    told = json.loads(found.stdout)
+    assert (told["verdict"], [change["of"] for change in told["changes"]]) == ("changed", ["inertia"])
+    (tmp_path / "case.yaml").write_text(
+        "{plant: plant.yaml, mapping: map.yaml, recordings: [after.csv], before: [after.csv]}"
+    )
+    twice = CliRunner().invoke(program(["diagnose"]), ["diagnose", str(tmp_path)])
+    assert twice.exit_code == 1

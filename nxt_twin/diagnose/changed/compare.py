@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from nxt_twin.diagnose.changed.answer import Changes
 from nxt_twin.diagnose.changed.engine import Progress, compare
@@ -30,3 +31,15 @@ def changed(
         NxtTwinError: a side cannot be compared; its text says why.
     """
     return [told(each) for each in compare(before, afters, tolerance, progress)]
+
+
+def changed_since(
+    case: Case, *, tolerance: float | None = None, progress: Progress = lambda _: None
+) -> Changes:
+    """As `changed`, between the recordings that `case` calls `before` and its own.
+
+    Raises:
+        NxtTwinError: the sides cannot be compared; its text says why.
+    """
+    before = replace(case, name="before", recordings=case.before, holdout=(), before=())
+    return changed(before, [case], tolerance=tolerance, progress=progress)[0]

@@ -20,8 +20,10 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
 
-LIMIT_NATS = 4.0
+LIMIT_NATS = 5.0
 """What a change has to gain beyond its penalty where no repeats tell how far one state varies."""
+
+_SAFETY = 1.5  # times what repeats seem to differ: they are few
 
 Progress = Callable[[str], None]
 
@@ -120,7 +122,7 @@ def _compared(
     shared = fitter.fit(model, first.x)
     alarms = [alarm_nats(alone, first), _of_after(simulator, sides[1], free, tolerance)]
     known = [each for each in alarms if each is not None]
-    chooser = Chooser(fitter, before.scale, max([LIMIT_NATS, *known]))
+    chooser = Chooser(fitter, before.scale, max([LIMIT_NATS, *(_SAFETY * each for each in known)]))
     chosen = chooser.chosen(shared, progress)
     progress("fitting every reading")
     best = chosen.joint

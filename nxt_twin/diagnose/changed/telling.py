@@ -15,7 +15,7 @@ from nxt_twin.physics.layout import BASE_OWNER
 
 _Z = 1.96
 _FURTHER_OFF = 1.5  # than a plant of its own: what few changes do not account for
-_MUCH_FURTHER_OFF = 3.0  # than the side before: what no parameter accounts for
+_MUCH_FURTHER_OFF = 6.0  # than the side before: what no parameter accounts for
 
 
 def told(compared: Compared) -> Changes:
