@@ -13,7 +13,8 @@ PAGES: Final = (
     "README.md", "CONTRIBUTING.md", "docs/api.md", "docs/dashboard.md", "docs/glossary.md", "docs/stability.md",
     "docs/decisions", "docs/connect.md", "docs/record.md", "docs/protocol.md", "docs/paper.md", "docs/testing.md",
     "docs/formats.md", "docs/robots.md", "docs/proof.md", "docs/world.md", "docs/sensors.md", "docs/mock.md",
-    "docs/experiments.md", "docs/live.md", "docs/export.md", "docs/reliability.md", "docs/diagnosis.md",
+    "docs/experiments.md", "docs/live.md", "docs/writing.md", "docs/export.md", "docs/reliability.md",
+    "docs/diagnosis.md",
 )  # fmt: skip
 """A page that is rewritten joins; a folder stands for its pages."""
 
