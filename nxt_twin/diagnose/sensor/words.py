@@ -18,37 +18,37 @@ _EXPERIMENTS: Final = {
 }
 
 _ANY_SCALE: Final = (
-    "A scale error of any other cause, such as the sensor's own clock, looks the same as another speed of sound: "
-    "the temperature stands for the scale until a thermometer says so."
+    "A scale error of another cause, such as the sensor's own clock, looks like another speed of sound. "
+    "The temperature stands for the scale until a thermometer confirms it."
 )
 
 
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     """What is wrong, in one sentence."""
-    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on readings that were not fitted"
+    figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out readings"
     named = listed([effect.name for effect in effects])
     those = "these" if len(effects) > 1 else "it"
     if verdict == "adequate":
         return (
-            f"Nothing is missing: with its parameters re-fitted the ideal sensor predicts unseen readings to "
+            f"Nothing is missing: the re-fitted ideal sensor predicts held-out readings to "
             f"{fit.improved:.3g} {fit.unit}."
         )
     falls = fit.improved < 0.98 * fit.baseline
     if verdict == "explained" and falls:
-        return f"The ideal sensor leaves out {named}; with {those} in, the error falls {figures}."
+        return f"The ideal sensor leaves out {named}; with {those}, the error falls {figures}."
     if verdict == "explained":
         return (
-            f"The ideal sensor leaves out {named}: {those} says how readings scatter, and so how far to trust each; "
-            f"the mean reading is as it was ({fit.improved:.3g} {fit.unit} on readings that were not fitted)."
+            f"The ideal sensor leaves out {named}: the scatter of readings changes and their mean does not; "
+            f"the error on held-out readings stays at {fit.improved:.3g} {fit.unit}."
         )
     if effects:
         helps = "help" if len(effects) > 1 else "helps"
         return (
             f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "
-            "and what is left is more than noise."
+            "but the residual exceeds noise."
         )
     return (
-        "Something is missing, and it is no effect that this tool knows; the error on readings that were not fitted "
+        "Something is missing that no known effect accounts for; the error on held-out readings "
         f"stays at {fit.improved:.3g} {fit.unit}."
     )
 
@@ -75,7 +75,7 @@ def experiment_for_unknown(kind: str, left: Left) -> NextExperiment:
     """What to record when nothing known accounts for the mismatch."""
     along = left.along.replace("_", " ")
     return NextExperiment(
-        why=f"what is left goes with {along}, and no known effect has its shape", input=_EXPERIMENTS[kind]
+        why=f"the residual follows {along}, and no known effect has its shape", input=_EXPERIMENTS[kind]
     )
 
 
@@ -87,17 +87,17 @@ def notes(
     if any(effect.id == "ultrasonic_sound_speed" for effect in effects):
         said.append(_ANY_SCALE)
     if any(effect.id == "light_ambient_offset" for effect in effects):
-        said.append("Room light is counted from the first recording's.")
+        said.append("Room light is given relative to the first recording.")
     if learns:
         said.append(
-            "A recording that is held out whole tells its own room light and mains phase in its first fifth, "
-            "which is not counted in the error."
+            "The first fifth of a held-out recording gives its room light and mains phase, "
+            "and does not count in the error."
         )
     if independent < 0.7:
         said.append(
-            f"Neighbouring readings err alike: they count as {100 * independent:.0f} % of their number, "
-            "in the search and in the doubts."
+            f"Neighbouring readings err alike: they count as {100 * independent:.0f} % of their number "
+            "in the search and in the intervals."
         )
     if left is not None:
-        said.append(f"Most is left along: {left.along.replace('_', ' ')} ({left.nats:.0f} nats).")
+        said.append(f"The residual is largest along {left.along.replace('_', ' ')} ({left.nats:.0f} nats).")
     return tuple(said)
