@@ -128,7 +128,7 @@ def _slips(slips: Sequence[SlipSpell]) -> list[str]:
     if len(slips) > _MOST_NAMED:
         said.append(f"Wheels slip in {len(slips) - _MOST_NAMED} more spells.")
     if slips:
-        said.append("Where a wheel slips next, its angle cannot tell: predictions go wrong there.")
+        said.append("A wheel's angle does not show its slip, so predictions of later slip fail.")
     return said
 
 
@@ -137,10 +137,10 @@ def _leftover(left: RobotLeft | None) -> list[str]:
         return []
     if left.channel == "wheels":
         return [
-            "The powers do not account for how the wheels turn: a force is missing that no known effect has."
+            "The powers do not explain the wheels' motion: a force is missing that no known effect holds."
         ]
     channel = {"along": "travel", "sideways": "place across the heading", "turn": "turn"}[left.channel]
-    return [f"Most is left in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."]
+    return [f"The residual is largest in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."]
 
 
 def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
@@ -148,7 +148,7 @@ def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
     turns = np.concatenate([np.diff(run.pose.heading_rad[:: max(1, run.time_s.size // 200)]) for run in runs])
     to_left, to_right = float(np.sum(turns[turns > 0.0])), float(-np.sum(turns[turns < 0.0]))
     if to_left + to_right < _HARDLY_TURNS_RAD:
-        return ["The robot hardly turns, so the track cannot be told."]
+        return ["The robot hardly turns, so its paths do not show the track."]
     if min(to_left, to_right) < _ONE_WAY * max(to_left, to_right):
         return ["The robot turns only one way, so unequal wheels and a wrong track cannot be told apart."]
     return []
