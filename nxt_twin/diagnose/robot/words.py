@@ -140,7 +140,9 @@ def _leftover(left: RobotLeft | None) -> list[str]:
             "The powers do not explain the wheels' motion: a force is missing that no known effect holds."
         ]
     channel = {"along": "travel", "sideways": "place across the heading", "turn": "turn"}[left.channel]
-    return [f"The residual is largest in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."]
+    return [
+        f"The residual is largest in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."
+    ]
 
 
 def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
