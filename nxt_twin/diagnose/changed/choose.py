@@ -19,6 +19,8 @@ _EXCHANGES = 2
 _BETTER_NATS = 1.0
 _LAW_NATS = 3.0
 _MOTOR_NATS = 8.0
+_COMPANION_NATS = 1.0
+_LOAD = frozenset({"gravity", "inertia", "gravity_load"})
 _WORSE = 1.02  # of the error of windows that only check: what is not worse
 Progress = Callable[[str], None]
 
@@ -139,11 +141,18 @@ class Chooser:
                 model = self._without(joint.model, each)
                 simpler = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
                 nats[each] = self.net(simpler, joint)
-                if nats[each] < self.limit_nats and (weakest is None or nats[each] < weakest[0]):
+                if nats[each] < self._keeping(joint.model, each) and (weakest is None or nats[each] < weakest[0]):
                     weakest = (nats[each], simpler)
             if weakest is None:
                 return Chosen(joint, nats, tuple(sorted(self._lacking)))
             joint = weakest[1]
+
+    def _keeping(self, model: Model, each: int | str) -> float:
+        """What a change has to be worth to stay, nats: less where another of one load differs, which comes with it."""
+        hung = {model.shared[n].slots[0].symbol for n in model.differs} | set(model.effects)
+        if isinstance(each, str) or model.shared[each].slots[0].symbol not in _LOAD or len(hung & _LOAD) < 2:
+            return self.limit_nats
+        return _COMPANION_NATS
 
     def _without(self, model: Model, each: int | str) -> Model:
         return model.alike(each) if isinstance(each, int) else model.without_effect(each, self._scale)
