@@ -141,7 +141,9 @@ class Chooser:
                 model = self._without(joint.model, each)
                 simpler = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
                 nats[each] = self.net(simpler, joint)
-                if nats[each] < self._keeping(joint.model, each) and (weakest is None or nats[each] < weakest[0]):
+                if nats[each] < self._keeping(joint.model, each) and (
+                    weakest is None or nats[each] < weakest[0]
+                ):
                     weakest = (nats[each], simpler)
             if weakest is None:
                 return Chosen(joint, nats, tuple(sorted(self._lacking)))
