@@ -102,15 +102,18 @@ def explain(fitter: Fitter, baseline: Structure, progress: Progress) -> Explanat
     """Search the library for what the re-fitted `baseline` lacks."""
     search = _Search(fitter, baseline)
     best = baseline
-    for exchange in range(_EXCHANGES + 1):
+    for _ in range(_EXCHANGES + 1):
         best, refused = search.grown(best, progress)
         progress("checking each effect's place")
         found = search.found(best)
         rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
         better = _better(rivals)
-        if better is None or exchange == _EXCHANGES:
+        if better is None:
             break
         best = search.pruned(better)
+    else:  # what grows is exchanged again and again: the likelier stays as it is, so that no worse one is named
+        found = search.found(best)
+        rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
     return Explanation(baseline, best, found, rivals, refused)
 
 
