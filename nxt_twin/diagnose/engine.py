@@ -121,7 +121,10 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         alternatives=alternatives(simulator, evidence),
         fit=fit,
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
-        notes=notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
+        notes=(
+            *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
+            *_what_is_written(evidence),
+        ),
         held_out=held_out,
         leftover=_leftover(evidence),
         detectable=sizes,
@@ -130,6 +133,14 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         nearest=nearest(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
+
+
+def _what_is_written(evidence: Evidence) -> tuple[str, ...]:
+    """A remark where the plant that is handed on is not the improved one."""
+    if evidence.written is evidence.final.plant:
+        return ()
+    which = "re-fitted baseline" if evidence.written is evidence.baseline.plant else "model as it was given"
+    return (f"At some horizon the improved plant predicts unseen readings worse: the {which} is handed on.",)
 
 
 def _fit(evidence: Evidence) -> Fit:

@@ -152,7 +152,7 @@ class Target:
         if self.corrected[number] is None:
             return result.weight
         z = self.errors(number, result)
-        return np.asarray(1.0 / np.sqrt(1.0 + (z / SOFT) ** 2))
+        return np.asarray(1.0 / np.hypot(1.0, z / SOFT))
 
     def reading_costs(self, number: int, result: Result) -> FloatArray:
         """Negative log-likelihood of each reading of a job, nats, shape (sets, samples).
@@ -162,7 +162,7 @@ class Target:
         if self.corrected[number] is None:
             return result.cost
         z = self.errors(number, result)
-        soft = SOFT**2 * (np.sqrt(1.0 + (z / SOFT) ** 2) - 1.0)
+        soft = SOFT**2 * (np.hypot(1.0, z / SOFT) - 1.0)
         return np.asarray(soft + np.log(self.jobs[number].observer.innovation_std))
 
     def worth(self) -> int:

@@ -160,6 +160,8 @@ def _record(
     found = searched.explanation.found
     windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
     mattering = [n for n in windows if after.rms[n] > problem.tolerance]
+    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
+    physical = any(not effect.fault for effect, _ in found)
     return Record(
         named=sum(not effect.plain for effect, _ in found),
         found=bool(found),
@@ -171,8 +173,8 @@ def _record(
         run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
         off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
         matters=bool(mattering) and not (found and _at_the_floor(after, floors)),
-        stalled_share=problem.stalled_share,
-        worst_ratio=max((after.rms[n] / max(before.rms[n], 1e-15) for n in mattering), default=0.0),
+        stalled_share=problem.stalled_share if physical else 0.0,
+        worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 
 
