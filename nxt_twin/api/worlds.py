@@ -11,7 +11,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.robot.drive import DifferentialDrive, drive_from_config
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.view.world_view import WorldView
+from nxt_twin.view.dashboard.drawing.world_view import WorldView
 from nxt_twin.world.arena import Arena
 from nxt_twin.world.film import Film, refuse_unknown
 from nxt_twin.world.floor import FloorPicture

@@ -79,6 +79,7 @@ class Effect:
         plain: its parameters are keys of the plant itself rather than of an entry under `effects:`.
         fault: a fault of the recording rather than physics of the plant.
         counted: it makes sense only where readings are counts of whole steps.
+        neutral: value of the main parameter, in its unit, at which the effect does nothing.
         notable: size of the main parameter, in its unit at NXT scale, below which motors of one make differ so: it is
             no physics worth a name. Of two parameters that replace one, half their difference; of one that has to
             exceed another, the excess.
@@ -105,6 +106,7 @@ class Effect:
     plain: bool = False
     fault: bool = False
     counted: bool = False
+    neutral: float = 0.0
     notable: float = 0.0
     notable_most: float = math.inf
 

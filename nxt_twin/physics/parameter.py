@@ -36,7 +36,7 @@ DAMPING = Dimension(torque=1.0, speed=-1.0)
 STIFFNESS = Dimension(torque=1.0, speed=-1.0)
 DRAG = Dimension(torque=1.0, speed=-2.0)
 
-_LIKE_A_CURRENT = {"A": 1.0, "Ω": -1.0, "H": -1.0, "1/J": -1.0}
+_LIKE_A_CURRENT = {"A": 1.0, "Ω": -1.0, "H": -1.0, "1/J": -1.0, "1/A": -1.0}
 
 
 @final

@@ -12,10 +12,12 @@ from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
 from nxt_twin.diagnose.fitting.noise import first_guess, with_noise
 from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.library import library
+from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.configs import load_plant_config
 
 LARGER = 1.3
+MOTOR = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
 RESISTANCE = Slot("base", "resistance")
 
 
@@ -44,7 +46,7 @@ def predicted(simulator, problem, plant):
     return np.concatenate([r.predicted[0] for r in simulator.run(values[None], active[None], jobs)])
 
 
-@pytest.mark.parametrize("effect_id", sorted(library()))
+@pytest.mark.parametrize("effect_id", sorted(effect.id for effect in MOTOR.layout.effects))
 def test_a_motor_and_its_like_move_the_same_whatever_is_in_them(simulator, problem, effect_id):
     effect = problem.plant.layout.effect(effect_id)
     plant = problem.plant.with_effect(effect_id, starts_of(effect, problem.scale)[0])

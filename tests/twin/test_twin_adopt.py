@@ -24,13 +24,13 @@ SEEN = Seen(1000, 30.0, 0.0)
 def test_a_load_is_found_adopted_and_the_divergence_vanishes(tmp_path):
     rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": 0.05}}))
     adopter = Adopter(AtOnce())
-    outcome = run(rig, 26.0, adopter=adopter)
+    outcome = run(rig, 40.0, adopter=adopter)
     kinds = outcome.kinds()
     assert kinds.index("divergence") < kinds.index("effect_named") < kinds.index("adopted")
     assert kinds[-2:] == ["calm", "stopped"]
     assert "constant load" in outcome.first("adopted").words
     assert not outcome.session.monitors["a"].diverging
-    (port, diagnosis), *_ = adopter.diagnoses
+    *_, (port, diagnosis) = adopter.diagnoses
     assert port == "a"
     assert "constant_load" in [effect.id for effect in diagnosis.effects]
     assert verdict(outcome.memory.events, [], SEEN).outcome == "explained"

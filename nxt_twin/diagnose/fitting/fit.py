@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -19,6 +20,8 @@ _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
 SOFT = 2.0  # standard deviations of a simulated reading from which its loss grows linearly
+_LENIENT = 4.0  # likewise of a reading that only checks
+_HALF_LOG_2PI = 0.5 * math.log(2.0 * math.pi)
 _LEAST_SHARE = 1e-3  # of its scale: the least value of a positive variable
 _LONGEST_LOG_STEP = 1.0
 _TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
@@ -89,6 +92,7 @@ class Target:
         evidence: what one reading of each job is worth, less than 1 where readings tell of one another.
         corrected: which samples correct the run, shape (samples,); None where all do. What is predicted between them
             is simulation.
+        lenient: whether readings that are far off count softly.
         pull: how many times its evidence a job counts for while parameters are sought, so that they simulate.
     """
 
@@ -98,6 +102,7 @@ class Target:
     evidence: tuple[float, ...]
     corrected: tuple[BoolArray | None, ...]
     pull: tuple[float, ...]
+    lenient: bool = False
 
     def beside(self, other: Target) -> Target:
         """Both targets as one."""
@@ -111,8 +116,11 @@ class Target:
         )
 
     def checking(self) -> Target:
-        """The readings that only judge a choice, in the place of those that are fitted."""
-        return replace(self, counted=self.check)
+        """The readings that only judge a choice, in the place of those that are fitted.
+
+        One that is far off counts softly: a glitch says little of a choice.
+        """
+        return replace(self, counted=self.check, lenient=True)
 
     def everything(self) -> Target:
         """Fitted and checking readings together."""
@@ -159,9 +167,12 @@ class Target:
 
         Of simulated readings by a soft loss: a model on the edge of sticking is at times far off.
         """
-        if self.corrected[number] is None:
+        if self.corrected[number] is None and not self.lenient:
             return result.cost
         z = self.errors(number, result)
+        if self.corrected[number] is None:
+            far = _LENIENT**2 * (np.hypot(1.0, z / _LENIENT) - 1.0) + _HALF_LOG_2PI
+            return np.minimum(result.cost, far + np.log(self.jobs[number].observer.innovation_std))
         soft = SOFT**2 * (np.hypot(1.0, z / SOFT) - 1.0)
         return np.asarray(soft + np.log(self.jobs[number].observer.innovation_std))
 

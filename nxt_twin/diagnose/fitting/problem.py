@@ -37,7 +37,7 @@ _PHASES = 2  # where few readings are left, a thinned recording is fitted from e
 _FEW_READINGS = 2000
 _HALF = 0.5  # of an encoder's step does not matter
 _MOST_QUANTA = 3.0  # slow polls leave more than noise off a smooth curve
-_FEWEST_READINGS = 50
+_FEWEST_READINGS = 40
 _LARGEST_READING = 1e9
 
 

@@ -25,7 +25,17 @@ def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
     least_worth_a_name = _carried(main, effect.notable, plant, scale)
     most_worth_a_name = _carried(main, effect.notable_most, plant, scale)
     size = _size(plant, effect, value, nothing)
-    return makes_a_difference and least_worth_a_name <= size <= most_worth_a_name
+    sized = makes_a_difference and least_worth_a_name <= size <= most_worth_a_name
+    return sized and not any(
+        _on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:]
+    )
+
+
+def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale) -> bool:
+    """Whether a time constant came to rest at its least value: what it stands for is then no such course of time."""
+    value = plant.values[Slot(effect.id, parameter.symbol)]
+    lower = _carried(parameter, parameter.lower, plant, scale)
+    return parameter.name.endswith("time_constant_s") and value < _CLEAR * lower
 
 
 def _size(plant: Plant, effect: Effect, value: float, nothing: float) -> float:
@@ -33,7 +43,7 @@ def _size(plant: Plant, effect: Effect, value: float, nothing: float) -> float:
     if effect.supersedes and len(effect.parameters) == _BOTH_WAYS:
         other = plant.values[Slot(effect.id, effect.parameters[1].symbol)]
         return 0.5 * abs(value - other)
-    return abs(value) - nothing
+    return abs(value - effect.neutral * effect.parameters[0].si) - nothing
 
 
 def _carried(parameter: Parameter, value: float, plant: Plant, scale: Scale) -> float:

@@ -47,16 +47,20 @@ def settled(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
 
 
 def _begun(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[Plant, Noise]:
-    """Where to settle from: `plant` as it stands or fitted on simulation alone, whichever is likelier.
+    """Where to settle from: `plant` as it stands, or fitted on simulation alone from two starts: the likeliest.
 
     Under an unknown torque that grows as it likes, single readings forgive parameters that do not simulate. Windows of
-    simulation bring these into reach first; an onset or a period they may lose.
+    simulation bring these into reach first; an onset or a period they may lose. The second start has the parameters of
+    the baseline as they were given: without an effect that is missing, a re-fit may have moved them far away.
     """
-    fitted, drifting = fitter.simulating(plant, noise)
-    simulated = fitted.plant
-    settled_noise, _ = estimate(fitter.simulator, simulated, fitter.target(step_s), drifting)
-    costs = fitter.tuned(settled_noise, step_s).pulling().costs_of(fitter.simulator, [plant, simulated])
-    return (plant if costs[0] < costs[1] else simulated), settled_noise
+    given = fitter.problem.plant.values
+    afresh = plant.with_values({slot: value for slot, value in given.items() if slot in plant.values})
+    fits = [fitter.simulating(start, noise) for start in (plant, afresh)]
+    starts = [plant, *(fitted.plant for fitted, _ in fits)]
+    drifting = min(fits, key=lambda fit: fit[1].drift)
+    settled_noise, _ = estimate(fitter.simulator, drifting[0].plant, fitter.target(step_s), drifting[1])
+    costs = fitter.tuned(settled_noise, step_s).pulling().costs_of(fitter.simulator, starts)
+    return starts[int(np.argmin(costs))], settled_noise
 
 
 def _polled(fitter: Fitter, tuned: Target, fitted: Fitted) -> tuple[Plant, float]:

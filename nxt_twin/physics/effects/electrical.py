@@ -81,6 +81,8 @@ def _power_law(duty: float, exponent: float) -> float:
 
 POWER_CURVE = Effect(
     id="power_curve",
+    neutral=1.0,
+    notable=0.015,
     name="nonlinear power curve",
     equation="U = Ub·sign(u)·|u|^n",
     source="our own: the simplest curve through 0 and full power",
