@@ -13,12 +13,14 @@ __version__ = "0.2.0"
 
 _HOMES = {
     "Case": "nxt_twin.recording.case",
+    "Changes": "nxt_twin.diagnose.changed.answer",
     "Diagnosis": "nxt_twin.diagnose.diagnosis",
     "Effect": "nxt_twin.physics.effect",
     "NxtTwinError": "nxt_twin.errors",
     "Parameter": "nxt_twin.physics.parameter",
     "Plant": "nxt_twin.physics.plant",
     "Recording": "nxt_twin.recording.recording",
+    "find_changes": "nxt_twin.api.analysis",
     "find_missing_physics": "nxt_twin.api.analysis",
     "fit": "nxt_twin.api.analysis",
     "load_plant": "nxt_twin.api.files",

@@ -1,3 +1,4 @@
+from nxt_twin.api.analysis import find_changes as find_changes
 from nxt_twin.api.analysis import find_missing_physics as find_missing_physics
 from nxt_twin.api.analysis import fit as fit
 from nxt_twin.api.bricks import open_brick as open_brick
@@ -8,6 +9,7 @@ from nxt_twin.api.files import read_case as read_case
 from nxt_twin.api.files import read_recording as read_recording
 from nxt_twin.api.prediction import simulate as simulate
 from nxt_twin.api.replaying import replay as replay
+from nxt_twin.diagnose.changed.answer import Changes as Changes
 from nxt_twin.diagnose.diagnosis import Diagnosis as Diagnosis
 from nxt_twin.errors import NxtTwinError as NxtTwinError
 from nxt_twin.physics.effect import Effect as Effect

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.api.files import Model, read_case
+from nxt_twin.diagnose.changed.answer import Changes
+from nxt_twin.diagnose.changed.compare import changed, changed_since
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
@@ -24,10 +26,11 @@ Data = Case | Recording | Sequence[Recording] | str | Path
 
 def find_missing_physics(
     data: Data, plant: Model | None = None, *, port: Port | None = None, seed: int = 0
-) -> Diagnosis:
+) -> Diagnosis | Changes:
     """Find the physics that a model leaves out: the command `nxt-twin diagnose` as a function.
 
     The parameters are fitted again first. Every known effect is then tried, and judged on held-out data.
+    A case that names recordings from `before` asks what has changed since; the answer then is a `Changes`.
 
     Args:
         data: a case, one or more recordings, or a path.
@@ -56,12 +59,34 @@ def find_missing_physics(
     <Plant dc_motor: coulomb_friction, viscous_friction, inductance, constant_load>
     """
     case = _case(data, plant, port)
+    if case.before:
+        return changed_since(case)
     if is_sensor_case(case):
         return diagnose_sensor(case, seed=seed).diagnosis
     if is_robot_case(case):
         return diagnose_robot(case).diagnosis
     answer = diagnose(case, seed=seed)
     return replace(answer.diagnosis, plant=answer.plant)
+
+
+def find_changes(
+    before: Data, after: Data, plant: Model | None = None, *, port: Port | None = None
+) -> Changes:
+    """Say which parameters or effects differ between recordings: the command `nxt-twin changed` as a function.
+
+    Args:
+        before: as the data of `find_missing_physics`; its plant is the model of both sides.
+        after: likewise; its plant plays no part.
+        plant: the model of both sides, in the place of the one that `before` names.
+        port: of a brick's recordings with several motors, the one in question.
+
+    Returns:
+        The answer; its `plant` is the model of the side after.
+
+    Raises:
+        NxtTwinError: the sides cannot be compared; the text says why.
+    """
+    return changed(_case(before, plant, port), [_case(after, plant, port)])[0]
 
 
 def fit(data: Data, plant: Model | None = None, *, port: Port | None = None) -> Plant:

@@ -12,9 +12,9 @@ from nxt_twin.errors import DiagnosisError, RecordingError
 from nxt_twin.recording.recording import SignalKinds
 
 PUBLIC = {
-    "Case", "Diagnosis", "Effect", "NxtTwinError", "Parameter", "Plant", "Recording", "__version__",
-    "find_missing_physics", "fit", "load_plant", "open_brick", "read_case", "read_recording", "record", "replay",
-    "simulate", "start_mock",
+    "Case", "Changes", "Diagnosis", "Effect", "NxtTwinError", "Parameter", "Plant", "Recording", "__version__",
+    "find_changes", "find_missing_physics", "fit", "load_plant", "open_brick", "read_case", "read_recording", "record",
+    "replay", "simulate", "start_mock",
 }  # fmt: skip
 MINE = {
     "time_s": [0.0, 0.25, 0.5, 0.75],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import nxt_twin as nt
 from nxt_twin.cli.app import program
 
 COMMANDS = program(["changed"])
@@ -76,6 +77,9 @@ def test_a_case_with_recordings_from_before_is_compared_by_diagnose(table, tmp_p
     found = CliRunner().invoke(program(["diagnose"]), ["diagnose", str(tmp_path), "--json", "-"])
     told = json.loads(found.stdout)
     assert (told["verdict"], [change["of"] for change in told["changes"]]) == ("changed", ["inertia"])
+    in_python = nt.find_missing_physics(tmp_path)
+    assert repr(in_python) == f"<Changes before → {tmp_path.name}: changed in inertia>"
+    assert in_python.plant.to_config()["inertia"] == pytest.approx(in_python.changes[0].after, rel=1e-6)
     (tmp_path / "case.yaml").write_text(
         "{plant: plant.yaml, mapping: map.yaml, recordings: [after.csv], before: [after.csv]}"
     )

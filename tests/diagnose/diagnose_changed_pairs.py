@@ -10,6 +10,7 @@ from nxt_twin.blind.bench import draw_commands, draw_motor
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.sensing import Sensing
+from nxt_twin.blind.truth.surprises import PERIODIC_PUSH
 from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.recording.case import Case
 
@@ -34,6 +35,14 @@ def pair(seed, what):
     after = {
         "nothing": truth,
         "inertia": touched(truth, inertia_kg_m2=1.6),
+        "a push every so often": replace(
+            truth,
+            surprise=float(PERIODIC_PUSH),
+            surprise_a=0.2,
+            surprise_b=2.3,
+            surprise_c=0.4,
+            surprise_d=0.7,
+        ),
         "band and friction": replace(rubbed, band_stiffness_nm_per_rad=0.02),
     }[what]
     return side(rng, "before", truth), side(rng, "after", after)

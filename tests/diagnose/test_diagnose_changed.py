@@ -37,6 +37,17 @@ def test_a_rubber_band_and_more_friction_are_told_apart():
     assert friction.after / friction.before == pytest.approx(3.0, rel=0.2)
 
 
+def test_a_change_that_no_parameter_or_effect_explains_is_called_so():
+    found = answer(0, "a push every so often")
+    assert found.verdict == "unexplained"
+    assert found.sentence.startswith("Something changed, and no few parameters or effects account for it.")
+    before = answer(0, "nothing")
+    assert found.fit.improved > 6.0 * before.fit.improved
+    runs = found.held_out
+    assert [run.recording for run in runs] == ["after-0.csv", "after-1.csv"]
+    assert all(run.measured.shape == run.baseline.shape == run.improved.shape for run in runs)
+
+
 def test_sides_driven_in_different_ways_are_refused():
     before, after = pair(0, "nothing")
     torque = replace(after.recordings[0], name="still.csv")

@@ -5,8 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, final
 
-from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Moved, Tolerance
-from nxt_twin.physics.effect import Equation
+from nxt_twin.diagnose.diagnosis import (
+    Estimate,
+    Fit,
+    FoundEffect,
+    HeldOutRun,
+    Mismatch,
+    Moved,
+    Tolerance,
+)
+from nxt_twin.physics.plant import Plant
 
 Verdict = Literal["unchanged", "changed", "unexplained"]
 
@@ -36,7 +44,7 @@ class Change:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Changes:
     """What differs on a side after, and how well that accounts for it.
 
@@ -48,12 +56,14 @@ class Changes:
         changes: the likeliest first.
         refit: what both sides share, as it came and as it was fitted.
         effects: those among the changes.
-        fit: errors of simulated windows of the side after that were not fitted: with everything shared, with the
-            changes, and with everything different.
+        fit: errors of simulated windows of the side after that were not fitted: of the plant as it was before, of
+            the plant with the changes, and of a plant that shares nothing with the side before.
         tolerance: error that does not matter.
-        channel: the column that was read.
-        equation: the one in which the changes stand.
+        mismatch: the column that was read, and the equation in which the changes stand.
         notes: what else a reader should know.
+        held_out: recordings of the side after, in the windows that were not fitted: as measured, as the plant before
+            predicts them (`baseline`), and with the changes (`improved`).
+        plant: of the side after.
     """
 
     name: str
@@ -65,6 +75,12 @@ class Changes:
     effects: tuple[FoundEffect, ...]
     fit: Fit
     tolerance: Tolerance
-    channel: str
-    equation: Equation | None
+    mismatch: Mismatch
     notes: tuple[str, ...]
+    held_out: tuple[HeldOutRun, ...]
+    plant: Plant = field(compare=False)
+
+    def __repr__(self) -> str:
+        """Short: names, verdict and changes."""
+        changes = ", ".join(change.of for change in self.changes)
+        return f"<Changes {self.before} → {self.name}: {self.verdict}{f' in {changes}' if changes else ''}>"

@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.choose import Chooser, Chosen
+from nxt_twin.diagnose.changed.held_out import Predicted, predicted_after
 from nxt_twin.diagnose.changed.joint import Joint, JointFitter
 from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats
@@ -38,6 +39,7 @@ class Compared:
         shared: one plant on both sides.
         free: everything different.
         chosen: the few differences that earned their place, fitted on every reading.
+        predicted: readings after that were not fitted, by the plant before and with the changes.
         covariance: of the chosen model's numbers, inside.
         net_of_free: what everything different gains beyond the chosen changes and its penalty, nats.
         tolerance: error of a simulation that does not matter, SI.
@@ -51,6 +53,7 @@ class Compared:
     shared: Joint
     free: Joint
     chosen: Chosen
+    predicted: Predicted
     covariance: FloatArray
     net_of_free: float
     tolerance: float
@@ -135,6 +138,7 @@ def _compared(
         shared,
         free,
         replace(chosen, joint=replace(last, check_rms=best.check_rms, check_cost=best.check_cost)),
+        predicted_after(fitter, best),
         fitter.covariance(last),
         chooser.net(best, free),
         tolerance,

@@ -85,7 +85,7 @@ class JointFitter:
         centre, spread = model.priors()
         prior = 0.5 * float((((x - centre) / spread) ** 2).sum())
         check_rms = tuple(
-            _window_rms(side, self.run(model, x[None], n, "check")[0]) for n, side in enumerate(self.sides)
+            window_rms(side, self.run(model, x[None], n, "check")[0]) for n, side in enumerate(self.sides)
         )
         cost = self._costs(model, x[None], error, which)[0] + prior
         return Joint(
@@ -214,8 +214,15 @@ def _steps(model: Model, x: FloatArray) -> FloatArray:
     return np.where(x + step > high, -step, step)
 
 
-def _window_rms(side: Side, predicted: FloatArray) -> float:
-    """The mean of the windows' RMS errors: one in which the motor sticks otherwise does not outweigh all others."""
+def window_rms(side: Side, predicted: FloatArray) -> float:
+    """The mean of the RMS errors of the windows that check, SI.
+
+    One window in which the motor sticks otherwise does not outweigh all others.
+
+    Args:
+        side: what was measured.
+        predicted: of its readings that check, end to end.
+    """
     square = (side.measured("check") - predicted) ** 2
     windows = side.windows("check")
     count = np.bincount(windows)

@@ -7,9 +7,10 @@ import math
 from nxt_twin.diagnose.changed import words
 from nxt_twin.diagnose.changed.answer import Change, Changes, Verdict
 from nxt_twin.diagnose.changed.engine import Compared
-from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Moved, Tolerance
+from nxt_twin.diagnose.changed.held_out import runs_of
+from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Mismatch, Moved, Tolerance
 from nxt_twin.diagnose.fitting.fit import Variable
-from nxt_twin.diagnose.units import units_of
+from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER
 
@@ -23,7 +24,8 @@ def told(compared: Compared) -> Changes:
     changes = _changes(compared)
     verdict = _verdict(compared)
     fit = _fit(compared)
-    signals = compared.after.signals[0]
+    units = _units(compared)
+    joint = compared.chosen.joint
     return Changes(
         name=compared.after.name,
         before=compared.before.name,
@@ -33,15 +35,16 @@ def told(compared: Compared) -> Changes:
         refit=_refit(compared),
         effects=_effects(compared, changes),
         fit=fit,
-        tolerance=Tolerance(compared.tolerance * _factor(compared), fit.unit, fit.improved),
-        channel=signals.channel,
-        equation=_equation(compared),
+        tolerance=Tolerance(compared.tolerance * units.reading_factor, fit.unit, fit.improved),
+        mismatch=Mismatch(compared.after.signals[0].channel, (), (), _equation(compared)),
         notes=words.notes(compared, fit),
+        held_out=runs_of(compared.predicted, units),
+        plant=joint.model.plant_at(joint.x, after=True),
     )
 
 
-def _factor(compared: Compared) -> float:
-    return units_of(compared.before.plant.layout.frame, compared.before.signals[0]).reading_factor
+def _units(compared: Compared) -> Units:
+    return units_of(compared.before.plant.layout.frame, compared.before.signals[0])
 
 
 def _verdict(compared: Compared) -> Verdict:
@@ -59,11 +62,12 @@ def _verdict(compared: Compared) -> Verdict:
 
 
 def _fit(compared: Compared) -> Fit:
-    factor = _factor(compared)
+    units = _units(compared)
+    factor = units.reading_factor
     return Fit(
         metric=f"windows of {compared.window_s:.2g} s after that were not fitted, RMS",
-        unit=units_of(compared.before.plant.layout.frame, compared.before.signals[0]).reading,
-        baseline=compared.shared.check_rms[1] * factor,
+        unit=units.reading,
+        baseline=compared.predicted.rms_before * factor,
         improved=compared.chosen.joint.check_rms[1] * factor,
         floor=min(compared.free.check_rms[1], compared.chosen.joint.check_rms[1]) * factor,
     )

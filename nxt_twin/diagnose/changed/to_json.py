@@ -20,7 +20,12 @@ def to_json(changes: Changes) -> str:
         "sentence": changes.sentence,
         "changes": [asdict(change) for change in changes.changes],
         "refit": {name: moved(each) for name, each in changes.refit.items()},
-        "mismatch": {"channel": changes.channel, "when": [], "regimes": [], "equation": changes.equation},
+        "mismatch": {
+            "channel": changes.mismatch.channel,
+            "when": [],
+            "regimes": [],
+            "equation": changes.mismatch.equation,
+        },
         "effects": [asdict(effect) for effect in changes.effects],
         "alternatives": [],
         "fit": asdict(changes.fit),

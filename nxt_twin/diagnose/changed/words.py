@@ -37,6 +37,7 @@ _PART_OF = {
     },
     "supply": {"battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
 }
+_NEARER = 0.8  # of an error: what a reader would call better
 _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
 
 
@@ -52,9 +53,17 @@ def sentence(verdict: Verdict, changes: Sequence[Change], fit: Fit, compared: Co
         )
     if verdict == "unexplained":
         helps = f" What helps, {named}, does not suffice ({errors})." if changes else ""
-        own = f"A model of its own would predict {after} to {fit.floor:.3g} {fit.unit}."
-        return f"Something changed, and no few parameters or effects account for it.{helps} {own}"
+        return (
+            f"Something changed, and no few parameters or effects account for it.{helps} {_reach(after, fit)}"
+        )
     return f"{_opening(changes)}: {named}. Simulated windows after: {errors}."
+
+
+def _reach(after: str, fit: Fit) -> str:
+    """How well a plant of the side's own predicts it."""
+    if fit.floor < _NEARER * fit.improved:
+        return f"A model of its own would predict {after} to {fit.floor:.3g} {fit.unit}."
+    return f"No other parameters of this model predict {after} better than to {fit.floor:.3g} {fit.unit}."
 
 
 def notes(compared: Compared, fit: Fit) -> tuple[str, ...]:
