@@ -39,7 +39,7 @@ _LINKS: dict[str, tuple[Link, ...]] = {
 }
 
 EffectsOption = Annotated[
-    str | None, typer.Option(help="Only these ids, comma-separated; none: no single effects.")
+    str | None, typer.Option(help="Only these effect ids, comma-separated; none: no single effects.")
 ]
 FamilyOption = Annotated[str, typer.Option(help=f"Truth families, comma-separated: {', '.join(FAMILIES)}.")]
 CleanOption = Annotated[int, typer.Option(min=0, help="Cases of each family in which nothing is missing.")]
@@ -57,7 +57,7 @@ blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: 
 def make(
     cases: Annotated[Path, typer.Argument(help="Folder for the cases.")],
     answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
-    seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
+    seed: Annotated[int, typer.Option(help="Random seed of the set.")] = 1,
     family: FamilyOption = BRISTLE,
     effects: EffectsOption = None,
     clean: CleanOption = 40,
@@ -97,13 +97,13 @@ def families() -> None:
 def solve(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases.")],
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
-    seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
+    seed: Annotated[int, typer.Option(help="Random seed of the diagnoses.")] = 0,
     without: Annotated[
-        str, typer.Option(help="Effects that no diagnosis may try, comma-separated, as if nobody knew them.")
+        str, typer.Option(help="Effect ids that the diagnoses must not try, comma-separated.")
     ] = "",
     jobs: JobsOption = 1,
 ) -> None:
-    """Diagnose every case of a folder; cases that have their JSON already are passed over."""
+    """Diagnose every case of a folder; skip cases that have their JSON already."""
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
     _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs, without=hidden), len(folders))
@@ -117,7 +117,7 @@ def reach(
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
     jobs: JobsOption = 1,
 ) -> None:
-    """Fit the true structure to every case: what could be seen, and how well it can be explained at best."""
+    """Fit the true structure to every case: whether its effects are detectable, and the error that it reaches."""
     folders = case_folders(cases)
     _follow("reaching", reach_all(folders, answers, out, jobs=jobs), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
@@ -131,7 +131,7 @@ def score(
     reached: Annotated[Path | None, typer.Option(help="Folder of what the true structures reach.")] = None,
     json: JsonOption = None,
 ) -> None:
-    """Hold diagnoses against the sealed answers and print the table."""
+    """Compare diagnoses with the sealed answers and print the table."""
     table = score_answers(cases, answers, diagnoses, reached)
     if json:
         emit_json(json, json_format.dumps(table.as_dict()))
@@ -141,13 +141,13 @@ def score(
 
 @blind.command()
 def proof(
-    folder: Annotated[Path, typer.Argument(help="Where everything goes; what is there already is kept.")],
+    folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
     chosen: Annotated[str, typer.Option("--range", help=f"One of {', '.join(RANGES)}.")] = "sample",
     family: FamilyOption = ",".join(FAMILIES),
     jobs: JobsOption = os.cpu_count() or 1,
     json: JsonOption = None,
 ) -> None:
-    """Make, solve and score a named range over all families, and print its tables; it goes on where it stopped."""
+    """Make, solve and score a named range over all families, and print its tables. A second run continues."""
     if chosen not in RANGES:
         raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
     work = Proof(folder, RANGES[chosen], families_of(family.split(",")))
@@ -171,9 +171,9 @@ def proof(
 def peers(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
-    out: Annotated[Path, typer.Argument(help="Folder for one folder a method.")],
+    out: Annotated[Path, typer.Argument(help="Folder for the methods' answers, one folder each.")],
 ) -> None:
-    """Let other methods answer the same cases, each by its recipe, and score them."""
+    """Let other methods diagnose these cases, and score them."""
     if not find_spec("pysindy"):
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
@@ -189,7 +189,7 @@ def silence(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
 ) -> None:
-    """Tell how far clean motors are from the plainest model: what remains of windows of 2 s after its best fit."""
+    """Print how far clean motors are from the plain model: the residual of windows of 2 s after its best fit."""
     found: dict[str, list[Remains]] = {}
     for family, name, left in remains_of(cases, answers):
         found.setdefault(family, []).append(left)
@@ -205,11 +205,13 @@ def silence(
 def reveal(
     conceal: Annotated[
         str,
-        typer.Argument(help="The seed or file of mock --conceal, or of mock:?conceal=.", metavar="SEED|FILE"),
+        typer.Argument(
+            help="The seed or file given to mock --conceal or mock:?conceal=.", metavar="SEED|FILE"
+        ),
     ],
     json: JsonOption = None,
 ) -> None:
-    """Tell what a mock brick conceals: first guess, then look."""
+    """Print the effects that a mock brick conceals."""
     truth = secret_of(conceal).revealed()
     if json:
         emit_json(json, json_format.dumps({"schema": "nxt-twin/reveal/1", **truth}))
@@ -224,8 +226,8 @@ def reveal(
 
 @blind.command()
 def bench(
-    folder: Annotated[Path, typer.Argument(help="Where everything goes; what is there already is kept.")],
-    seed: Annotated[int, typer.Option(help="Of the whole set.")] = 1,
+    folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
+    seed: Annotated[int, typer.Option(help="Random seed of the set.")] = 1,
     family: FamilyOption = BRISTLE,
     effects: EffectsOption = None,
     clean: CleanOption = 40,
@@ -235,7 +237,7 @@ def bench(
     jobs: JobsOption = 1,
     json: JsonOption = None,
 ) -> None:
-    """Make a set, solve it, reach for the truth, score it, and print the table with the aims: all in one."""
+    """Make a set, solve it, fit the true structures, score it, and print the table with the aims."""
     cases, answers, diagnoses, reached = (
         folder / name for name in ("cases", "answers", "diagnoses", "reached")
     )
@@ -250,10 +252,8 @@ def bench(
 
 @blind.command()
 def robots(
-    folder: Annotated[
-        Path, typer.Argument(help="Where one JSON a case goes; what is there already is kept.")
-    ],
-    seed: Annotated[int, typer.Option(help="Of the first case; the others count on.")] = 1,
+    folder: Annotated[Path, typer.Argument(help="Folder for one JSON a case; a second run continues.")],
+    seed: Annotated[int, typer.Option(help="Random seed of the first case; the other cases count on.")] = 1,
     singles: Annotated[int, typer.Option(min=0, help="Cases with one effect, in turn.")] = 60,
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 20,
     clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 30,

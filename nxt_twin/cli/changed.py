@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 def changed(
     before: Annotated[
-        str, typer.Argument(help="A case folder, a recording, or several recordings with commas between.")
+        str, typer.Argument(help="A case folder, a recording, or recordings separated by commas.")
     ],
     afters: Annotated[
         list[str],
-        typer.Argument(metavar="AFTER...", help="Likewise; each is compared with BEFORE by itself."),
+        typer.Argument(metavar="AFTER...", help="As BEFORE; each AFTER is compared with BEFORE."),
     ],
     json: JsonOption = None,
     plant: Annotated[
-        str | None, typer.Option(help="The model of both sides; else that of BEFORE's case or sidecar.")
+        str | None, typer.Option(help="The model of both sides; without: from BEFORE's case or sidecar.")
     ] = None,
     mapping: MappingOption = None,
     columns: ColumnsOption = None,
@@ -40,7 +40,7 @@ def changed(
 ) -> None:
     """Say which parameters or effects differ between recordings made before and after, if any.
 
-    Exit status 0 whatever the verdict; 1 if the sides cannot be compared.
+    Exit status 0 after any verdict; 1 if the sides cannot be compared.
     """
     from nxt_twin.diagnose.changed.compare import changed as compare
     from nxt_twin.diagnose.changed.to_json import to_json

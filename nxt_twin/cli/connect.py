@@ -36,7 +36,7 @@ def connect(
 ) -> None:
     """Talk to a brick: who it is, firmware, battery, ports, free flash. Without a URL, search for bricks.
 
-    Moves nothing. Exit status 1 if no brick is found or it cannot be reached.
+    The command moves nothing. Exit status 1 if no brick is found, or if the brick cannot be reached.
     """
     if url is None:
         _search(timeout_s, json)

@@ -35,23 +35,24 @@ _LEAVING_S = 5.0
 
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for all that the demo writes.")] = Path("build/demo"),
-    seed: Annotated[int, typer.Option(min=0, help="Draws what is concealed.")] = 7,
+    out: Annotated[Path, typer.Option(help="Folder for the demo's files.")] = Path("build/demo"),
+    seed: Annotated[int, typer.Option(min=0, help="Random seed; it draws the concealed effect.")] = 7,
     seconds: Annotated[
         float,
-        typer.Option(min=20.0, help="How long brick and twin run at most; less if all is found sooner."),
+        typer.Option(min=20.0, help="Longest session, s; it ends sooner once the improved model holds."),
     ] = 60.0,
     conceal: Annotated[
-        str | None, typer.Option(help="An effect's id, or 'nothing'; else one is drawn.", metavar="ID")
+        str | None,
+        typer.Option(help="The effect to conceal, by id, or 'nothing'; without: drawn.", metavar="ID"),
     ] = None,
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     json: JsonOption = None,
 ) -> None:
     """Watch the whole loop without hardware.
 
-    A mock brick is served over TCP; motor A of it is made by a simulator that shares no formula with the model, and has
-    something concealed in it. The live twin notices the divergence, the recording is diagnosed, what is found is put
-    into the twin, and the divergence is gone. Only then the truth is revealed.
+    The demo serves a mock brick over TCP. A simulator that shares no formula with the model moves motor A and conceals
+    an effect in it. The live twin notices the divergence and diagnoses the recording. It adopts the improved model, and
+    brick and model agree again. The demo then prints the concealed effect.
     """
     out.mkdir(parents=True, exist_ok=True)
     secret_file = _conceal(conceal, seed, out)
@@ -62,17 +63,19 @@ def demo(
         plants: dict[Port, Plant] = {"a": plant_from_config(load_plant_config(_PLANT), "power_pct")}
         get_ready(plants, adopting=True)
         url = announced()
-        print(f"mock brick at {url}; something {'may be' if conceal is None else 'is'} not as its model says")
+        print(
+            f"mock brick at {url}; its motor A {'may differ' if conceal is None else 'differs'} from the model"
+        )
         outcome, live = _held(url, plants, recording, seconds, _showing(url, out, view))
     truth = read_secret(secret_file)
     if json:
         document = {"schema": "nxt-twin/demo/2", "live": live, "truth": truth.revealed()}
         emit_json(json, json_format.dumps(document, ensure_ascii=False))
     if json != "-":
-        print(f"\nthe truth, revealed only now: {_truth(truth)}")
+        print(f"\nthe concealed truth: {_truth(truth)}")
         hidden = [str(effect["id"]) for effect in truth.effects]
         print(_score([diagnosis for _, diagnosis in outcome.diagnoses], hidden))
-        print(f"everything is in {out}")
+        print(f"all files are in {out}")
 
 
 def _held(
@@ -159,14 +162,14 @@ def _saved(out: Path) -> Path | None:
     try:
         import rerun  # noqa: F401
     except ImportError:
-        print("no .rrd is written: pip install nxt-twin[view]")
+        print("the dashboard's data are not kept; mend: pip install 'nxt-twin[view]'")
         return None
     return out / "session.rrd"
 
 
 def _truth(secret: Secret) -> str:
     told = [f"{effect['id']} ({_numbers(effect['params'])})" for effect in secret.effects]
-    return "; ".join(told) or "nothing was concealed"
+    return "; ".join(told) or "nothing"
 
 
 def _numbers(params: dict[str, Any]) -> str:
@@ -179,7 +182,7 @@ def _score(diagnoses: Sequence[Diagnosis], truth: list[str]) -> str:
     found = {effect.id for effect in effects}
     near = {other.id for effect in effects for other in effect.confusable_with}
     if found == set(truth):
-        return "named exactly" if truth else "rightly left alone"
+        return "named exactly" if truth else "rightly, nothing was named"
     if set(truth) & (found | near):
-        return "named, but not alone: see what it could be confused with"
-    return "missed"
+        return "named, but not alone: the reports list the effects that look alike"
+    return "missed: no diagnosis names the concealed effect"

@@ -28,22 +28,22 @@ def diagnose(
     ],
     json: JsonOption = None,
     model_out: Annotated[
-        Path | None, typer.Option(help="Write the improved plant as YAML (of several cases: a folder).")
+        Path | None, typer.Option(help="Write the improved plant as YAML (several cases: a folder).")
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Write an HTML report into this folder.")] = None,
     experiment_out: Annotated[
         Path | None,
-        typer.Option(help="Write the next experiment as a motor program (of several cases: a folder)."),
+        typer.Option(help="Write the next experiment as a motor program (several cases: a folder)."),
     ] = None,
     mapping: MappingOption = None,
     columns: ColumnsOption = None,
-    seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
+    seed: Annotated[int, typer.Option(help="Random seed of the p-values.")] = 0,
     tolerance: ToleranceOption = None,
 ) -> None:
     """Find the physics that a model leaves out, from recordings.
 
-    Re-fits the baseline, locates the mismatch, tries every known effect, and judges on data that was not
-    fitted. Exit status 0 whatever the verdict; 1 if a case cannot be diagnosed.
+    The diagnosis re-fits the baseline, locates the mismatch, tries every known effect, and judges on held-out data.
+    Exit status 0 after any verdict; 1 if a case cannot be diagnosed.
     """
     from nxt_twin.diagnose.telling.to_json import to_json
 

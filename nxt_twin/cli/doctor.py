@@ -20,9 +20,9 @@ _STYLES = {Verdict.OK: "green", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"
 def doctor(
     json: JsonOption = None,
 ) -> None:
-    """Say what on this machine would keep a brick from being reached, and how to mend it.
+    """Find what on this machine keeps a brick from being reached, and print how to mend it.
 
-    Changes nothing. Exit status 1 if anything fails.
+    The command changes nothing. Exit status 1 if a check fails.
     """
     findings = examine(gather_facts())
     if json:

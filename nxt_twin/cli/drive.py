@@ -31,7 +31,9 @@ def drive(
     ports: Annotated[str | None, typer.Option(help="Motors to drive, instead of the program's own.")] = None,
     record: Annotated[
         Path | None,
-        typer.Option(help="Record it: .parquet or .csv; of several runs, each gets its name added."),
+        typer.Option(
+            help="Record it: .parquet or .csv; several runs make several files, named after the runs."
+        ),
     ] = None,
     period: Annotated[float, typer.Option(min=0.0, help="Time from poll to poll, s.")] = 0.01,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
@@ -39,8 +41,8 @@ def drive(
 ) -> None:
     """Run a motor program once. The motors coast at its end, after each run, on Ctrl-C and on any error.
 
-    A motor that has turned further than the program allows coasts until the next run. On a brick that is not made of
-    software you are asked first. Ctrl-C gives exit status 1: the program was not run to its end.
+    A motor that turns further than the program allows coasts until the next run. On a real brick you are asked before
+    motors turn. Ctrl-C gives exit status 1, since the program did not end.
     """
     if program is None:
         _list(json)

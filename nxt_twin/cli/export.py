@@ -14,14 +14,14 @@ from nxt_twin.export.formats import FormatName
 
 
 def export(
-    model: Annotated[str, typer.Argument(help="A plant: a YAML file, or the name of one that comes along.")],
+    model: Annotated[str, typer.Argument(help="A plant: a YAML file, or the name of a built-in one.")],
     to: Annotated[FormatName, typer.Option("--to", help="The format.")],
     out: Annotated[Path | None, typer.Option(help="The file; without, standard output.")] = None,
     json: JsonOption = None,
 ) -> None:
     """Write a motor for another program: a URDF joint, a MuJoCo actuator, Simscape's parameters, a Python module.
 
-    What the format cannot say is in the file, and on standard error.
+    Standard error and comments in the file list the physics that the format cannot hold.
     """
     from nxt_twin.api.files import load_plant
     from nxt_twin.export.axis import axis_of

@@ -27,7 +27,7 @@ def fit(
     json: JsonOption = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the fitted plant as YAML.")] = None,
 ) -> None:
-    """Fit the parameters of a case's plant on everything that it does not hold out."""
+    """Fit the parameters of a case's plant to its recordings, except those it holds out."""
     case = read_as_case(path, stated_mapping(mapping, columns))
     if is_sensor_case(case):
         _show_sensor(case, json, model_out)

@@ -44,26 +44,23 @@ def identify(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="The run's folder; one that is half done is gone on with."),
+        typer.Option(help="Folder of the run; an unfinished run continues."),
     ] = None,
     positioner: Annotated[
         list[str] | None,
         typer.Option(
-            help="What moves things: hand (asks you), rail:PORT,mm_per_deg=…, nx100:HOST,along=…,value_now=…;"
-            " with AXIS= before it, such as angle_deg=hand, for one of several axes."
+            help="The positioner: hand (asks you), rail:PORT,mm_per_deg=…, nx100:HOST,along=…,value_now=…;"
+            " AXIS= before it, such as angle_deg=hand, names one of several axes."
         ),
     ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")
-    ] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan, and do nothing.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
     """Carry out an experiment on a brick, fit what it recorded, and write plant.yaml or sensor.yaml.
 
-    On `mock:` a rig made of software moves things, in virtual time; on a brick that is not made of software you are
-    asked before motors turn. Interrupted, the motors coast and positioners stop; run with the same --out, the
-    experiment goes on where it stopped.
+    On `mock:` a software rig moves the target in virtual time. On a real brick you are asked before motors turn. After
+    Ctrl-C the motors coast and the positioners stop. A second run with this --out continues the experiment.
     """
     if experiment is None:
         _list(json)
@@ -75,7 +72,7 @@ def identify(
         print(*lines, sep="\n")
         return
     if out is None:
-        raise typer.BadParameter("is missing: where should the recordings go?", param_hint="--out")
+        raise typer.BadParameter("is missing: name a folder for the recordings", param_hint="--out")
     found = chosen_url(url, SystemClock())
     if turned := _turned(wanted, movers):
         get_leave(found, turned, yes=yes)
@@ -151,7 +148,7 @@ def _bench(wanted: Experiment, url: str) -> Workbench:
         raise typer.BadParameter(str(error), param_hint="URL") from error
     world, secret = options.get("world"), options.get("conceal")
     if secret is not None and isinstance(wanted, MotorIdentification) and len(wanted.loads) > 1:
-        what = "a motor that conceals something has no disc put on it: choose an experiment without one"
+        what = "a mock with a concealed effect cannot carry a disc: choose an experiment without a disc"
         raise typer.BadParameter(what, param_hint="URL")
     bench = workbench(
         None if world is None else Path(world),
@@ -199,7 +196,9 @@ class _Screen:
         print(request, end="", file=sys.stderr, flush=True)
         answer = sys.stdin.readline()
         if not answer:
-            raise StoppedError("nobody is there to answer", mend="run it on a terminal")
+            raise StoppedError(
+                "the experiment asks a question, and standard input is closed", mend="run it on a terminal"
+            )
         return answer.strip()
 
     def clear(self) -> None:

@@ -34,16 +34,16 @@ _BUILT_IN = "excitation"
 def live(
     url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
     plant: Annotated[str, typer.Option(help="Model of the motors: a name or a YAML file.")] = "nxt_motor",
-    ports: Annotated[str, typer.Option(help="Motors to watch.")] = "abc",
+    ports: Annotated[str, typer.Option(help="Ports of the motors to watch.")] = "abc",
     sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = _AS_SHIPPED,
     program: Annotated[
-        str, typer.Option(help="A motor program's file or name; none only watches what others command.")
+        str, typer.Option(help="A motor program: a file or a name; none: only watch.")
     ] = _BUILT_IN,
     seconds: Annotated[
-        float, typer.Option(min=0.0, help="How long; 0 goes on until Ctrl-C. The program is repeated.")
+        float, typer.Option(min=0.0, help="Length of the session; 0: until Ctrl-C. The program repeats.")
     ] = 30.0,
     adopt: Annotated[
-        bool, typer.Option("--adopt", help="Diagnose a divergence, take over what is found, and go on.")
+        bool, typer.Option("--adopt", help="Diagnose a divergence and adopt the improved model.")
     ] = False,
     out: Annotated[Path | None, typer.Option(help="Record the session: .csv or .parquet.")] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the adopted plant as YAML.")] = None,
@@ -51,16 +51,16 @@ def live(
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
     report: Annotated[
         Path | None,
-        typer.Option(help="Folder for HTML reports: of the session, and of what --adopt diagnoses."),
+        typer.Option(help="Folder for HTML reports: the session, and each diagnosis of --adopt."),
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
-    """Watch a brick beside its model: what is measured, what was predicted, and when they part.
+    """Watch a brick beside its model: readings, predictions, and the moment at which they diverge.
 
-    The motors run a program of steps, ramps and rests unless another is named, so put the robot on blocks. Ctrl-C
-    ends it, and the motors coast. Exit status 0 whatever the verdict, which the last line and the JSON tell; 1 if
-    the brick cannot be reached, or not a single poll came about; 2 for wrong use.
+    By default the motors run a program of steps, ramps and rests, so put the robot on blocks. Ctrl-C ends the session,
+    and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the
+    brick cannot be reached or answers no poll; 2 for wrong use.
     """
     wanted, clock = wanted_ports(ports), SystemClock()
     commanded = _program(program, wanted)
@@ -104,7 +104,7 @@ def hold(
     document = conclude(outcome, told, showing)
     linger(told.dashboards, until_interrupted=ended)
     if not outcome.polls:
-        fail("not a single poll came about, so nothing was recorded: give it more --seconds")
+        fail("the brick answered no poll, so nothing is recorded; give it more --seconds")
         raise typer.Exit(1)
     return outcome, document
 
@@ -115,5 +115,7 @@ def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:
     loaded = excitation(ports) if name == _BUILT_IN else load_program(name)
     missing = [port for port in loaded.ports if port not in ports]
     if missing:
-        raise typer.BadParameter(f"the program drives {', '.join(missing)}, which --ports leaves out")
+        raise typer.BadParameter(
+            f"the program drives {', '.join(missing)}; add {'it' if len(missing) == 1 else 'them'} to --ports"
+        )
     return loaded

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 def map(  # noqa: A001  # the command's name
     table: Annotated[
-        Path, typer.Argument(help="The table: any of CSV, JSON, Parquet, Feather, MAT, a ROS 2 bag.")
+        Path, typer.Argument(help="The table: CSV, JSON, Parquet, Feather, MAT or a ROS 2 bag.")
     ],
-    out: Annotated[Path | None, typer.Option(help="Write the mapping here; else it is printed.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write the mapping here; without: print it.")] = None,
     joint: Annotated[
         str | None, typer.Option(help="Name or index of the joint, where the table holds several.")
     ] = None,
@@ -27,7 +27,7 @@ def map(  # noqa: A001  # the command's name
 ) -> None:
     """Guess which columns of a table are time, command and angle, in which units, and say why.
 
-    What is printed is the mapping, with the reasons as comments. Lines that say CHECK need your eye.
+    The output is the mapping, with the reasons as comments. Check each line that says CHECK.
     """
     from nxt_twin.recording.guess.contract import is_recording
     from nxt_twin.recording.guess.guess import guess_mapping
@@ -41,7 +41,7 @@ def map(  # noqa: A001  # the command's name
     guessed = guess_mapping(table, joint)
     if guessed.lacking is not None:
         if json != "-":
-            print(mapping_text(guessed, [f"what {table.name} seems to be, as far as it goes"]), end="")
+            print(mapping_text(guessed, [f"a first guess for {table.name}, which is incomplete"]), end="")
         raise guessed.lacking
     text = mapping_text(guessed, _seen(guessed, read_all_mapped(table, mapping_of(guessed.keys, str(table)))))
     if out:

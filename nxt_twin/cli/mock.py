@@ -33,7 +33,7 @@ def mock(
         typer.Option(
             metavar="HOST:PORT",
             callback=_place,
-            help="Listen here; with no place at all: localhost:7000, where connect looks.",
+            help="Listen here; without any place: localhost:7000, where connect looks.",
         ),
     ] = None,
     tcp_raw: Annotated[
@@ -45,20 +45,21 @@ def mock(
         ),
     ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
-    world: Annotated[Path | None, typer.Option(metavar="FILE", help="What surrounds the brick.")] = None,
-    seed: Annotated[int, typer.Option(help="Of noise, jitter and faults.")] = 0,
+    world: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="World file: what surrounds the brick.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Random seed of noise, jitter and faults.")] = 0,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link.")] = "none",
     conceal: Annotated[
         str | None,
         typer.Option(
             metavar="SEED|FILE",
-            help="Motor A is another than it seems: what is concealed in it is drawn from a seed, or said in a file."
-            " nxt-twin blind reveal tells it.",
+            help="Conceal an effect in motor A, from a seed or a file; nxt-twin blind reveal prints it.",
         ),
     ] = None,
     json: JsonOption = None,
 ) -> None:
-    """Serve a mock brick until interrupted; framing as on Bluetooth."""
+    """Serve a mock brick until interrupted. Telegrams are framed as on Bluetooth."""
 
     def announce(served: Served) -> None:
         if json:

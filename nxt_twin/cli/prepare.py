@@ -15,7 +15,7 @@ def prepare(
     out: Annotated[Path, typer.Option(help="Folder in which to make the case.")],
     data: Annotated[Path | None, typer.Option(help="Where the data sets are; else $NXT_TWIN_DATA.")] = None,
 ) -> None:
-    """Make a case, with its baseline and its split into fitted and held-out runs, of a real data set."""
+    """Make a case of a real data set: the baseline, and recordings split into fitted and held-out ones."""
     if name not in DATA_SETS:
         raise typer.BadParameter(f"'{name}' is none of {', '.join(DATA_SETS)}", param_hint="NAME")
     print(prepare_case(name, data or data_root(), out))

@@ -44,27 +44,24 @@ def record(
     sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = NOTHING,
     program: Annotated[
         str | None,
-        typer.Option(
-            help="Run a motor program meanwhile, once: a name, as drive lists them, or a YAML file."
-        ),
+        typer.Option(help="Run a motor program once: a name (nxt-twin drive lists them) or a YAML file."),
     ] = None,
     seconds: Annotated[
-        float, typer.Option(min=0.0, help="How long; 0: as long as the program, or until Ctrl-C.")
+        float, typer.Option(min=0.0, help="Length, s; 0: until the program ends, or Ctrl-C.")
     ] = 0.0,
     period: Annotated[
-        float, typer.Option(min=0.0, help="Time from poll to poll, s; 0 is the link's own pace.")
+        float, typer.Option(min=0.0, help="Time between polls, s; 0: as fast as the link allows.")
     ] = 0.01,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
     """Record a brick: motors, sensors and battery, one row a poll (docs/formats.md).
 
-    The rows are on the way to the disk while it runs: after a crash, `nxt-twin recover FILE` gives them back. Without
-    a program the motors are left alone, and what the brick says of them is written down.
-    Ctrl-C ends it, and is an ordinary end.
+    Each row goes to the disk at once; after a crash, `nxt-twin recover FILE` restores the rows. Without a program the
+    command only reads the motors and their powers. Ctrl-C ends the recording, with exit status 0.
     """
     if out is None:
-        raise typer.BadParameter("is missing: where should the recording go?", param_hint="--out")
+        raise typer.BadParameter("is missing: name a file for the recording", param_hint="--out")
     wanted, plan = wanted_ports(ports), Plan(sensors=wanted_sensors(sensors), period_s=period)
     driver = None if program is None else ProgramDriver(load_program(program))
     if driver is not None:

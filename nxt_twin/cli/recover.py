@@ -20,10 +20,10 @@ def recover(
     ],
     json: JsonOption = None,
 ) -> None:
-    """Make a recording out of the stream that a crash, a kill or an empty laptop battery left of it.
+    """Restore a recording from the stream that a crash left.
 
-    Where the stream is damaged, all rows that are whole are recorded, the stream is kept, and the exit status is 1.
-    Where the last row drives motors, it says so: after kill -9 a brick goes on as last commanded.
+    From a damaged stream the command restores all whole rows, keeps the stream, and exits with status 1. It warns if
+    the last row drives motors: after a crash of the host, a brick keeps its last command.
     """
     found = recovered(recording)
     saved = found.recording

@@ -31,16 +31,18 @@ def replay(
     recording: Annotated[Path, typer.Argument(help="A brick's recording: .csv or .parquet.")],
     model: Annotated[
         str | None,
-        typer.Option(help="Model of the motors: a name or a YAML file; else the sidecar's, else nxt_motor."),
+        typer.Option(
+            help="Model of the motors: a name or a YAML file; without: the sidecar's, or nxt_motor."
+        ),
     ] = None,
     ports: Annotated[
-        str | None, typer.Option(help="Motors to watch; without: all that were recorded.")
+        str | None, typer.Option(help="Ports of the motors to watch; without: every recorded motor.")
     ] = None,
     speed: Annotated[
-        float, typer.Option(min=0.0, help="How many times as fast as it was; 0 as fast as can be.")
+        float, typer.Option(min=0.0, help="Speed as a multiple of real time; 0: as fast as possible.")
     ] = 1.0,
     adopt: Annotated[
-        bool, typer.Option("--adopt", help="Diagnose a divergence, take over what is found, and go on.")
+        bool, typer.Option("--adopt", help="Diagnose a divergence and adopt the improved model.")
     ] = False,
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
@@ -49,9 +51,9 @@ def replay(
     ] = None,
     json: JsonOption = None,
 ) -> None:
-    """Play a recording to the live twin as if the brick were there: the same filters, the same monitor.
+    """Play a recording to the live twin, with the filters and the monitor of a live session.
 
-    Exit status 0 whatever the verdict, as with live.
+    Exit status 0 after any verdict, as with live.
     """
     played = read_recording(recording)
     plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
@@ -60,7 +62,9 @@ def replay(
     recorded = RecordedBrick(played, clock).ports
     watched = recorded if ports is None else tuple(p for p in wanted_ports(ports) if p in recorded)
     if not watched:
-        raise RecordingError("holds none of these motors", where=str(recording), mend="see --ports")
+        raise RecordingError(
+            "holds none of these motors", where=str(recording), mend="name recorded motors with --ports"
+        )
     showing = Showing(
         title=recording.name,
         schema=_SCHEMA,

@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 
 
 def simulate(
-    model: Annotated[str, typer.Argument(help="A plant: a YAML file, or the name of one that comes along.")],
-    recording: Annotated[Path, typer.Argument(help="The recording whose commands to run it on.")],
+    model: Annotated[str, typer.Argument(help="A plant: a YAML file, or the name of a built-in one.")],
+    recording: Annotated[Path, typer.Argument(help="The recording that gives the inputs.")],
     mapping: MappingOption = None,
     columns: ColumnsOption = None,
     restart_every: Annotated[
-        float | None, typer.Option(min=1e-3, help="Set the state anew from the measurement every S seconds.")
+        float | None, typer.Option(min=1e-3, help="Restart from the measured state every S seconds.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Write the prediction as a recording.")] = None,
     json: JsonOption = None,
 ) -> None:
-    """Predict a recording's outputs from its commands and first row alone, at rest.
+    """Predict a recording's outputs from its inputs and first row alone, starting at rest.
 
-    Prints the error against what was recorded. Rows at which the state is set anew are not counted in it. Readings are
-    not needed: a table of `time_s` and `a_power_pct` is enough, and the motor then starts at 0 degrees.
+    The command prints the error of the prediction; rows at which the state restarts do not count. Readings are
+    optional: a table of `time_s` and `a_power_pct` is enough, and the motor then starts at 0 degrees.
     """
     from nxt_twin.recording.files import write_recording
     from nxt_twin.recording.recording import Recording

@@ -23,7 +23,7 @@ def stop(
 ) -> None:
     """Let all motors of a brick coast, and stop the program that runs on it, if one does.
 
-    After kill -9 or a lost link a brick goes on as last commanded; this ends it. Exit status 1 if it cannot be reached.
+    After a crash of the host or a lost link, a brick keeps its last command. Exit status 1 if it cannot be reached.
     """
     clock = SystemClock()
     found = chosen_url(url, clock)

@@ -35,7 +35,7 @@ def stated_mapping(mapping: Path | None, columns: str | None) -> MappingOf | Non
     from nxt_twin.recording.mappings import one_mapping
 
     if mapping and columns:
-        raise typer.BadParameter("say --mapping or --columns, not both")
+        raise typer.BadParameter("give --mapping or --columns, not both")
     if columns:
         return one_mapping(mapping_of_words(columns))
     return one_mapping(read_mapping(mapping)) if mapping else None

@@ -14,7 +14,7 @@ def udev(
 ) -> None:
     """Print the udev rule that lets you use a brick on USB without being root.
 
-    The rule goes to standard output, to be piped into its file; how to do that goes to standard error.
+    The rule goes to standard output; the commands that install it go to standard error.
     """
     if json:
         answer = {"schema": "nxt-twin/udev/1", "rule": rule_text(), "path": RULE_PATH}

@@ -39,7 +39,9 @@ def wanted_ports(text: str) -> tuple[Port, ...]:
     """
     ports = dict.fromkeys(text.lower().replace(",", ""))
     if not ports or not ports.keys() <= set(PORTS):
-        raise typer.BadParameter(f"'{text}' is not out of {''.join(PORTS)}", param_hint="--ports")
+        raise typer.BadParameter(
+            f"'{text}' names no motors: write letters of {''.join(PORTS)}, such as ab", param_hint="--ports"
+        )
     return cast("tuple[Port, ...]", tuple(ports))
 
 
@@ -86,9 +88,9 @@ def get_leave(url: str, ports: tuple[Port, ...], *, yes: bool) -> None:
         return
     motors = ", ".join(port.upper() for port in ports)
     if not sys.stdin.isatty():
-        raise typer.BadParameter(f"motors {motors} will turn: say so with --yes", param_hint="--yes")
+        raise typer.BadParameter(f"motors {motors} will turn: allow this with --yes", param_hint="--yes")
     if not typer.confirm(f"Motors {motors} of {url} will turn both ways. Is nothing in their way?"):
-        fail("nothing was done")
+        fail("you said no, so nothing was done")
         raise typer.Exit(1)
 
 

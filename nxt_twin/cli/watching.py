@@ -138,7 +138,7 @@ def get_ready(
         PlantError: the plants cannot stand side by side.
     """
     with progress("getting ready") as tell:
-        tell("the first time, the model is compiled, which takes half a minute and is kept")
+        tell("the first session compiles the model, which takes half a minute")
         rehearse(plants, options, adopting=adopting)
 
 

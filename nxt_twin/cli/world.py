@@ -16,38 +16,40 @@ from nxt_twin.mock.serve.profile import LinkProfile
 
 
 def world(
-    file: Annotated[
-        str, typer.Argument(help="A world file with a robot in it, or one of the tool's own by name.")
-    ],
+    file: Annotated[str, typer.Argument(help="A world file with a robot, or the name of a built-in world.")],
     program: Annotated[
         Path | None, typer.Option(metavar="SCRIPT", help="A Python program that drives a brick on USB.")
     ] = None,
-    argument: Annotated[list[str] | None, typer.Option(help="For the program; may be given again.")] = None,
+    argument: Annotated[
+        list[str] | None, typer.Option(help="An argument of the program; may be given again.")
+    ] = None,
     seconds: Annotated[
         float,
-        typer.Option(min=0.0, help="How long at most, by the program's clock; without a program, how long."),
+        typer.Option(min=0.0, help="Longest run by the program's clock, s; without a program: the length."),
     ] = 120.0,
     trace: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the robot's course as a recording.")
+        Path | None, typer.Option(metavar="FILE", help="Write the robot's path as a recording.")
     ] = None,
     film: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Film the robot: .gif, .webp or an animated .png.")
     ] = None,
     save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="All that moved, for rerun's viewer: .rrd.")
+        Path | None, typer.Option(metavar="FILE", help="Write all motions for the rerun viewer: .rrd.")
     ] = None,
     ghost: Annotated[
         str | None,
-        typer.Option(metavar="PLANT", help="A differential_drive: where the encoders alone have the robot."),
+        typer.Option(
+            metavar="PLANT", help="A differential_drive plant; also show the pose by the encoders alone."
+        ),
     ] = None,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link to the brick.")] = "usb",
-    seed: Annotated[int, typer.Option(help="Of the sensors' noise.")] = 0,
+    seed: Annotated[int, typer.Option(help="Random seed of the sensors' noise.")] = 0,
     json: JsonOption = None,
 ) -> None:
-    """Run a program for a brick, unchanged, on a simulated robot, and tell what became of it.
+    """Run an unchanged brick program on a simulated robot, and print how it ended.
 
-    The program finds the brick on USB, as it would find a real one; time passes as fast as this machine can reckon.
-    Exit status 0 if the program ended by itself, 1 if it failed or ran out of time.
+    The program finds the brick on USB, as it finds a real one. Time passes as fast as this machine computes.
+    Exit status 0 if the program ends by itself, 1 if it fails or runs out of time.
     """
     from nxt_twin.api.worlds import Wanted, Watched
     from nxt_twin.world.arena import open_arena

@@ -108,10 +108,10 @@ class Adopter:
         answer, gained = future.result()
         self.diagnoses.append((port, answer.diagnosis))
         if not _better(answer.diagnosis):
-            return Finished(port, began_s, None, "no known effect accounts for it so far")
+            return Finished(port, began_s, None, "no known effect explains the divergence so far")
         if not (answer.diagnosis.effects or gained.worthwhile):
-            off = f"off by {gained.before_deg:.3g} deg with them as they are and {gained.after_deg:.3g} deg re-fitted"
-            return Finished(port, began_s, None, f"other numbers bring the model no nearer ({off})")
+            errors = _errors(gained)
+            return Finished(port, began_s, None, f"re-fitted parameters do not improve the model ({errors})")
         self._tries[port] = 0 if answer.diagnosis.effects else self._tries[port]
         return Finished(port, began_s, answer, "", gained)
 
@@ -129,7 +129,7 @@ def _why(error: BaseException) -> str:
     """What is said of a diagnosis that failed; whatever it failed of, the brick has to be watched on."""
     if isinstance(error, NxtTwinError):
         return str(error)
-    return f"the diagnosis failed, which is an error of this program ({type(error).__name__}: {error})"
+    return f"the diagnosis failed by an error in nxt-twin ({type(error).__name__}: {error})"
 
 
 def _better(diagnosis: Diagnosis) -> bool:
@@ -159,7 +159,7 @@ def told(port: Port, time_s: float, answer: Answer, gained: Gain) -> list[Event]
         Event(
             time_s,
             "effect_named",
-            f"{where} {effect.name} (probability {effect.probability:.2f})",
+            f"{where} the diagnosis finds {effect.name} (probability {effect.probability:.2f})",
             port,
             channel,
             strength=effect.probability,
@@ -168,9 +168,17 @@ def told(port: Port, time_s: float, answer: Answer, gained: Gain) -> list[Event]
     ]
     names = tuple(effect.name for effect in diagnosis.effects)
     what = (
-        f"the model now has {', '.join(names)}" if names else "the model's numbers were off and are re-fitted"
+        f"the model now has {', '.join(names)}"
+        if names
+        else "the model's parameters were off and are re-fitted"
     )
     if diagnosis.verdict == "unexplained":
-        what += "; more is missing that no known effect accounts for"
-    off = f"off by {gained.before_deg:.3g} deg before, {gained.after_deg:.3g} deg after, in free run"
-    return [*named, Event(time_s, "adopted", f"{where} {what} ({off})", port, channel, effects=names)]
+        what += "; more is missing, and no known effect explains it"
+    return [
+        *named,
+        Event(time_s, "adopted", f"{where} {what} ({_errors(gained)})", port, channel, effects=names),
+    ]
+
+
+def _errors(gained: Gain) -> str:
+    return f"free-run error {gained.before_deg:.3g} deg before, {gained.after_deg:.3g} deg after"

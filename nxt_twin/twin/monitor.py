@@ -107,7 +107,7 @@ class MotorMonitor:
             self._proving = False
             how = "faster" if tally.push > 0.0 else "slower"
             where = f", most {tally.regime}" if tally.regime else ""
-            words = f"{self._who}: the motor turns {how} than its model since {tally.since_s:.1f} s{where}"
+            words = f"{self._who}: from {tally.since_s:.1f} s on, the motor turns {how} than its model predicts{where}"
             yield self._event(time_s, "divergence", words, tally.since_s, tally.nats)
         tally.clear(time_s)
 
@@ -119,7 +119,7 @@ class MotorMonitor:
             return
         self.diverging, self._proving, self._named = True, False, None
         self.since_s = self._doubt.since_s
-        words = f"{self._who}: the motor does not turn as its model since {self.since_s:.1f} s"
+        words = f"{self._who}: from {self.since_s:.1f} s on, the motor does not turn as its model predicts"
         strength = -math.log(max(effects[NOTHING], 1e-30))
         yield self._event(time_s, "divergence", words, self.since_s, strength)
 
@@ -132,8 +132,8 @@ class MotorMonitor:
             self.diverging, self._proving, self._named = True, False, None
             self.since_s = strays.since_s
             words = (
-                f"{self._who}: {strays.count} readings since {self.since_s:.1f} s fit no motion of the motor: "
-                "stale, or not the encoder's"
+                f"{self._who}: from {self.since_s:.1f} s on, {strays.count} readings fit no motion of the motor: "
+                "they are stale, or the encoder errs"
             )
             yield self._event(time_s, "divergence", words, self.since_s, float(strays.count))
         strays.clear()
@@ -147,11 +147,11 @@ class MotorMonitor:
         self.diverging = self._proving = False
         if brief:
             words = (
-                f"{self._who}: something pushed or let go for {max(lasted_s, 0.1):.1f} s "
-                f"at {self.since_s:.1f} s; the model holds before and after"
+                f"{self._who}: a push or a slip lasted {max(lasted_s, 0.1):.1f} s from {self.since_s:.1f} s on; "
+                "the model holds before and after it"
             )
             yield self._event(time_s, "slip", words, self.since_s, None)
-        words = f"{self._who}: the motor turns as its model again"
+        words = f"{self._who}: the motor turns as its model predicts again"
         yield self._event(time_s, "calm", words, None, None)
 
     def _name(self, time_s: float, effects: Mapping[str, float]) -> Iterator[Event]:
@@ -167,16 +167,16 @@ class MotorMonitor:
         if time_s - self._favourite[1] >= _ENOUGH_S and self._named != best:
             self._named = best
             words = (
-                f"{self._who}: of what is weighed, {best.replace('_', ' ')} explains it best "
+                f"{self._who}: of the effects that the twin weighs, {best.replace('_', ' ')} is the likeliest "
                 f"(probability {named[best]:.2f})"
             )
             yield self._event(time_s, "effect_named", words, self.since_s, named[best])
 
     def _trouble(self, time_s: float, power_pct: int) -> Event:
         if self._standstill.trouble == "disconnected":
-            words = f"{self._who}: not a single count at {power_pct} % power: is the motor's cable in?"
+            words = f"{self._who}: the encoder counts nothing at {power_pct} % power; check the motor's cable"
             return self._event(time_s, "disconnected", words, None, None)
-        words = f"{self._who}: the motor is driven at {power_pct} % and does not turn: something blocks it"
+        words = f"{self._who}: the motor does not turn at {power_pct} % power; something blocks it"
         return self._event(time_s, "stall", words, None, None)
 
     def _event(

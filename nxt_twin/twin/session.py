@@ -136,7 +136,7 @@ class Session:
         brick = self._parts.open_brick()
         self._began_s = self._clock.now_s()
         try:
-            self._tell("started", f"watching motors {', '.join(p.upper() for p in self._twin.ports)}")
+            self._tell("started", f"the twin watches motors {', '.join(p.upper() for p in self._twin.ports)}")
             while not self._over(seconds):
                 brick = self._through(brick, seconds)
             self._tell("stopped", "; ".join(filter(None, (self._length(), self.stalls.words()))))
@@ -145,7 +145,7 @@ class Session:
             brick.close()
 
     def _length(self) -> str:
-        return f"after {self.now_s:.1f} s and {self.polls} polls"
+        return f"the session ends after {self.now_s:.1f} s and {self.polls} polls"
 
     def _over(self, seconds: float | None) -> bool:
         return (seconds is not None and self.now_s >= seconds) or self._parts.enough()
@@ -162,7 +162,7 @@ class Session:
                 if left_s > 0.0:
                     self._clock.sleep(left_s)
         except LinkError as error:
-            self._tell("link_lost", f"the link is lost ({error}); the model goes on alone")
+            self._tell("link_lost", f"the link is lost ({error}); the model runs on without readings")
             brick.close()
             lost_s = self.now_s
             try:
@@ -178,7 +178,7 @@ class Session:
         except (LinkTimeoutError, GarbageError) as error:
             self._misses += 1
             if self._misses >= _MISSES_MOST:
-                raise LinkLostError(f"{self._misses} polls in a row went wrong: {error.what}") from error
+                raise LinkLostError(f"{self._misses} polls in a row failed: {error.what}") from error
 
     def _poll(self, brick: Brick, sensors: SensorPoll) -> None:
         sent_s = self.now_s
@@ -280,7 +280,7 @@ class Session:
             self._battery_low = True
             self._tell(
                 "low_battery",
-                f"the battery is down to {voltage_v:.2f} V: change the cells before you trust more",
+                f"the battery is down to {voltage_v:.2f} V; change the cells before you rely on the twin",
             )
         elif voltage_v > lowest_v + _LOW_AGAIN_V:
             self._battery_low = False
@@ -301,8 +301,8 @@ class Session:
         self._stall_told_s = moment.at_s
         self._tell(
             "stalled",
-            f"the host or the link stood still: an answer took {1e3 * moment.stall_s:.0f} ms longer than usual; "
-            "such readings stay out of diagnoses",
+            f"the host or the link stood still: a reply took {1e3 * moment.stall_s:.0f} ms longer than usual; "
+            "diagnoses leave such readings out",
         )
 
     def _reopen(self, seconds: float | None) -> Brick | None:
@@ -333,7 +333,7 @@ class Session:
             self._counts[port] = reply.value.tacho_deg
             self.monitors[port].forget(taken.at_s)
             self._history[port].clear()
-        self._tell("link_back", "the link is back; counts and model are together again")
+        self._tell("link_back", "the link is back; the model starts at the counts just read")
 
     def _alone(self, duration_s: float, seconds: float | None) -> None:
         end_s = self.now_s + duration_s
@@ -358,7 +358,7 @@ class Session:
             return
         port, now_s = finished.port, self.now_s
         if finished.answer is None or finished.gain is None:
-            words = f"port {port.upper()}: {finished.why_not}; it goes on with the model that it has"
+            words = f"port {port.upper()}: {finished.why_not}; the twin keeps its model"
             self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=self.monitors[port].since_s))
             return
         told_of_battery = battery_is_another(finished.answer.diagnosis.refit)

@@ -68,26 +68,24 @@ def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> V
     troubles = [event for event in events if event.kind in _TROUBLES]
     if diverging:
         last = next(event for event in reversed(apart) if event.port in diverging)
-        return Verdict("diverges", f"model and brick are apart: {last.words}")
+        return Verdict("diverges", f"brick and model diverge: {last.words}")
     if troubles:
         return Verdict("trouble", troubles[0].words)
     if adopted:
-        return Verdict("explained", f"model and brick are together again: {_adopted(adopted)}")
+        return Verdict("explained", f"brick and model agree again: {_adopted(adopted)}")
     if apart:
-        return Verdict("passed", f"model and brick were apart for a while: {apart[0].words}")
+        return Verdict("passed", f"brick and model diverged for a while: {apart[0].words}")
     return _undisturbed(seen)
 
 
 def _undisturbed(seen: Seen) -> Verdict:
     if not seen.polls:
-        return Verdict(
-            "unseen", "nothing was seen: the brick answered no poll, so nothing is said of the model"
-        )
+        return Verdict("unseen", "the brick answered no poll, so this session does not judge the model")
     if seen.share < _ENOUGH:
-        return Verdict("unseen", f"too little was seen: {seen.loss}, so nothing is said of the model")
+        return Verdict("unseen", f"{seen.loss}, so this session does not judge the model")
     if seen.share < _NEARLY_ALL:
-        return Verdict("holds", f"the model holds where it was seen; {seen.loss}")
-    return Verdict("holds", "the model holds: nothing was seen that it does not explain")
+        return Verdict("holds", f"the model holds wherever the brick answered; {seen.loss}")
+    return Verdict("holds", "the model holds: the monitor found no divergence")
 
 
 def _adopted(adopted: Sequence[Event]) -> str:
@@ -101,5 +99,5 @@ def _adopted_by(adopted: Sequence[Event]) -> str:
     names = dict.fromkeys(name for event in adopted for name in event.effects)
     if set(last.effects) == set(names):
         return last.words
-    refitted = "" if last.effects else ", with its numbers re-fitted since"
+    refitted = "" if last.effects else ", with its parameters re-fitted later"
     return f"port {(last.port or '').upper()}: the model now has {', '.join(names)}{refitted}"

@@ -41,7 +41,7 @@ def test_a_new_divergence_is_waited_for():
     ("found", "near", "truth", "words"),
     [
         (["spring_load"], [], ["spring_load"], "named exactly"),
-        ([], [], [], "rightly left alone"),
+        ([], [], [], "rightly, nothing was named"),
         (["spring_load", "stiction"], [], ["spring_load"], "named, but not alone"),
         (["stiction"], ["presliding"], ["presliding"], "named, but not alone"),
         (["stiction"], [], ["backlash"], "missed"),

@@ -33,8 +33,8 @@ def test_a_divergence_is_said_in_a_line_and_is_no_failure(tmp_path):
     model = tmp_path / "model.yaml"
     outcome = succeed("live", f"mock:?world={world}", "--ports", "a", "--seconds", "4", "--model-out", model)
     lines = outcome.out.splitlines()
-    assert any("port A: the motor turns slower than its model since" in line for line in lines)
-    assert lines[-1].startswith("model and brick are apart: port A")
+    assert any("the motor turns slower than its model predicts" in line for line in lines)
+    assert lines[-1].startswith("brick and model diverge: port A")
     assert "dc_motor" in model.read_text()
 
 
@@ -72,7 +72,7 @@ def test_a_session_without_a_single_poll_has_failed_and_says_so(tmp_path):
     out = tmp_path / "none.csv"
     outcome = run("live", "mock:", "--ports", "a", "--seconds", "1e-6", "--out", out)
     assert outcome.status == 1
-    assert "not a single poll" in outcome.err
+    assert "the brick answered no poll" in outcome.err
     assert not out.exists()
     assert list(tmp_path.iterdir()) == []
 

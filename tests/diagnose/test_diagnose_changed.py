@@ -23,7 +23,7 @@ def test_more_inertia_is_found_with_its_size_and_the_motor_stays():
     assert change.of == "inertia_kg_m2"
     assert change.after / change.before == pytest.approx(1.6, rel=0.1)
     assert change.interval_95[0] < change.after < change.interval_95[1]
-    assert found.sentence.startswith("The load changed, the motor did not: inertia")
+    assert found.sentence.startswith("The load changed: inertia")
     assert found.fit.improved < 0.3 * found.fit.baseline
 
 

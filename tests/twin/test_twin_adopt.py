@@ -151,8 +151,8 @@ def test_the_headline_names_every_effect_that_was_taken_over():
     events = [adopted("a spring"), adopted("a load", "stiction"), adopted(), adopted("play", port="b")]
     sentence = verdict(events, [], SEEN).sentence
     assert sentence == (
-        "model and brick are together again: port A: the model now has a spring, a load, stiction, "
-        "with its numbers re-fitted since; port B: words of 1"
+        "brick and model agree again: port A: the model now has a spring, a load, stiction, "
+        "with its parameters re-fitted later; port B: words of 1"
     )
     assert verdict([adopted()], [], SEEN).sentence.endswith(": port A: words of 0")
 
@@ -179,7 +179,7 @@ def test_a_refit_is_taken_over_only_if_it_gains_something(tmp_path, resistance_o
     outcome = run(rig, 8.0, adopter=Adopter(_Answering(resistance_ohm), enough_s=2.0))
     assert ("adopted" in outcome.kinds()) == adopted
     if not adopted:
-        assert "other numbers bring the model no nearer" in outcome.first("undiagnosed").words
+        assert "re-fitted parameters do not improve the model" in outcome.first("undiagnosed").words
 
 
 def test_what_the_others_draw_is_not_taken_for_a_weak_battery():

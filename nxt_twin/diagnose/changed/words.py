@@ -45,42 +45,45 @@ def sentence(verdict: Verdict, changes: Sequence[Change], fit: Fit, compared: Co
     """What changed, and by how much."""
     before, after = compared.before.name, compared.after.name
     named = listed([_change(change) for change in changes])
-    errors = f"{fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g}"
+    errors = (
+        f"{fit.baseline:.3g} {fit.unit} with the model before, {fit.improved:.3g} {fit.unit} with the changes"
+    )
     if verdict == "unchanged":
         return (
-            f"Nothing changed between {before} and {after}: one model predicts windows of either side that it has "
-            f"not seen, those after to {fit.improved:.3g} {fit.unit}."
+            f"Nothing changed between {before} and {after}: one model predicts held-out windows of both. "
+            f"Its error after is {fit.improved:.3g} {fit.unit}."
         )
     if verdict == "unexplained":
-        helps = f" What helps, {named}, does not suffice ({errors})." if changes else ""
+        helps = f" These changes help, but do not suffice: {named} (error {errors})." if changes else ""
         return (
             f"Something changed, and no few parameters or effects account for it.{helps} {_reach(after, fit)}"
         )
-    return f"{_opening(changes)}: {named}. Simulated windows after: {errors}."
+    parts = _parts(changes)
+    return f"The {listed(parts)} changed: {named}. {_unchanged(parts)}Error of simulated windows after: {errors}."
 
 
 def _reach(after: str, fit: Fit) -> str:
-    """How well a plant of the side's own predicts it."""
+    """The error that a separate plant of the side after reaches."""
     if fit.floor < _NEARER * fit.improved:
-        return f"A model of its own would predict {after} to {fit.floor:.3g} {fit.unit}."
-    return f"No other parameters of this model predict {after} better than to {fit.floor:.3g} {fit.unit}."
+        return f"A separate model of {after} errs by {fit.floor:.3g} {fit.unit}."
+    return f"No other parameters of this model bring its error in {after} below {fit.floor:.3g} {fit.unit}."
 
 
 def notes(compared: Compared, fit: Fit) -> tuple[str, ...]:
     """How the limit was found, and what both sides lack."""
     source = (
-        "as repeats of one side allow" if compared.calibrated else "no side has repeats that could tell it"
+        "repeats of one side set this limit"
+        if compared.calibrated
+        else "no side has repeats that could set it"
     )
-    found = [f"a change had to gain {compared.limit_nats:.2g} nats beyond its penalty ({source})"]
+    found = [f"a change counts if it gains {compared.limit_nats:.2g} nats beyond its penalty ({source})"]
     names = {effect.id: effect.name for effect in library().values()}
     common = compared.chosen.lacking
     if common:
         what = listed([names[each] for each in common])
-        found.append(
-            f"both sides would be predicted better with {what}, which the model leaves out; that is no change"
-        )
+        found.append(f"the model leaves out {what} on both sides, so this is no change")
     if not 0.0 < fit.improved < 1e6:
-        found.append("simulated windows run away: check units and signs of the recordings")
+        found.append("the simulated windows diverge; check units and signs of the recordings")
     return tuple(found)
 
 
@@ -94,17 +97,18 @@ def _change(change: Change) -> str:
     if change.before is None:
         name = {effect.id: effect.name for effect in library().values()}[change.of]
         main = parameter_words(next(iter(change.params)))
-        return f"{name} came in ({main} {change.after:.3g}{unit})"
+        return f"{name} is new ({main} {change.after:.3g}{unit})"
     return f"{parameter_words(change.of)} {change.before:.3g} → {change.after:.3g}{unit}"
 
 
-def _opening(changes: Sequence[Change]) -> str:
-    parts = sorted({_part(change.of) for change in changes})
+def _parts(changes: Sequence[Change]) -> list[str]:
+    return sorted({_part(change.of) for change in changes})
+
+
+def _unchanged(parts: Sequence[str]) -> str:
     if "motor" in parts:
-        return f"The {listed(parts)} changed"
-    if parts == ["recording"]:
-        return "The recording changed, the motor and its load did not"
-    return f"The {listed(parts)} changed, the motor did not"
+        return ""
+    return f"The motor{' and its load' if parts == ['recording'] else ''} did not change. "
 
 
 def _part(of: str) -> str:

@@ -19,8 +19,8 @@ _ONE_WAY: Final = 0.1
 _HARDLY_TURNS_RAD: Final = 2.0
 _MOST_NAMED: Final = 4
 _SQUARES: Final = (
-    "drive a square of 1 m five times to the left and five times to the right, rest 2 s at each corner, then drive "
-    "2 m straight forward and back at two headings"
+    "drive a square of 1 m five times to the left and five times to the right, with 2 s of rest at each corner; "
+    "then drive 2 m straight forward and back at two headings"
 )
 _BY: Final = {
     "mean_wheel_radius_m": ("mean wheel radius", 1e3, "mm"),
@@ -32,13 +32,15 @@ _BY: Final = {
 
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     """What is wrong, in one sentence."""
-    unseen = "over whole runs that were not fitted"
+    unseen = "over whole held-out runs"
     if verdict == "adequate":
         reached = f"{fit.improved:.3g} mm {unseen}"
-        return f"Nothing is missing: from the wheels alone the model predicts the position to {reached}."
+        return (
+            f"Nothing is missing: from the wheel angles alone, the model predicts the position to {reached}."
+        )
     if not effects:
-        left = f"the position errs by {fit.improved:.3g} mm {unseen}"
-        return f"Something is missing that no known effect accounts for; {left}."
+        left = f"the position error is {fit.improved:.3g} mm {unseen}"
+        return f"Something is missing, and no known effect accounts for it; {left}."
     named = listed([effect.name for effect in effects])
     given = next((one.given for one in fit.horizons if one.seconds is None), fit.baseline)
     falls = given > 1.02 * fit.improved
@@ -50,7 +52,7 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     )
     if verdict == "explained":
         return f"The model leaves out {named}; with {'these' if len(effects) > 1 else 'it'} in, {told}."
-    return f"Something is missing that no known effect accounts for; with {named} in, {told}."
+    return f"Something is missing, and no known effect accounts for all of it; with {named} in, {told}."
 
 
 def listed(items: Sequence[str]) -> str:
@@ -83,11 +85,11 @@ def _bad_runs(judged: Sequence[JudgedRun]) -> list[str]:
     if not bad:
         return []
     said = [
-        f"{one.run.name} stays bad: its own clock is off by up to {one.own_lag_s:.2f} s."
+        f"{one.run.name} keeps a large error: its own clock is off by up to {one.own_lag_s:.2f} s."
         for one in bad[:_MOST_NAMED]
     ]
     if len(bad) > _MOST_NAMED:
-        said.append(f"So are the clocks of {len(bad) - _MOST_NAMED} more.")
+        said.append(f"The clocks of {len(bad) - _MOST_NAMED} more runs are off too.")
     rest = [one for one in judged if one not in bad]
     if rest:
         each = [
@@ -113,8 +115,8 @@ def _disagreements(spread: dict[str, SessionSpread]) -> list[str]:
         words, factor, unit = _BY[name]
         low, high = (factor * pick(told.values.values()) for pick in (min, max))
         said.append(
-            f"The {words} depends on the path or the session: {low:.5g} to {high:.5g}{unit and ' '}{unit}, more than "
-            f"their doubts allow. Its interval holds this spread."
+            f"The {words} differs between paths or sessions by more than its uncertainty: {low:.5g} to {high:.5g}"
+            f"{unit and ' '}{unit}. Its 95 % interval includes this spread."
         )
     return said
 
@@ -126,9 +128,9 @@ def _slips(slips: Sequence[SlipSpell]) -> list[str]:
         for slip in slips[:_MOST_NAMED]
     ]
     if len(slips) > _MOST_NAMED:
-        said.append(f"Wheels slip in {len(slips) - _MOST_NAMED} more spells.")
+        said.append(f"Wheels also slip in {len(slips) - _MOST_NAMED} more spells.")
     if slips:
-        said.append("A wheel's angle does not show its slip, so predictions of later slip fail.")
+        said.append("The wheel angles do not show slip, so the model cannot predict it.")
     return said
 
 
@@ -137,11 +139,11 @@ def _leftover(left: RobotLeft | None) -> list[str]:
         return []
     if left.channel == "wheels":
         return [
-            "The powers do not explain the wheels' motion: a force is missing that no known effect holds."
+            "The motor powers do not explain the wheels' motion: a force is missing, and no known effect has it."
         ]
-    channel = {"along": "travel", "sideways": "place across the heading", "turn": "turn"}[left.channel]
+    channel = {"along": "travel", "sideways": "sideways position", "turn": "turn"}[left.channel]
     return [
-        f"The residual is largest in the {channel}: {100 * left.size:.0f} % of its error goes with {left.along}."
+        f"The residual is largest in the {channel}: {100 * left.size:.0f} % of it goes with the {left.along}."
     ]
 
 
@@ -150,16 +152,16 @@ def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
     turns = np.concatenate([np.diff(run.pose.heading_rad[:: max(1, run.time_s.size // 200)]) for run in runs])
     to_left, to_right = float(np.sum(turns[turns > 0.0])), float(-np.sum(turns[turns < 0.0]))
     if to_left + to_right < _HARDLY_TURNS_RAD:
-        return ["The robot hardly turns, so its paths do not show the track."]
+        return ["The robot hardly turns, so these paths do not show the track."]
     if min(to_left, to_right) < _ONE_WAY * max(to_left, to_right):
-        return ["The robot turns only one way, so unequal wheels and a wrong track cannot be told apart."]
+        return ["The robot turns only one way, so these paths do not tell unequal wheels from a wrong track."]
     return []
 
 
 def why_confusable(effect: str, other: str) -> str:
     """Why these recordings leave it open which of two effects it is."""
     told = LIBRARY[effect].confusable_with.get(other) or LIBRARY[other].confusable_with.get(effect)
-    said = "these paths fit either nearly as well"
+    said = "either effect fits these paths nearly as well"
     return f"{said}; {told}" if told else said
 
 
@@ -170,12 +172,17 @@ def next_path(
     confused = [(effect.id, other.id) for effect in effects for other in effect.confusable_with]
     if confused:
         one, other = confused[0]
-        return NextExperiment(why=f"these paths do not tell {one} from {other}", input=_SQUARES)
-    if verdict == "unexplained":
-        along = left.along if left else "nothing that was looked at"
-        why = f"what is left goes with {along}, and no known effect does so"
         return NextExperiment(
-            why=why, input=f"{_SQUARES}; do all of it at two speeds and at two places of the floor"
+            why=f"these paths do not tell {LIBRARY[one].name} from {LIBRARY[other].name}", input=_SQUARES
+        )
+    if verdict == "unexplained":
+        why = (
+            f"the residual goes with the {left.along}, and no known effect does"
+            if left
+            else "a residual remains, and no known effect explains it"
+        )
+        return NextExperiment(
+            why=why, input=f"{_SQUARES}; repeat this at another speed and at another place on the floor"
         )
     if open_questions := _cannot_tell(runs):
         return NextExperiment(why=open_questions[0].rstrip("."), input=_SQUARES)

@@ -11,20 +11,20 @@ from nxt_twin.diagnose.sensor.leftover import Left
 from nxt_twin.diagnose.telling.words import listed
 
 _EXPERIMENTS: Final = {
-    "ultrasonic_sensor": "a flat wall square on, from contact to 1.5 m in steps of 1 cm with 20 readings at each, "
-    "then the sensor turned by 10° and 30°; a thermometer beside it",
-    "light_sensor": "the whole gradient there and back in a dark and in a lit room, then 10 s at rest at either end",
-    "touch_sensor": "ten slow presses and releases, one gram at a time, then ten after a minute's rest",
+    "ultrasonic_sensor": "a flat wall at 0°, from contact to 1.5 m in steps of 1 cm, with 20 readings at each; "
+    "then at 10° and at 30°; note the air temperature",
+    "light_sensor": "the whole gradient both ways, in a dark and in a lit room; then 10 s at rest at each end",
+    "touch_sensor": "ten slow presses and releases in steps of 1 g; then ten more after a minute of rest",
 }
 
 _ANY_SCALE: Final = (
-    "A scale error of another cause, such as the sensor's own clock, looks like another speed of sound. "
-    "The temperature stands for the scale until a thermometer confirms it."
+    "A scale error of the sensor's own clock looks like another speed of sound. "
+    "The temperature is a scale factor until a thermometer confirms it."
 )
 
 
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
-    """What is wrong, in one sentence."""
+    """The verdict with its figures, for a person; at most two sentences."""
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out readings"
     named = listed([effect.name for effect in effects])
     those = "these" if len(effects) > 1 else "it"
@@ -38,17 +38,17 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
         return f"The ideal sensor leaves out {named}; with {those}, the error falls {figures}."
     if verdict == "explained":
         return (
-            f"The ideal sensor leaves out {named}: the scatter of readings changes and their mean does not; "
+            f"The ideal sensor leaves out {named}. With {those}, the model predicts the scatter of readings; "
             f"the error on held-out readings stays at {fit.improved:.3g} {fit.unit}."
         )
     if effects:
         helps = "help" if len(effects) > 1 else "helps"
         return (
-            f"Something is missing that no known effect accounts for; {named} {helps} ({figures}), "
-            "but the residual exceeds noise."
+            f"Something is missing, and no known effect accounts for all of it. {named[:1].upper()}{named[1:]} {helps} "
+            f"({figures}); the rest is more than noise."
         )
     return (
-        "Something is missing that no known effect accounts for; the error on held-out readings "
+        "Something is missing, and it is no effect that nxt-twin knows; the error on held-out readings "
         f"stays at {fit.improved:.3g} {fit.unit}."
     )
 
@@ -57,9 +57,9 @@ def why_confusable(effect: SensorEffect, other: SensorEffect, behind: float) -> 
     """Why these recordings leave it open which of two effects it is."""
     told = effect.confusable_with.get(other.id) or other.confusable_with.get(effect.id)
     likeness = (
-        f"in its place it does better by {-behind:.1f} nats"
+        f"in its place, the log-likelihood is {-behind:.1f} nats higher"
         if behind < 0.0
-        else f"in its place it does worse by only {behind:.1f} nats"
+        else f"in its place, the log-likelihood is only {behind:.1f} nats lower"
     )
     return f"{likeness}; {told}" if told else f"{likeness} on these recordings"
 
@@ -90,14 +90,14 @@ def notes(
         said.append("Room light is given relative to the first recording.")
     if learns:
         said.append(
-            "The first fifth of a held-out recording gives its room light and mains phase, "
-            "and does not count in the error."
+            "The first fifth of a held-out recording gives its room light and mains phase. "
+            "The error leaves this fifth out."
         )
     if independent < 0.7:
         said.append(
-            f"Neighbouring readings err alike: they count as {100 * independent:.0f} % of their number "
-            "in the search and in the intervals."
+            f"The errors of neighbouring readings are correlated. The search and the intervals count the readings as "
+            f"{100 * independent:.0f} % of their number."
         )
     if left is not None:
-        said.append(f"The residual is largest along {left.along.replace('_', ' ')} ({left.nats:.0f} nats).")
+        said.append(f"The residual depends most on {left.along.replace('_', ' ')} ({left.nats:.0f} nats).")
     return tuple(said)

@@ -27,9 +27,10 @@ def sentence(
     *,
     patchwork: bool = False,
 ) -> str:
-    """What is wrong, in one sentence; `names` says in words which effects `excitation` could not have shown.
+    """The verdict with its figures, for a person; at most two sentences.
 
-    `patchwork` says that it took more effects to come near than are likely to be missing at once.
+    `names` gives the names of the effects that `excitation` could not have shown, by id. `patchwork` says that more
+    effects were needed than are likely to be missing at once.
     """
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out data"
     named = listed([effect.name for effect in effects])
