@@ -7,7 +7,6 @@ of them, or an inertia that was added, has to come from elsewhere (an anchor).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +22,8 @@ from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.judging.judge import noise_floor
+from nxt_twin.diagnose.judging.evidence import torque_share
+from nxt_twin.diagnose.judging.verdict import LIMITS
 from nxt_twin.errors import PlantError
 from nxt_twin.experiment.combine import combined, propagated
 from nxt_twin.experiment.errors import ExperimentError
@@ -68,9 +68,6 @@ _ROUNDS: Final = 2
 """Of fitting everything once more, since noise and parameters are suited to each other in turn."""
 _LEAST_DIFFERENCE: Final = 5.0
 """Between R·J with and without the disc, in standard deviations; a disc that makes less of one anchors nothing."""
-_RUNS_AWAY: Final = 1.25
-"""By how much free runs may be off over what the fit's own noise makes of them: 0.3 to 1.2 in motors of the fit's
-kind, 1.2 to 2.3 with Stribeck friction of 12 mN·m (seeds from 24000 and 24500 of `benchmarks.identify`)."""
 _ODD_SQUARES: Final = 11.3
 """What two fits may differ by, in units of their doubt squared, before it is said: 1 % of chance for three."""
 
@@ -85,14 +82,14 @@ class Ratios:
         covariance: shape (4, 4), but for the battery.
         by_voltage: how far they move by the doubt of the battery's reading, shape (4,).
         structure: the fit itself.
-        runs_off: the error of its free runs over what its own noise would make it; NaN without readings to check.
+        unknown_torque: that the fit leaves, as a fraction of one that is ordinary for the motor.
     """
 
     values: FloatArray
     covariance: FloatArray
     by_voltage: FloatArray
     structure: Structure
-    runs_off: float
+    unknown_torque: float
 
     @property
     def spread(self) -> FloatArray:
@@ -159,14 +156,14 @@ _SUPPLY_NOTE: Final = (
 
 
 def _doubts(fits: Sequence[Ratios]) -> tuple[str, ...]:
-    """That physics is missing, where the fitted model does not run as the motor did."""
-    away = [fit.runs_off for fit in fits if fit.runs_off > _RUNS_AWAY]
-    if not away:
+    """That physics is missing, where the fitted model takes a torque that nothing explains."""
+    left = max(fit.unknown_torque for fit in fits)
+    if left <= LIMITS.structured_torque:
         return ()
     return (
-        f"WARNING: run freely, this model is {max(away):.1f} times as far off as its own noise explains: physics is"
-        " missing, and the intervals do not hold. `nxt-twin diagnose` on the run's folder says what it is, where these"
-        " runs can tell.",
+        f"WARNING: this model leaves an unknown torque of {100.0 * left:.1f} % of an ordinary one: physics is missing,"
+        " and the intervals do not hold. `nxt-twin diagnose` on the run's folder says what it is, where these runs can"
+        " tell.",
     )
 
 
@@ -194,7 +191,7 @@ def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) 
     values = np.array([structure.plant.values[fitted.variables[index].slots[0]] for index in order])
     ratios, spread = propagated(_ratios, values, covariance[np.ix_(order, order)])
     by_voltage = ratios * np.array([1.0, 2.0, 0.0, 0.0]) * _battery_doubt(recordings)
-    return Ratios(ratios, spread, by_voltage, structure, _runs_off(problem, structure))
+    return Ratios(ratios, spread, by_voltage, structure, torque_share(problem, structure))
 
 
 def _sooner(recording: Recording, port: Port) -> Recording:
@@ -213,12 +210,6 @@ def _fitted(problem: Problem, lag_std_s: Mapping[str, float]) -> tuple[Structure
         linear = linearise(simulator, problem, structure, STEP_S)
         rng = np.random.default_rng(0)
         return structure, fit_covariance(simulator, linear, problem.everything(), lag_std_s, rng)
-
-
-def _runs_off(problem: Problem, structure: Structure) -> float:
-    if not any(check.any() for check in problem.check):
-        return math.nan
-    return structure.free_run_rms[0] / noise_floor(problem, structure.noise)
 
 
 def _settled(fitter: Fitter, noise: Noise) -> Structure:

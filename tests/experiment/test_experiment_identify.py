@@ -97,7 +97,7 @@ def test_the_papers_own_method_stands_beside_the_fit(tmp_path: Path) -> None:
     assert found.value("coasting_coulomb_over_inertia").value == pytest.approx(0.012 / 1.35e-3, rel=0.1)
 
 
-def test_the_folder_of_a_motor_that_is_not_the_models_is_a_case(tmp_path: Path) -> None:
+def test_a_motor_that_is_not_the_models_is_warned_of_and_its_folder_is_a_case(tmp_path: Path) -> None:
     coast = {"duration_s": 0.8, "mode": "coast"}
     runs = [
         {"name": f"step{power}", "segments": [{"duration_s": 1.0, "power_pct": power}, coast]}
@@ -106,6 +106,7 @@ def test_the_folder_of_a_motor_that_is_not_the_models_is_a_case(tmp_path: Path) 
     experiment = small("motor_identification", runs=runs)
     sticky = motor_bench(stiction={"breakaway_torque_nm": 0.03, "stribeck_speed_rad_s": 2.0})
     found = identify(experiment, tmp_path / "sticky", sticky)
+    assert "physics is missing" in found.notes[0]
     found.write(tmp_path / "sticky" / "run")
     case = read_case(tmp_path / "sticky" / "run")
     assert [recording.rows > 100 for recording in case.recordings] == [True] * len(runs)
