@@ -13,13 +13,15 @@ from nxt_twin.physics.robot.drive import DifferentialDrive, drive_from_config
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.view.dashboard.drawing.world_view import WorldView
 from nxt_twin.world.arena import Arena
-from nxt_twin.world.film import Film, refuse_unknown
+from nxt_twin.world.film import VIDEO, Film, refuse_unknown
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.ghost import ghost_of
 from nxt_twin.world.motion import Motion
 from nxt_twin.world.outcome import Ghost, Outcome, outcome
 from nxt_twin.world.program import Ran
 from nxt_twin.world.trace import Trace
+
+_PICTURES_PER_S, _VIDEO_PER_S = 10, 20
 
 
 @final
@@ -49,7 +51,7 @@ class Watched:
         wanted: what is to be kept.
 
     Raises:
-        WorldError: the film's name says no format.
+        WorldError: the film's name says no format, or its writer is not installed.
         PlantError: the ghost's plant is none.
         NxtTwinError: a view is wanted, and rerun is not installed.
     """
@@ -62,7 +64,8 @@ class Watched:
         self._film: Film | None = None
         if wanted.film is not None:
             refuse_unknown(wanted.film)
-            self._film = Film(arena)
+            per_second = _VIDEO_PER_S if wanted.film.suffix.lower() == VIDEO else _PICTURES_PER_S
+            self._film = Film(arena, per_second=per_second)
         self._view = None if wanted.save is None else WorldView(wanted.save, arena.setting.robot.name)
         self._motion = None if self._view is None else Motion(arena)
         self._course = Trace(arena)

@@ -31,7 +31,7 @@ def world(
         Path | None, typer.Option(metavar="FILE", help="Write the robot's path as a recording.")
     ] = None,
     film: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Film the robot: .gif, .webp or an animated .png.")
+        Path | None, typer.Option(metavar="FILE", help="Film the robot: .mp4, .gif, .webp or .png.")
     ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write all motions for the rerun viewer: .rrd.")

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.bounded_yaml import parse_yaml
 from nxt_twin.recording.source import nearest, quoted, read_head
+from nxt_twin.recording.yaml_place import Place
 
 LARGEST_YAML_BYTES = 2**20
 
@@ -51,13 +52,13 @@ def read_model(path: Path, model: type[ModelT], error: type[NxtTwinError]) -> Mo
     Raises:
         NxtTwinError: of class `error`, as `read_yaml`, or naming the first key that the model refuses.
     """
-    return read_part(read_yaml(path, error), model, error, where=str(path))
+    return read_part(read_yaml(path, error), model, error, where=Place(path))
 
 
 def read_part(
-    document: dict[str, Any], model: type[ModelT], error: type[NxtTwinError], *, where: str
+    document: dict[str, Any], model: type[ModelT], error: type[NxtTwinError], *, where: Place | str
 ) -> ModelT:
-    """Read what stands at some place of a file into `model`.
+    """Read what stands at some place of a file, or somewhere else (`where` in words), into `model`.
 
     Raises:
         NxtTwinError: of class `error`, naming the place and the first key that the model refuses.
@@ -68,9 +69,14 @@ def read_part(
         # A misspelled key is named before the one that it leaves missing.
         first = min(failure.errors(), key=lambda problem: problem["type"] != "extra_forbidden")
         keys, model_there = _keys(first["loc"], model)
-        place = f"{where}, key {'.'.join(keys)}" if keys else where
         what, mend = _complaint(dict(first), keys, model_there)
-        raise error(what, where=place, mend=mend) from None
+        raise error(what, where=_told(where, keys), mend=mend) from None
+
+
+def _told(where: Place | str, keys: tuple[str, ...]) -> str:
+    if isinstance(where, Place):
+        return where.of(keys)
+    return f"{where}, key {'.'.join(keys)}" if keys else where
 
 
 def _keys(location: tuple[int | str, ...], model: type[BaseModel]) -> tuple[tuple[str, ...], type[BaseModel]]:

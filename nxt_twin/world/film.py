@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Final, final
 
@@ -15,9 +17,11 @@ from nxt_twin.mock.errors import WorldError
 from nxt_twin.world.arena import Arena
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.scene import Floor
+from nxt_twin.world.video import encoder, write_video
 
-FORMATS: Final = (".gif", ".webp", ".png")
-"""What Pillow writes with more than one picture in it; a PNG so is an animated one."""
+VIDEO: Final = ".mp4"
+FORMATS: Final = (".gif", ".webp", ".png", VIDEO)
+"""The first three are Pillow's; a PNG with more than one picture is an animated one."""
 _TEXTURE_EDGE: Final = 1024
 _ABOVE_M: Final = 1e-3
 """The floor's picture lies on the floor, which the renderer draws in squares, and is no body."""
@@ -58,6 +62,11 @@ class Camera:
         self._arena, self._view = arena, view
         _show_floor(arena)
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of its pictures, pixels."""
+        return self._view.size
+
     def picture(self, at_m: FloatArray | None = None) -> Image.Image:
         """A picture of a place, or of the robot."""
         p, number = self._arena.engine.client
@@ -83,7 +92,7 @@ class Camera:
 
 @final
 class Film:
-    """A picture of the robot every so often of the world's time, from now on.
+    """A picture of the robot every so often of the world's time, from now on; kept compressed, without loss.
 
     Args:
         arena: the robot in its scene.
@@ -93,38 +102,51 @@ class Film:
 
     def __init__(self, arena: Arena, view: View = DEFAULT_VIEW, per_second: int = 10) -> None:
         self._camera = Camera(arena, view)
+        self._per_second = per_second
         self._every = round(1000 / per_second)
         self._ticks = 0
-        self._pictures: list[Image.Image] = []
+        self._kept: list[bytes] = []
         arena.watchers.append(self._watch)
 
     def _watch(self) -> None:
         if self._ticks % self._every == 0:
-            self._pictures.append(self._camera.picture())
+            file = BytesIO()
+            self._camera.picture().save(file, "PNG", compress_level=1)
+            self._kept.append(file.getvalue())
         self._ticks += 1
+
+    def pictures(self) -> Iterator[Image.Image]:
+        """The pictures, in order."""
+        for kept in self._kept:
+            yield Image.open(BytesIO(kept)).convert("RGB")
 
     def write(self, path: Path) -> None:
         """Write it in the format that the file's name says.
 
         Raises:
-            WorldError: that is none of `FORMATS`, or nothing was filmed.
+            WorldError: that is none of `FORMATS`, nothing was filmed, or PyAV is not installed for an `.mp4`.
         """
         refuse_unknown(path)
-        if not self._pictures:
+        if not self._kept:
             raise WorldError("there is nothing to show: no time has passed", where=str(path))
         path.parent.mkdir(parents=True, exist_ok=True)
-        first, *others = self._pictures
-        first.save(path, save_all=True, append_images=others, duration=self._every, loop=0)
+        if path.suffix.lower() == VIDEO:
+            write_video(path, self.pictures(), self._camera.size, self._per_second)
+        else:
+            first, *others = self.pictures()
+            first.save(path, save_all=True, append_images=others, duration=self._every, loop=0)
 
 
 def refuse_unknown(path: Path) -> None:
     """Refuse a film's name that says no format.
 
     Raises:
-        WorldError: it is none of `FORMATS`.
+        WorldError: it is none of `FORMATS`, or PyAV is not installed for an `.mp4`.
     """
     if path.suffix.lower() not in FORMATS:
         raise WorldError("is no kind of film", where=str(path), mend=f"end its name in {', '.join(FORMATS)}")
+    if path.suffix.lower() == VIDEO:
+        encoder()
 
 
 def _show_floor(arena: Arena) -> None:

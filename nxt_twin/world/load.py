@@ -13,6 +13,7 @@ from nxt_twin.mock.errors import WorldError
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.yaml_file import read_model, read_part, read_yaml
+from nxt_twin.recording.yaml_place import Place
 from nxt_twin.world.robot import Robot
 from nxt_twin.world.scene import Scene
 
@@ -62,7 +63,7 @@ def setting_of(world: World, file: Path) -> Setting:
         mend = "write robot: castor_bot, or another of configs/robots"
         raise WorldError("holds no robot", where=str(file), mend=mend)
     robot = _robot(world.robot, file)
-    scene = read_part(world.scene or {}, Scene, WorldError, where=f"{file}, scene")
+    scene = read_part(world.scene or {}, Scene, WorldError, where=Place(file, ("scene",)))
     return Setting(world, robot, scene, file.parent)
 
 
@@ -74,7 +75,7 @@ def _robot(given: str | dict[str, Any], file: Path) -> Robot:
     like = changed.pop(_LIKE, None)
     if like is not None:
         changed = changed_by(read_yaml(_robot_file(str(like), file), WorldError), changed)
-    return read_part(changed, Robot, WorldError, where=f"{file}, robot")
+    return read_part(changed, Robot, WorldError, where=Place(file, ("robot",)))
 
 
 def _robot_file(given: str, file: Path) -> Path:

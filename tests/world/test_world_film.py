@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from nxt_twin.cli.app import program
 from nxt_twin.errors import PlantError
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.world.arena import open_arena
-from nxt_twin.world.film import Camera, Film, View
+from nxt_twin.world.film import Camera, Film, View, refuse_unknown
 from nxt_twin.world.load import load_setting
+from nxt_twin.world.program import let_pass
 
 
 def test_a_picture_shows_prints_where_they_are(tmp_path):
@@ -50,10 +52,35 @@ def test_a_film_has_a_picture_for_each_tenth_of_a_second(tmp_path):
         assert shown.size == (480, 320)
 
 
+def test_an_mp4_shows_the_run_in_twenty_pictures_a_second(tmp_path):
+    av = pytest.importorskip("av")
+    path = tmp_path / "film.mp4"
+    arena = open_arena(load_setting("playground"))
+    film = Film(arena, View(size=(96, 64)), per_second=20)
+    arena.body.set_motor(1, 100, brake=True)
+    let_pass(arena, 0.5)
+    film.write(path)
+    with av.open(str(path)) as shown:
+        stream = shown.streams.video[0]
+        pictures = [frame.to_ndarray(format="rgb24").astype(float) for frame in shown.decode(stream)]
+        assert stream.codec_context.name in ("h264", "mpeg4")
+        assert float(stream.average_rate) == 20.0
+    assert len(pictures) == 10
+    drawn = np.asarray(next(film.pictures()), dtype=float)
+    assert np.abs(pictures[0] - drawn).mean() < 12.0
+    assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
+
+
+def test_without_pyav_an_mp4_is_refused_before_the_run(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(WorldError, match=r"pip install 'nxt-twin\[film\]'"):
+        refuse_unknown(tmp_path / "film.mp4")
+
+
 def test_a_film_of_an_unknown_kind_is_refused(tmp_path):
     arena = open_arena(load_setting("playground"))
     with pytest.raises(WorldError, match=r"\.gif"):
-        Film(arena).write(tmp_path / "film.mp4")
+        Film(arena).write(tmp_path / "film.avi")
 
 
 def test_a_view_holds_bodies_floor_echoes_and_the_ghost_that_parts_from_a_changed_robot(tmp_path):
