@@ -111,7 +111,10 @@ def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
     [
         ("robot: castor_bt\n", "castor_bot"),
         ("name: X\n", "holds no robot"),
-        ("robot: castor_bot\nscene: {flor: {}}\n", r"bad.yaml, line 2, scene, key flor: unknown key \(nearest known: floor\)"),
+        (
+            "robot: castor_bot\nscene: {flor: {}}\n",
+            r"bad.yaml, line 2, scene, key flor: unknown key \(nearest known: floor\)",
+        ),
         ("robot: castor_bot\nscene:\n  start: {\n    at_mm: [a, 2]}\n", r"line 4, scene, key start\.at_mm"),
         ("robot: {name: X, parts: [{mass_g: 3}]}\n", "give one of box_mm"),
         ("robot: {name: X, parts: [{box_mm: [1, 2, 0], mass_g: 3}]}\n", r"parts\.0\.box_mm"),
