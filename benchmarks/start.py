@@ -13,7 +13,10 @@ _STARTS: dict[str, tuple[tuple[str, ...], float]] = {
     "import nxt_twin": ((sys.executable, "-c", "import nxt_twin"), 0.1),
     "nxt-twin --help": ((*_PROGRAM, "--help"), 0.4),
     "nxt-twin connect mock:": ((*_PROGRAM, "connect", "mock:"), 0.8),
-    "nxt-twin diagnose --help": ((*_PROGRAM, "diagnose", "--help"), 0.8),
+    **{
+        f"nxt-twin {verb} --help": ((*_PROGRAM, verb, "--help"), 0.8)
+        for verb in ("diagnose", "live", "replay", "demo", "identify", "blind", "world")
+    },
 }
 """What is started, and the aim, s."""
 

@@ -8,30 +8,20 @@ import sys
 from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nxt_twin.blind.by_family import (
-    as_text,
-    as_values,
-    deletion_rows,
-    family_rows,
-    left_out_rows,
-    reliability_rows,
-)
-from nxt_twin.blind.families.orders import Amounts, Outcome, families_of, make_orders, plan_orders
-from nxt_twin.blind.families.table import BRISTLE, FAMILIES
-from nxt_twin.blind.peers.answers import PEERS, answer_all, peer_rows
-from nxt_twin.blind.polling import Link
-from nxt_twin.blind.proof import Proof
-from nxt_twin.blind.ranges import RANGES
-from nxt_twin.blind.score import score as score_answers
-from nxt_twin.blind.secret import secret_of
-from nxt_twin.blind.silence import Remains, remains_of
-from nxt_twin.blind.solve import case_folders, reach_all, solve_all
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 
+if TYPE_CHECKING:
+    from nxt_twin.blind.families.family import Family
+    from nxt_twin.blind.families.orders import Outcome
+    from nxt_twin.blind.polling import Link
+    from nxt_twin.blind.silence import Remains
+
+# Each command imports what it needs when it runs: its help would wait a second for the simulators.
+_BRISTLE, _ALL = "bristle", "all"
 _LINKS: dict[str, tuple[Link, ...]] = {
     "usb": ("usb",),
     "bluetooth": ("bluetooth",),
@@ -41,7 +31,9 @@ _LINKS: dict[str, tuple[Link, ...]] = {
 EffectsOption = Annotated[
     str | None, typer.Option(help="Only these effect ids, comma-separated; none: no single effects.")
 ]
-FamilyOption = Annotated[str, typer.Option(help=f"Truth families, comma-separated: {', '.join(FAMILIES)}.")]
+FamilyOption = Annotated[
+    str, typer.Option(help="Truth families, comma-separated, or all; nxt-twin blind families lists them.")
+]
 CleanOption = Annotated[int, typer.Option(min=0, help="Cases of each family in which nothing is missing.")]
 PairsOption = Annotated[int, typer.Option(min=0, help="Cases of each family with two effects.")]
 TriplesOption = Annotated[int, typer.Option(min=0, help="Cases of each family with three effects.")]
@@ -58,7 +50,7 @@ def make(
     cases: Annotated[Path, typer.Argument(help="Folder for the cases.")],
     answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
     seed: Annotated[int, typer.Option(help="Random seed of the set.")] = 1,
-    family: FamilyOption = BRISTLE,
+    family: FamilyOption = _BRISTLE,
     effects: EffectsOption = None,
     clean: CleanOption = 40,
     pairs: PairsOption = 30,
@@ -73,9 +65,10 @@ def make(
     """Make a set of each family: every effect in three sizes, clean ones, combinations, and unknown ones."""
     if link not in _LINKS:
         raise typer.BadParameter(f"'{link}' is none of {', '.join(_LINKS)}", param_hint="--link")
+    from nxt_twin.blind.families.orders import Amounts, make_orders, plan_orders
+
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
-    families = families_of(family.split(","))
-    orders = plan_orders(families, seed, amounts, links=_LINKS[link], duration_s=duration)
+    orders = plan_orders(_families(family), seed, amounts, links=_LINKS[link], duration_s=duration)
     _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
     print(f"{len(orders)} cases in {cases}, answers in {answers}")
 
@@ -83,6 +76,8 @@ def make(
 @blind.command()
 def families() -> None:
     """List the truth families: what simulates each, and which effects it can hide."""
+    from nxt_twin.blind.families.table import FAMILIES
+
     every = sorted({effect for family in FAMILIES.values() for effect in family.known})
     for family in FAMILIES.values():
         lacking = [effect for effect in every if effect not in family.known]
@@ -104,6 +99,8 @@ def solve(
     jobs: JobsOption = 1,
 ) -> None:
     """Diagnose every case of a folder; skip cases that have their JSON already."""
+    from nxt_twin.blind.solve import case_folders, solve_all
+
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
     _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs, without=hidden), len(folders))
@@ -118,6 +115,8 @@ def reach(
     jobs: JobsOption = 1,
 ) -> None:
     """Fit the true structure to every case: whether its effects are detectable, and the error that it reaches."""
+    from nxt_twin.blind.solve import case_folders, reach_all
+
     folders = case_folders(cases)
     _follow("reaching", reach_all(folders, answers, out, jobs=jobs), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
@@ -132,6 +131,8 @@ def score(
     json: JsonOption = None,
 ) -> None:
     """Compare diagnoses with the sealed answers and print the table."""
+    from nxt_twin.blind.score import score as score_answers
+
     table = score_answers(cases, answers, diagnoses, reached)
     if json:
         emit_json(json, json_format.dumps(table.as_dict()))
@@ -142,15 +143,26 @@ def score(
 @blind.command()
 def proof(
     folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
-    chosen: Annotated[str, typer.Option("--range", help=f"One of {', '.join(RANGES)}.")] = "sample",
-    family: FamilyOption = ",".join(FAMILIES),
+    chosen: Annotated[str, typer.Option("--range", help="A named range: sample or scored.")] = "sample",
+    family: FamilyOption = _ALL,
     jobs: JobsOption = os.cpu_count() or 1,
     json: JsonOption = None,
 ) -> None:
     """Make, solve and score a named range over all families, and print its tables. A second run continues."""
+    from nxt_twin.blind.by_family import (
+        as_text,
+        as_values,
+        deletion_rows,
+        family_rows,
+        left_out_rows,
+        reliability_rows,
+    )
+    from nxt_twin.blind.proof import Proof
+    from nxt_twin.blind.ranges import RANGES
+
     if chosen not in RANGES:
         raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
-    work = Proof(folder, RANGES[chosen], families_of(family.split(",")))
+    work = Proof(folder, RANGES[chosen], _families(family))
     for title, total, outcomes in work.run(jobs):
         _follow(title, outcomes, total)
     cases = work.judged()
@@ -174,6 +186,11 @@ def peers(
     out: Annotated[Path, typer.Argument(help="Folder for the methods' answers, one folder each.")],
 ) -> None:
     """Let other methods diagnose these cases, and score them."""
+    from nxt_twin.blind.by_family import as_text
+    from nxt_twin.blind.peers.answers import PEERS, answer_all, peer_rows
+    from nxt_twin.blind.score import score as score_answers
+    from nxt_twin.blind.solve import case_folders
+
     if not find_spec("pysindy"):
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
@@ -190,6 +207,8 @@ def silence(
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
 ) -> None:
     """Print how far clean motors are from the plain model: the residual of windows of 2 s after its best fit."""
+    from nxt_twin.blind.silence import remains_of
+
     found: dict[str, list[Remains]] = {}
     for family, name, left in remains_of(cases, answers):
         found.setdefault(family, []).append(left)
@@ -212,6 +231,8 @@ def reveal(
     json: JsonOption = None,
 ) -> None:
     """Print the effects that a mock brick conceals."""
+    from nxt_twin.blind.secret import secret_of
+
     truth = secret_of(conceal).revealed()
     if json:
         emit_json(json, json_format.dumps({"schema": "nxt-twin/reveal/1", **truth}))
@@ -228,7 +249,7 @@ def reveal(
 def bench(
     folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
     seed: Annotated[int, typer.Option(help="Random seed of the set.")] = 1,
-    family: FamilyOption = BRISTLE,
+    family: FamilyOption = _BRISTLE,
     effects: EffectsOption = None,
     clean: CleanOption = 40,
     pairs: PairsOption = 30,
@@ -238,11 +259,14 @@ def bench(
     json: JsonOption = None,
 ) -> None:
     """Make a set, solve it, fit the true structures, score it, and print the table with the aims."""
+    from nxt_twin.blind.families.orders import Amounts, make_orders, plan_orders
+    from nxt_twin.blind.solve import case_folders, reach_all, solve_all
+
     cases, answers, diagnoses, reached = (
         folder / name for name in ("cases", "answers", "diagnoses", "reached")
     )
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
-    orders = plan_orders(families_of(family.split(",")), seed, amounts)
+    orders = plan_orders(_families(family), seed, amounts)
     _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
     folders = case_folders(cases)
     _follow("solving", solve_all(folders, diagnoses, seed=0, jobs=jobs), len(folders))
@@ -269,6 +293,13 @@ def robots(
             tell(f"{number} of {len(plans)}")
             outcomes.append(outcome)
     print(robots_as_text(outcomes))
+
+
+def _families(names: str) -> tuple[Family, ...]:
+    from nxt_twin.blind.families.orders import families_of
+    from nxt_twin.blind.families.table import FAMILIES
+
+    return families_of(tuple(FAMILIES) if names == _ALL else names.split(","))
 
 
 def _chosen(effects: str | None) -> tuple[str, ...] | None:

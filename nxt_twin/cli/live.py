@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nxt_twin.api.openers import OPENERS
-from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.open import open_brick
-from nxt_twin.cli.lingering import linger
-from nxt_twin.cli.output import JsonOption, fail
-from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, wanted_ports, wanted_sensors
-from nxt_twin.cli.watching import Showing, View, audience, conclude, get_ready, watch
-from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.recording.columns import Port
-from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.program import MotorProgram
-from nxt_twin.recording.programs import load_program
-from nxt_twin.twin.driver import excitation
-from nxt_twin.twin.live import LiveOptions, live_sitting
-from nxt_twin.twin.outcome import Outcome
-from nxt_twin.twin.records import Sink
-from nxt_twin.twin.settings import pace_of
+from nxt_twin.cli.output import JsonOption
+from nxt_twin.cli.showing import Showing, View
 
-LIVE_SCHEMA = "nxt-twin/live/1"
+if TYPE_CHECKING:
+    from nxt_twin.recording.columns import Port
+    from nxt_twin.recording.program import MotorProgram
+
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
 
@@ -62,6 +49,15 @@ def live(
     and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the
     brick cannot be reached or answers no poll; 2 for wrong use.
     """
+    # The help of this command needs none of these, and they take a second.
+    from nxt_twin.brick.clock import SystemClock
+    from nxt_twin.cli.holding import LIVE_SCHEMA, hold
+    from nxt_twin.cli.wanted import chosen_url, get_leave, wanted_ports, wanted_sensors
+    from nxt_twin.physics.plant import plant_from_config
+    from nxt_twin.recording.configs import load_plant_config
+    from nxt_twin.twin.live import LiveOptions
+    from nxt_twin.twin.settings import pace_of
+
     wanted, clock = wanted_ports(ports), SystemClock()
     commanded = _program(program, wanted)
     slots = wanted_sensors(sensors)
@@ -82,34 +78,11 @@ def live(
     hold(found, options, seconds or None, showing)
 
 
-def hold(
-    url: str, options: LiveOptions, seconds: float | None, showing: Showing, also: Sequence[Sink] = ()
-) -> tuple[Outcome, dict[str, Any]]:
-    """Hold a session with the brick at `url`, with somebody else told of it (`also`).
-
-    Returns:
-        What it came to, and its JSON.
-
-    Raises:
-        typer.BadParameter: the URL is none.
-        typer.Exit: there was no poll.
-        NxtTwinError: whatever kept it from being held.
-    """
-    get_ready(options.plants, adopting=options.adopt)
-    clock = SystemClock()
-    told = audience(tuple(options.plants), options.channels, showing, also)
-    sitting = live_sitting(options, lambda: open_brick(url, clock, OPENERS), clock, told.sink())
-    ended = watch(sitting, seconds, told)
-    outcome = sitting.outcome()
-    document = conclude(outcome, told, showing)
-    linger(told.dashboards, until_interrupted=ended)
-    if not outcome.polls:
-        fail("the brick answered no poll, so nothing is recorded; give it more --seconds")
-        raise typer.Exit(1)
-    return outcome, document
-
-
 def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:
+    from nxt_twin.cli.wanted import NOTHING
+    from nxt_twin.recording.programs import load_program
+    from nxt_twin.twin.driver import excitation
+
     if name == NOTHING:
         return None
     loaded = excitation(ports) if name == _BUILT_IN else load_program(name)

@@ -2,29 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from nxt_twin.brick.clock import PacedClock, SystemClock
-from nxt_twin.brick.links.recorded import RecordedBrick
-from nxt_twin.cli.lingering import linger
-from nxt_twin.cli.output import JsonOption, progress
-from nxt_twin.cli.wanted import wanted_ports
-from nxt_twin.cli.watching import Showing, View, audience, conclude, get_ready, watch
-from nxt_twin.errors import RecordingError
-from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.files import read_recording
-from nxt_twin.twin.adopt import AtOnce
-from nxt_twin.twin.replayed import replay_sitting, sensors_of
-from nxt_twin.twin.sensor_twin import SensorTwin
+from nxt_twin.cli.output import JsonOption
+from nxt_twin.cli.showing import Showing, View
 
 _SCHEMA = "nxt-twin/replay/1"
-_DEFAULT_PLANT = "nxt_motor"
 
 
 def replay(
@@ -55,16 +41,11 @@ def replay(
 
     Exit status 0 after any verdict, as with live.
     """
-    played = read_recording(recording)
-    plant = plant_from_config(load_plant_config(model or played.plant or _DEFAULT_PLANT), "power_pct")
-    get_ready({"a": plant}, adopting=adopt)
-    clock = PacedClock(SystemClock(), speed or math.inf)
-    recorded = RecordedBrick(played, clock).ports
-    watched = recorded if ports is None else tuple(p for p in wanted_ports(ports) if p in recorded)
-    if not watched:
-        raise RecordingError(
-            "holds none of these motors", where=str(recording), mend="name recorded motors with --ports"
-        )
+    from nxt_twin.cli.replaying import (
+        ReplayArguments,
+        replay_beside,
+    )  # a second of imports that the help does not need
+
     showing = Showing(
         title=recording.name,
         schema=_SCHEMA,
@@ -74,13 +55,4 @@ def replay(
         json=json,
         lossless=True,
     )
-    channels = [SensorTwin(slot, kind).column for slot, kind in sensors_of(played).items()]
-    told = audience(watched, channels, showing)
-    beside: Executor = ThreadPoolExecutor(1, "diagnosis") if speed > 0.0 else AtOnce()
-    sitting, duration_s = replay_sitting(
-        played, dict.fromkeys(watched, plant), clock, told.sink(), beside if adopt else None
-    )
-    with progress("replay"):
-        ended = watch(sitting, duration_s, told)
-    conclude(sitting.outcome(), told, showing)
-    linger(told.dashboards, until_interrupted=ended)
+    replay_beside(recording, ReplayArguments(model, ports, speed, adopt), showing)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, final
+from typing import TYPE_CHECKING, Any, final
 
 import typer
 import yaml
@@ -16,6 +16,7 @@ import yaml
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.cli.lingering import Outliving, linger
 from nxt_twin.cli.output import emit_json, progress
+from nxt_twin.cli.showing import Showing
 from nxt_twin.cli.wanted import tidy_end
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     # They bring in the pictures, which are wanted by options alone.
     from nxt_twin.view.dashboard import Dashboard
     from nxt_twin.view.live_report import Keeper
-
-View = Literal["spawn", "web", "none"]
 
 
 @final
@@ -46,32 +45,6 @@ class Printer:
 
     def close(self) -> None:
         """Nothing to finish."""
-
-
-@final
-@dataclass(frozen=True)
-class Showing:
-    """What a person gets to see of a session, and which files.
-
-    Attributes:
-        title: of the session.
-        schema: of its JSON.
-        view: the dashboard.
-        save: where the dashboard's data are kept.
-        report: folder for the reports.
-        model_out: where the plant of each motor is written.
-        json: file for the JSON, or `-` for standard output and nothing else.
-        lossless: whether the dashboard may hold the session up.
-    """
-
-    title: str
-    schema: str
-    view: View = "none"
-    save: Path | None = None
-    report: Path | None = None
-    model_out: Path | None = None
-    json: str | None = None
-    lossless: bool = False
 
 
 @final

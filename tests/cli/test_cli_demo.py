@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from nxt_twin.cli.demo import _score
+from nxt_twin.cli.demonstration import _score
 from nxt_twin.twin.ending import Ending
 from nxt_twin.twin.records import Event, Tick
 

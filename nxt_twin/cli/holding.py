@@ -1,0 +1,48 @@
+"""Hold a live session for `live` and `demo`, from the open link to its verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import typer
+
+from nxt_twin.api.openers import OPENERS
+from nxt_twin.brick.clock import SystemClock
+from nxt_twin.brick.open import open_brick
+from nxt_twin.cli.lingering import linger
+from nxt_twin.cli.output import fail
+from nxt_twin.cli.showing import Showing
+from nxt_twin.cli.watching import audience, conclude, get_ready, watch
+from nxt_twin.twin.live import LiveOptions, live_sitting
+from nxt_twin.twin.outcome import Outcome
+from nxt_twin.twin.records import Sink
+
+LIVE_SCHEMA = "nxt-twin/live/1"
+
+
+def hold(
+    url: str, options: LiveOptions, seconds: float | None, showing: Showing, also: Sequence[Sink] = ()
+) -> tuple[Outcome, dict[str, Any]]:
+    """Hold a session with the brick at `url`, with somebody else told of it (`also`).
+
+    Returns:
+        What it came to, and its JSON.
+
+    Raises:
+        typer.BadParameter: the URL is none.
+        typer.Exit: there was no poll.
+        NxtTwinError: whatever kept it from being held.
+    """
+    get_ready(options.plants, adopting=options.adopt)
+    clock = SystemClock()
+    told = audience(tuple(options.plants), options.channels, showing, also)
+    sitting = live_sitting(options, lambda: open_brick(url, clock, OPENERS), clock, told.sink())
+    ended = watch(sitting, seconds, told)
+    outcome = sitting.outcome()
+    document = conclude(outcome, told, showing)
+    linger(told.dashboards, until_interrupted=ended)
+    if not outcome.polls:
+        fail("the brick answered no poll, so nothing is recorded; give it more --seconds")
+        raise typer.Exit(1)
+    return outcome, document

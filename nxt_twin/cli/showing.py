@@ -1,0 +1,35 @@
+"""What `live`, `replay` and `demo` show of a session; light, since each command's help needs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, final
+
+View = Literal["spawn", "web", "none"]
+
+
+@final
+@dataclass(frozen=True)
+class Showing:
+    """What a person gets to see of a session, and which files.
+
+    Attributes:
+        title: of the session.
+        schema: of its JSON.
+        view: the dashboard.
+        save: where the dashboard's data are kept.
+        report: folder for the reports.
+        model_out: where the plant of each motor is written.
+        json: file for the JSON, or `-` for standard output and nothing else.
+        lossless: whether the dashboard may hold the session up.
+    """
+
+    title: str
+    schema: str
+    view: View = "none"
+    save: Path | None = None
+    report: Path | None = None
+    model_out: Path | None = None
+    json: str | None = None
+    lossless: bool = False
