@@ -14,7 +14,7 @@ PAGES: Final = (
     "docs/decisions", "docs/connect.md", "docs/record.md", "docs/protocol.md", "docs/paper.md", "docs/testing.md",
     "docs/formats.md", "docs/robots.md", "docs/proof.md", "docs/world.md", "docs/sensors.md", "docs/mock.md",
     "docs/experiments.md", "docs/live.md", "docs/writing.md", "docs/export.md", "docs/reliability.md",
-    "docs/diagnosis.md",
+    "docs/diagnosis.md", "docs/fleet.md",
 )  # fmt: skip
 """A page that is rewritten joins; a folder stands for its pages."""
 

@@ -32,6 +32,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "map": "Guess what the columns of a table are, and write the mapping.",
         "identify": "Carry out an experiment on a brick and write the fitted plant or sensor.",
         "prepare": "Make a case of a real data set that is on this machine.",
+        "fleet": "Diagnose many recordings of many units.",
         "blind": "Make, solve and score cases with concealed effects.",
         "reproduce": "Recompute the source paper and say where it contradicts itself.",
         "connect": "Talk to a brick, or search for bricks.",

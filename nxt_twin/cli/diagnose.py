@@ -5,9 +5,9 @@ Its imports stand inside the functions: help comes at once, without the compiler
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,6 +18,7 @@ from nxt_twin.errors import NxtTwinError
 
 if TYPE_CHECKING:
     from nxt_twin.diagnose.diagnosis import Diagnosis
+    from nxt_twin.diagnose.dispatch import Answered
     from nxt_twin.recording.case import Case
     from nxt_twin.recording.mappings import MappingOf
 
@@ -142,15 +143,6 @@ def _labels(paths: list[Path]) -> list[str | None]:
     ]
 
 
-@final
-@dataclass(frozen=True)
-class _Answered:
-    """A diagnosis, and the keys of the improved plant, sensor or robot."""
-
-    diagnosis: Diagnosis
-    model: dict[str, Any]
-
-
 def _case(path: Path, label: str | None, mapping_of: MappingOf | None) -> Case:
     from nxt_twin.recording.case import read_as_case
 
@@ -176,20 +168,11 @@ def _tell_changes(
         fail(f"{case.name}: a comparison has no HTML report yet")
 
 
-def _diagnose_one(case: Case, seed: int, tolerance: float | None) -> _Answered:
-    from nxt_twin.diagnose.engine import diagnose as run_diagnosis
-    from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
-    from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
+def _diagnose_one(case: Case, seed: int, tolerance: float | None) -> Answered:
+    from nxt_twin.diagnose.dispatch import diagnose_any
 
     with progress(case.name) as tell:
-        if is_sensor_case(case):
-            told = diagnose_sensor(case, seed=seed, progress=tell)
-            return _Answered(told.diagnosis, told.model.to_config())
-        if is_robot_case(case):
-            driven = diagnose_robot(case, progress=tell)
-            return _Answered(driven.diagnosis, driven.model.to_config())
-        answer = run_diagnosis(case, seed=seed, tolerance=tolerance, progress=tell)
-        return _Answered(answer.diagnosis, answer.plant.to_config())
+        return diagnose_any(case, seed=seed, tolerance=tolerance, progress=tell)
 
 
 def _place(target: str, name: str, ending: str, *, many: bool) -> str:

@@ -1,0 +1,50 @@
+"""From any case to a diagnosis: a motor's or an axis', a sensor's, or a robot's on two wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, final
+
+from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
+from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
+from nxt_twin.recording.case import Case
+
+
+@final
+@dataclass(frozen=True)
+class Answered:
+    """A diagnosis, and the keys of the improved plant, sensor or robot."""
+
+    diagnosis: Diagnosis
+    model: dict[str, Any]
+
+
+def diagnose_any(
+    case: Case,
+    *,
+    seed: int = 0,
+    tolerance: float | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Answered:
+    """Diagnose a case by the engine for what it is about.
+
+    Args:
+        case: of a motor, an axis, a sensor or a robot.
+        seed: of the random shifts behind p-values.
+        tolerance: error of a simulation that does not matter, SI; only of motors and axes.
+        progress: told in words what is being done.
+
+    Raises:
+        NxtTwinError: the case cannot be diagnosed; its text says why.
+    """
+    if is_sensor_case(case):
+        told = diagnose_sensor(case, seed=seed, progress=progress)
+        return Answered(told.diagnosis, told.model.to_config())
+    if is_robot_case(case):
+        driven = diagnose_robot(case, progress=progress)
+        return Answered(driven.diagnosis, driven.model.to_config())
+    answer = diagnose(case, seed=seed, tolerance=tolerance, progress=progress)
+    return Answered(answer.diagnosis, answer.plant.to_config())

@@ -1,0 +1,1 @@
+"""From folders, globs and URLs to the sessions of a fleet."""

@@ -1,0 +1,1 @@
+"""One function over many tasks: in this process, in several, or on a Dask cluster."""
