@@ -1,7 +1,5 @@
-"""Small fleets on disk, and tasks for workers."""
+"""Small fleets on disk."""
 
-import os
-import signal
 from pathlib import Path
 
 import numpy as np
@@ -30,24 +28,3 @@ def write_motor(path: Path, *, load_nm: float = 0.0, seed: int = 1) -> None:
 def write_poison(path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(POISON, encoding="utf-8")
-
-
-def doubled(number: int) -> int:
-    return 2 * number
-
-
-def picky(number: int) -> int:
-    if number == 3:
-        raise ValueError("not three")
-    return number
-
-
-def mortal(task: tuple[int, str]) -> int:
-    """Kills its process once for each file that does not exist yet, always for the file `never`."""
-    number, place = task
-    mark = Path(place)
-    if place and not mark.exists():
-        if mark.name != "never":
-            mark.touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number

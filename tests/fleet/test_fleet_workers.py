@@ -1,7 +1,7 @@
 import os
 
 import pytest
-from fleet_samples import doubled, mortal, picky
+from fleet_tasks import doubled, mortal, own_pid, picky
 
 from nxt_twin.fleet.errors import FleetError
 from nxt_twin.fleet.workers.each import each
@@ -61,24 +61,19 @@ def test_an_early_end_leaves_no_process_behind():
         os.kill(pid, 0)
 
 
-def own_pid(_task):
-    return os.getpid()
-
-
 def test_options_name_the_place():
     assert place_of(1, None) == Here()
     assert place_of(3, None) == Processes(3)
     assert place_of(3, "tcp://127.0.0.1:1") == Cluster("tcp://127.0.0.1:1")
 
 
-def test_a_cluster_does_what_processes_do_and_outlives_a_kill(tmp_path):
+def test_a_cluster_does_what_processes_do():
     from distributed import LocalCluster
 
-    tasks = [(n, str(tmp_path / "mark") if n == 1 else "") for n in range(4)]
-    options = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
-    with LocalCluster(processes=True, silence_logs=50, **options) as cluster:
+    options = {"n_workers": 1, "threads_per_worker": 2, "protocol": "tcp", "dashboard_address": None}
+    with LocalCluster(processes=False, silence_logs=50, host="127.0.0.1", **options) as cluster:
         place = Cluster(cluster.scheduler_address)
-        assert results(mortal, tasks, place) == {task: task[0] for task in tasks}
+        assert results(doubled, range(20), place) == {n: 2 * n for n in range(20)}
         outcomes = {outcome.task: outcome for outcome in each(picky, [2, 3], place)}
     assert outcomes[2].result == 2
     assert outcomes[3].failure.text == "ValueError: not three"

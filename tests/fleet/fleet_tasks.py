@@ -1,0 +1,30 @@
+"""What workers do in tests; nothing here takes long to import."""
+
+import os
+import signal
+from pathlib import Path
+
+
+def doubled(number: int) -> int:
+    return 2 * number
+
+
+def picky(number: int) -> int:
+    if number == 3:
+        raise ValueError("not three")
+    return number
+
+
+def mortal(task: tuple[int, str]) -> int:
+    """Kills its process once for each file that does not exist yet, always for the file `never`."""
+    number, place = task
+    mark = Path(place)
+    if place and not mark.exists():
+        if mark.name != "never":
+            mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def own_pid(_task: int) -> int:
+    return os.getpid()
