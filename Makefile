@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -42,6 +42,11 @@ soak: $(VENV)/ready-run
 SAMPLE ?= 6
 mutation: $(VENV)/ready-dev
 	$(BIN)/python tools/mutation.py --sample $(SAMPLE)
+
+# The documentation as a site in build/site; a dead link or anchor fails it, and so does anything asked of another machine.
+docs: $(VENV)/ready-dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/python tools/site_assets.py build/site
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py
