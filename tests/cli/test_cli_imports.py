@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from nxt_twin.cli.app import COMMANDS
 
 COMPILER = {"numba", "llvmlite", "scipy"}
@@ -41,7 +43,18 @@ def test_a_brick_answers_without_the_compiler():
     assert not found & (COMPILER | PICTURES | {"pyarrow"})
 
 
-def test_help_on_diagnosing_needs_neither_numbers_nor_the_compiler():
-    found, said = imported_by_program("diagnose", "--help")
-    assert "--model-out" in said
+@pytest.mark.parametrize(
+    ("verb", "names"),
+    [
+        ("diagnose", "--model-out"),
+        ("live", "--adopt"),
+        ("replay", "--speed"),
+        ("demo", "--conceal"),
+        ("identify", "--positioner"),
+        ("blind", "reveal"),
+    ],
+)
+def test_help_on_a_command_needs_neither_numbers_nor_the_compiler(verb, names):
+    found, said = imported_by_program(verb, "--help")
+    assert names in said
     assert not found & (COMPILER | PICTURES | NUMBERS)
