@@ -37,7 +37,7 @@ from nxt_twin.experiment.plan import (
     read_experiment,
 )
 from nxt_twin.experiment.positioner.by_hand import Ask
-from nxt_twin.experiment.run_sweep import Surroundings
+from nxt_twin.experiment.run_sweep import Apparatus
 from nxt_twin.experiment.standin.hand import Hand
 from nxt_twin.experiment.standin.rig import (
     Button,
@@ -52,7 +52,7 @@ from nxt_twin.experiment.standin.rig import (
 )
 from nxt_twin.experiment.standin.workbench import Workbench, helper, mount, workbench
 from nxt_twin.experiment.sweep import sweep_of
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.world import World
 from nxt_twin.recording.program import commands
 from nxt_twin.recording.recording import Recording
@@ -103,7 +103,7 @@ class Waits:
 
 def _bench(seed: int) -> Workbench:
     bench = workbench(seed=seed)
-    bench.body.motors = Motors(Parked())
+    bench.body.motors = MotorBank(Parked())
     return bench
 
 
@@ -115,7 +115,7 @@ def _carried_out(
     pinged = isinstance(experiment, DistanceSweep | AngleSweep | TwoSensors)
     clock = Waits(bench) if pinged else bench.clock
     helping = ask or helper(bench, experiment)
-    around = Surroundings(bench.brick, clock, movers, helping, pace=pace or Pace())
+    around = Apparatus(bench.brick, clock, movers, helping, pace=pace or Pace())
     with tempfile.TemporaryDirectory() as path:
         folder = RunFolder(Path(path) / "run", experiment)
         carry_out(experiment, folder, around)

@@ -22,7 +22,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.answer import true_parameters
 from nxt_twin.blind.bench import draw_motor
 from nxt_twin.blind.excitation import FAMILIES
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.run import Commands
 from nxt_twin.blind.truth.sensing import Sensing
@@ -36,7 +36,7 @@ FIRST_SEED: Final = 50_000
 SHORT_H: Final = 0.1
 DURATION_S: Final = 60.0
 TORQUE_NOISE_NM: Final = 2e-3
-LINKS: Final[tuple[Link, ...]] = ("usb", "bluetooth")
+LINKS: Final[tuple[LinkName, ...]] = ("usb", "bluetooth")
 _SAID_EVERY: Final = 10
 _TRIP_MS: Final = (3.0, 3.2)
 """A little more than the longest round trip over USB, so that each row of a motor is one of its polls."""
@@ -53,7 +53,7 @@ def report() -> Iterator[str]:
 def counted(hours: float, first_seed: int) -> Iterator[str]:
     """Watch so many hours over each link, three new motors a minute; lines now and then, and at the end."""
     minutes = round(hours * 3600.0 / DURATION_S)
-    seen: dict[Link, list[Fed]] = {link: [] for link in LINKS}
+    seen: dict[LinkName, list[Fed]] = {link: [] for link in LINKS}
     for number, seed in enumerate(range(first_seed, first_seed + minutes), start=1):
         for link, motors in watched(seed).items():
             seen[link] += motors
@@ -66,7 +66,7 @@ def counted(hours: float, first_seed: int) -> Iterator[str]:
             yield _stated(both)
 
 
-def watched(seed: int) -> dict[Link, list[Fed]]:
+def watched(seed: int) -> dict[LinkName, list[Fed]]:
     """Three motors on one battery through one true minute, watched over each link."""
     rng = np.random.default_rng(seed)
     battery_v = float(rng.uniform(7.2, 8.6))

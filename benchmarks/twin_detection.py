@@ -18,7 +18,7 @@ from benchmarks.twin_feed import feed, true_plant
 from benchmarks.twin_ideal import gained_nats
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.make import make_case
-from nxt_twin.blind.polling import Link, polls_s
+from nxt_twin.blind.polling import LinkName, polls_s
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands
@@ -56,9 +56,9 @@ def effects(ids: Iterable[str], seeds: int) -> Iterator[str]:
 
     Where it was not, what could have been is told.
     """
-    delays: dict[Link, list[float]] = {link: [] for link in LINKS}
+    delays: dict[LinkName, list[float]] = {link: [] for link in LINKS}
     for effect in ids:
-        here: dict[Link, list[float]] = {link: [] for link in LINKS}
+        here: dict[LinkName, list[float]] = {link: [] for link in LINKS}
         missed: list[str] = []
         for seed in range(FIRST_SEED, FIRST_SEED + seeds):
             case = make_case(
@@ -95,7 +95,7 @@ def pushes(seeds: int) -> Iterator[str]:
             )
 
 
-def _called(recording: Recording, plant: Plant, link: Link, seed: int, event_s: float) -> Called:
+def _called(recording: Recording, plant: Plant, link: LinkName, seed: int, event_s: float) -> Called:
     fed = feed(recording, plant, link, seed)
     found = [each for each in fed.events if each.kind in _NOTICED and each.time_s >= event_s]
     if not found:
@@ -104,7 +104,7 @@ def _called(recording: Recording, plant: Plant, link: Link, seed: int, event_s: 
     return Called(found[0].time_s - event_s, np.nan if onset_s is None else onset_s - event_s)
 
 
-def _pushed(seed: int, push_nm: float, plant: Plant, link: Link) -> Called:
+def _pushed(seed: int, push_nm: float, plant: Plant, link: LinkName) -> Called:
     rng = np.random.default_rng(seed)
     read_s = polls_s(rng, "usb", 14.0)
     event_s = float(rng.uniform(5.0, 8.0))

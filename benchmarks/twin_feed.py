@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.recording.columns import DRIVE_MODES, Port
@@ -24,7 +24,7 @@ from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.records import Event
 from nxt_twin.twin.settings import PACES, Pace
 
-_PACE: Final[dict[Link, Pace]] = {"usb": PACES["usb"], "bluetooth": PACES["bt"]}
+_PACE: Final[dict[LinkName, Pace]] = {"usb": PACES["usb"], "bluetooth": PACES["bt"]}
 _TICK_S: Final = 1e-3
 Heed = Callable[[ReadingEvidence], None]
 
@@ -62,7 +62,7 @@ class Trips:
         link: which.
     """
 
-    def __init__(self, rng: Generator, link: Link) -> None:
+    def __init__(self, rng: Generator, link: LinkName) -> None:
         self._rng = rng
         self._profile: Profile = PROFILES[link]
         self._pace = _PACE[link]
@@ -96,7 +96,7 @@ def plant_of(base: Mapping[str, float]) -> Plant:
 def feed(
     recording: Recording,
     plant: Plant,
-    link: Link,
+    link: LinkName,
     seed: int,
     options: TwinOptions | None = None,
     heed: Heed = lambda _: None,
@@ -111,7 +111,7 @@ def feed(
 def feed_all(
     recordings: Mapping[Port, Recording],
     plants: Mapping[Port, Plant],
-    link: Link,
+    link: LinkName,
     seed: int,
     options: TwinOptions | None = None,
     heed: Heed = lambda _: None,

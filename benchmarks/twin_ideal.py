@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.twin_alarms import TORQUE_MEMORY_S, TORQUE_NOISE_NM
 from benchmarks.twin_feed import Heed, feed, true_plant
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.brick_twin import TwinOptions
@@ -28,7 +28,7 @@ _NOISE: Final = MotorNoise(torque_nm=TORQUE_NOISE_NM, torque_time_s=TORQUE_MEMOR
 _HALF_A_COUNT: Final = 0.5
 
 
-def gained_nats(case: ConcealedCase, link: Link, seed: int) -> float:
+def gained_nats(case: ConcealedCase, link: LinkName, seed: int) -> float:
     """By how much the first recording of a case is more likely to one who knows its only effect."""
     concealed = case.answer["effects"][0]
     params: dict[str, float] = concealed["params"]
@@ -50,7 +50,7 @@ def _unspoilt(case: ConcealedCase) -> Recording:
     return replace(recording, columns={**recording.columns, "a_tacho_deg": counts})
 
 
-def _nats(recording: Recording, plant: Plant, link: Link, seed: int) -> float:
+def _nats(recording: Recording, plant: Plant, link: LinkName, seed: int) -> float:
     """The log-likelihood of all readings by the model alone."""
     found: list[float] = []
     _follow(recording, plant, link, seed, lambda evidence: found.append(evidence.believed.log_likelihood))
@@ -58,7 +58,7 @@ def _nats(recording: Recording, plant: Plant, link: Link, seed: int) -> float:
 
 
 def _nats_of_stale(
-    recording: Recording, plant: Plant, link: Link, seed: int, fraction: float, age_s: float
+    recording: Recording, plant: Plant, link: LinkName, seed: int, fraction: float, age_s: float
 ) -> float:
     """What is gained by expecting that a share of the readings is of that age."""
     found: list[float] = []
@@ -75,6 +75,6 @@ def _nats_of_stale(
     return sum(found)
 
 
-def _follow(recording: Recording, plant: Plant, link: Link, seed: int, heed: Heed) -> None:
+def _follow(recording: Recording, plant: Plant, link: LinkName, seed: int, heed: Heed) -> None:
     options = TwinOptions(noise=_NOISE, candidates=(), bridge=plain_bridge, cells_ohm=0.0)
     feed(recording, plant, link, seed, options, heed)

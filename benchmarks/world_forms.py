@@ -12,7 +12,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.mock.body.world import World
 from nxt_twin.world.arena import Arena, open_arena
-from nxt_twin.world.assembly import Assembly, Grip, Joint, Link, Shape, lumped
+from nxt_twin.world.assembly import Assembly, Grip, Joint, RigidLink, Shape, lumped
 from nxt_twin.world.bullet import GRAVITY_M_S2 as G
 from nxt_twin.world.bullet import STEP_S, Bullet
 from nxt_twin.world.load import named, setting_of
@@ -126,7 +126,7 @@ def pendulum() -> Iterator[Form]:
 def spin_up() -> Iterator[Form]:
     """A motor with a lifted wheel starts at 60 % of a stiff battery."""
     arena = _stiff("bench")
-    wheel: Link = arena.setting.robot.assembly({"a": 0.0}).links[1]
+    wheel: RigidLink = arena.setting.robot.assembly({"a": 0.0}).links[1]
     arena.body.set_motor(0, 60, brake=True)
     angles = []
     for _ in range(700):

@@ -25,7 +25,7 @@ from nxt_twin.recording.recording import Recording
 
 @final
 @dataclass(frozen=True)
-class Predicted:
+class SimulatedChannel:
     """What a plant does under the commands of one port, or of a mapped recording.
 
     Attributes:
@@ -70,7 +70,7 @@ def simulate(plant: Model, recording: Recording, *, restart_every_s: float | Non
 
 def predictions(
     plant: Model, recording: Recording, restart_every_s: float | None = None
-) -> tuple[Predicted, ...]:
+) -> tuple[SimulatedChannel, ...]:
     """The prediction for each port that is driven, or for a mapped recording's output, with its error.
 
     Raises:
@@ -80,7 +80,9 @@ def predictions(
     return tuple(_predicted(plant, recording, port, restart_every_s) for port in _driven(recording))
 
 
-def _predicted(plant: Model, recording: Recording, port: str | None, every_s: float | None) -> Predicted:
+def _predicted(
+    plant: Model, recording: Recording, port: str | None, every_s: float | None
+) -> SimulatedChannel:
     signals = signals_of(recording, port, fewest_readings=0, follows_goal=_is_servo(plant))
     start, values = _run(load_plant(plant, signals.input_kind), signals, every_s)
     units = units_of("linear" if signals.input_kind == "force_n" else "motor", signals)
@@ -89,7 +91,7 @@ def _predicted(plant: Model, recording: Recording, port: str | None, every_s: fl
     rmse = None
     if counted.any():
         rmse = float(np.sqrt(np.mean((signals.measured - values)[counted] ** 2))) * units.reading_factor
-    return Predicted(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
+    return SimulatedChannel(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
 
 
 def _is_servo(model: Model) -> bool:

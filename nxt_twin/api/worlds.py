@@ -17,7 +17,7 @@ from nxt_twin.world.film import VIDEO, Film, refuse_unknown
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.ghost import ghost_of
 from nxt_twin.world.motion import Motion
-from nxt_twin.world.outcome import Ghost, Outcome, outcome
+from nxt_twin.world.outcome import Ghost, WorldOutcome, outcome
 from nxt_twin.world.program import Ran
 from nxt_twin.world.trace import Trace
 
@@ -70,7 +70,7 @@ class Watched:
         self._motion = None if self._view is None else Motion(arena)
         self._course = Trace(arena)
 
-    def concluded(self, ran: Ran, *, wall_s: float) -> Outcome:
+    def concluded(self, ran: Ran, *, wall_s: float) -> WorldOutcome:
         """What became of the robot; all that is wanted is written."""
         course, wanted = self._course, self._wanted
         ghost = None if self._drive is None else ghost_of(course, self._drive)

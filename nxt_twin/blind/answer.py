@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.blind.conceal import Hidden
+from nxt_twin.blind.conceal import ConcealedMotor
 from nxt_twin.blind.record import Taken
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands, true_run
@@ -40,7 +40,7 @@ def true_parameters(motor: Motor) -> dict[str, float]:
 
 
 def truth_of_recordings(
-    hidden: Hidden, commands: Sequence[Commands], families: Sequence[str], taken: Sequence[Taken]
+    hidden: ConcealedMotor, commands: Sequence[Commands], families: Sequence[str], taken: Sequence[Taken]
 ) -> dict[str, Any]:
     """The true angle of each recording, and by how much (RMS) the effects moved the encoder's reading."""
     shifts_deg = [_shift_deg(hidden, *pair) for pair in zip(commands, taken, strict=True)]
@@ -55,7 +55,7 @@ def truth_of_recordings(
     return {"effect_rms_deg": _rms(np.concatenate(shifts_deg)), "recordings": recordings}
 
 
-def _shift_deg(hidden: Hidden, commands: Commands, taken: Taken) -> FloatArray:
+def _shift_deg(hidden: ConcealedMotor, commands: Commands, taken: Taken) -> FloatArray:
     """Reading with the effects minus reading of the same motor without them, at the stamps."""
     if not hidden.effects:
         return np.zeros(taken.read_deg.size)

@@ -10,7 +10,7 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.excitation import FAMILIES
-from nxt_twin.blind.polling import Link, polls_s
+from nxt_twin.blind.polling import LinkName, polls_s
 from nxt_twin.blind.truth.motor import Motor
 from nxt_twin.blind.truth.run import Commands
 
@@ -70,7 +70,7 @@ def draw_starts_deg(rng: Generator, recordings: int) -> tuple[float, ...]:
 
 
 def draw_commands(
-    rng: Generator, family: str, link: Link, duration_s: float, start_deg: float, torque_noise_nm: float
+    rng: Generator, family: str, link: LinkName, duration_s: float, start_deg: float, torque_noise_nm: float
 ) -> Commands:
     """One recording's polls and commands."""
     read_s = polls_s(rng, link, duration_s)

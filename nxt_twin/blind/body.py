@@ -17,7 +17,7 @@ from nxt_twin.blind.truth.motor import Motor, as_record
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.mock.body.battery import Battery
 from nxt_twin.mock.body.body import Body
-from nxt_twin.mock.body.motors import Motors, Plants
+from nxt_twin.mock.body.motors import MotorBank, Plants
 from nxt_twin.recording.columns import PORTS
 
 _ROUNDING_S: Final = 1e-9
@@ -143,6 +143,6 @@ def hiding(secret: Secret) -> Callable[[Body], None]:
     def hide(body: Body) -> None:
         body.battery.resistance_ohm += secret.motor.internal_resistance_ohm
         index = PORTS.index(secret.port)
-        body.motors = Motors(PlantsWithSecret(body.motors.plants, index, secret, body.battery))
+        body.motors = MotorBank(PlantsWithSecret(body.motors.plants, index, secret, body.battery))
 
     return hide

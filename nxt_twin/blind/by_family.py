@@ -18,7 +18,7 @@ EVERY: Final = "all"
 
 @final
 @dataclass(frozen=True)
-class Asked:
+class AimRow:
     """One aim: its words, how it is measured, its bound, whether more is better."""
 
     words: str
@@ -71,15 +71,15 @@ def _quantile(tenths: int) -> Callable[[Sequence[Judged]], float | None]:
 
 
 ASKED: Final = (
-    Asked("exact", _share(_seen, lambda case: case.exact), 0.85, at_least=True),
-    Asked("holds", _share(_seen, lambda case: case.holds), 0.97, at_least=True),
-    Asked("clean wrong", _share(_kind("clean"), lambda case: not case.exact), 0.02, at_least=False),
-    Asked("pairs", _share(_kind("pair"), lambda case: case.exact), 0.65, at_least=True),
-    Asked("triples", _share(_kind("triple"), lambda case: case.exact), 0.0, at_least=True),
-    Asked("refused", _share(_kind("unknown"), lambda case: case.exact), 0.0, at_least=True),
-    Asked("misnamed", _share(_kind("unknown"), lambda case: case.misnamed), 0.10, at_least=False),
-    Asked("error ratio", _quantile(5), 1.1, at_least=False),
-    Asked("90 %", _quantile(9), 2.0, at_least=False),
+    AimRow("exact", _share(_seen, lambda case: case.exact), 0.85, at_least=True),
+    AimRow("holds", _share(_seen, lambda case: case.holds), 0.97, at_least=True),
+    AimRow("clean wrong", _share(_kind("clean"), lambda case: not case.exact), 0.02, at_least=False),
+    AimRow("pairs", _share(_kind("pair"), lambda case: case.exact), 0.65, at_least=True),
+    AimRow("triples", _share(_kind("triple"), lambda case: case.exact), 0.0, at_least=True),
+    AimRow("refused", _share(_kind("unknown"), lambda case: case.exact), 0.0, at_least=True),
+    AimRow("misnamed", _share(_kind("unknown"), lambda case: case.misnamed), 0.10, at_least=False),
+    AimRow("error ratio", _quantile(5), 1.1, at_least=False),
+    AimRow("90 %", _quantile(9), 2.0, at_least=False),
 )
 """`exact` and `holds` are of detectable single effects; ratios are of the error over that of the true structure."""
 

@@ -20,7 +20,7 @@ from nxt_twin.errors import CaseError
 
 @final
 @dataclass(frozen=True)
-class Hidden:
+class ConcealedMotor:
     """A motor and its measuring chain with effects in them.
 
     Attributes:
@@ -41,7 +41,7 @@ class Hidden:
         """The motor as it is in one of the recordings."""
         return replace(self.motor, **self.by_recording[recording])
 
-    def plus(self, effect: ConcealedEffect, size: Size, draw: Draw) -> Hidden:
+    def plus(self, effect: ConcealedEffect, size: Size, draw: Draw) -> ConcealedMotor:
         """The same with one more effect."""
         extra = draw.by_recording or ({},) * len(self.by_recording)
         listed = {
@@ -51,7 +51,7 @@ class Hidden:
             "main": next(iter(draw.params)),
             "params": dict(draw.params),
         }
-        return Hidden(
+        return ConcealedMotor(
             motor=replace(self.motor, **draw.motor),
             sensing=replace(self.sensing, **draw.sensing),
             plain=replace(self.plain, **draw.absent),
@@ -82,10 +82,10 @@ def conceal(
     size: Size | None,
     commands: Sequence[Commands],
     duration_s: float,
-) -> Hidden:
+) -> ConcealedMotor:
     """Draw a motor, then each effect's numbers; `size` None draws a size for each."""
     motor = draw_motor(rng)
-    hidden = Hidden(motor, Sensing(), motor, ({},) * len(commands))
+    hidden = ConcealedMotor(motor, Sensing(), motor, ({},) * len(commands))
     for effect in effects:
         drawn_size: Size = size or SIZES[int(rng.integers(len(SIZES)))]
         situation = Situation(
@@ -101,6 +101,6 @@ def conceal(
     return hidden
 
 
-def _reach_deg(hidden: Hidden, commands: Sequence[Commands]) -> tuple[tuple[float, float], ...]:
+def _reach_deg(hidden: ConcealedMotor, commands: Sequence[Commands]) -> tuple[tuple[float, float], ...]:
     runs = [true_run(hidden.motor_in(k), hidden.sensing, run).hub_deg for k, run in enumerate(commands)]
     return tuple((float(hub_deg.min()), float(hub_deg.max())) for hub_deg in runs)

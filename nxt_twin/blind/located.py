@@ -14,7 +14,7 @@ ALARM_P: Final = 0.01
 
 @final
 @dataclass(frozen=True)
-class Moment:
+class LocatedOnset:
     """When something set in, s since the beginning of one recording, with the bounds that are given for it."""
 
     recording: str
@@ -38,7 +38,7 @@ class Place:
     equation: str | None
     loudest: str | None
     least_p: float | None
-    onsets: tuple[Moment, ...]
+    onsets: tuple[LocatedOnset, ...]
 
 
 @final
@@ -60,8 +60,8 @@ class Located:
     named: bool | None
     unaided: bool | None
     alarm: bool | None
-    event: Moment | None
-    onset: Moment | None
+    event: LocatedOnset | None
+    onset: LocatedOnset | None
 
     @property
     def onset_error_s(self) -> float | None:
@@ -94,7 +94,7 @@ def parse_place(mismatch: Mapping[str, Any]) -> Place:
         loudest=max(sources, key=lambda one: float(one["strength"]))["equation"] if sources else None,
         least_p=min(float(one["p_value"]) for one in sources) if sources else None,
         onsets=tuple(
-            Moment(one["recording"], *(float(one[key]) for key in ("time_s", "low_s", "high_s")))
+            LocatedOnset(one["recording"], *(float(one[key]) for key in ("time_s", "low_s", "high_s")))
             for one in mismatch.get("onsets", ())
         ),
     )
@@ -126,9 +126,9 @@ def _of_four(equation: Equation) -> str:
     return "torque_balance" if equation == "kinematic" else equation
 
 
-def _event(params: Mapping[str, float]) -> Moment | None:
+def _event(params: Mapping[str, float]) -> LocatedOnset | None:
     """The moment from which an effect acts, if it is within a recording."""
     from_s = params.get("from_s", 0.0)
     if from_s <= 0.0:
         return None
-    return Moment(f"r{int(params['from_recording'])}.csv", from_s, from_s, from_s)
+    return LocatedOnset(f"r{int(params['from_recording'])}.csv", from_s, from_s, from_s)

@@ -17,7 +17,7 @@ from nxt_twin.blind.conceal import conceal, look_up
 from nxt_twin.blind.effects.concealed import ConcealedEffect
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.kinds import Size
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.record import take
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.recording.files import write_recording
@@ -31,7 +31,7 @@ def make_case(
     *,
     effects: tuple[str, ...] | None = None,
     size: Size | None = None,
-    link: Link = "usb",
+    link: LinkName = "usb",
     duration_s: float = 15.0,
     recordings: int = 3,
     torque_noise_nm: float = 0.0,
@@ -119,7 +119,7 @@ def make_set(
     cases_dir: Path,
     answers_dir: Path,
     *,
-    links: Sequence[Link] = ("usb",),
+    links: Sequence[LinkName] = ("usb",),
     duration_s: float = 15.0,
     recordings: int = 3,
 ) -> Iterator[Path]:

@@ -9,13 +9,13 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 
-Link = Literal["usb", "bluetooth"]
+LinkName = Literal["usb", "bluetooth"]
 
 SHORTEST_S = {"usb": 0.004, "bluetooth": 0.012}
 STALL_CHANCE = 0.002
 
 
-def polls_s(rng: Generator, link: Link, duration_s: float) -> FloatArray:
+def polls_s(rng: Generator, link: LinkName, duration_s: float) -> FloatArray:
     """True times of the readings, s, from 0 to about `duration_s`.
 
     USB: about 100 Hz with 1 ms of jitter. Bluetooth: 25 to 35 Hz with 5 to 15 ms of jitter. On both, one

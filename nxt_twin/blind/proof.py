@@ -12,7 +12,7 @@ from typing import Final, final
 from nxt_twin.blind.aims import detectable
 from nxt_twin.blind.families.family import Family
 from nxt_twin.blind.families.orders import Outcome, make_orders
-from nxt_twin.blind.ranges import Range
+from nxt_twin.blind.ranges import SeedRange
 from nxt_twin.blind.score import score
 from nxt_twin.blind.solve import case_folders, reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
@@ -42,7 +42,7 @@ class Proof:
     """Where a range is kept, and what is known of it."""
 
     folder: Path
-    chosen: Range
+    chosen: SeedRange
     families: tuple[Family, ...]
 
     def run(self, jobs: int) -> Iterator[tuple[str, int, Iterator[Outcome]]]:

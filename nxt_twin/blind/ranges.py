@@ -12,7 +12,7 @@ from nxt_twin.blind.families.orders import Amounts, plan_orders
 
 @final
 @dataclass(frozen=True)
-class Range:
+class SeedRange:
     """One named set.
 
     Attributes:
@@ -41,17 +41,17 @@ class Range:
         return tuple(kept)
 
 
-RANGES: Final[dict[str, Range]] = {
+RANGES: Final[dict[str, SeedRange]] = {
     each.name: each
     for each in (
-        Range(
+        SeedRange(
             "sample",
             (901,),
             Amounts(None, 24, 16, 8, 24),
             10,
             "ten minutes; seeds 1 to 999 are for development",
         ),
-        Range(
+        SeedRange(
             "scored",
             (5001, 5002),
             Amounts(None, 40, 13, 7, 13),

@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from nxt_twin.blind.conceal import Hidden, look_up
+from nxt_twin.blind.conceal import ConcealedMotor, look_up
 from nxt_twin.blind.effects.concealed import ConcealedEffect, Situation
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.kinds import SIZES, Size
@@ -98,7 +98,7 @@ def concealed(
         mend = "make it with nxt-twin blind make"
         raise CaseError(f"{name} can be concealed in recordings, not in a mock brick", mend=mend)
     motor = Motor()
-    hidden = Hidden(motor, Sensing(), motor, ({},))
+    hidden = ConcealedMotor(motor, Sensing(), motor, ({},))
     for effect in look_up(chosen):
         drawn: Size = size or SIZES[int(rng.integers(len(SIZES)))]
         hidden = hidden.plus(effect, drawn, effect.sample(_situation(rng, drawn, hidden.motor)))

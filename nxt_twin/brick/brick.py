@@ -16,7 +16,7 @@ from nxt_twin.brick.commands.motors import Motors
 from nxt_twin.brick.commands.programs import Programs
 from nxt_twin.brick.commands.radio import Radio
 from nxt_twin.brick.commands.sensors import Sensors
-from nxt_twin.brick.commands.sound import Sound
+from nxt_twin.brick.commands.sound import SoundPlayer
 from nxt_twin.brick.commands.transfer import FileTransfer
 from nxt_twin.brick.commands.ultrasonic import Ultrasonic
 from nxt_twin.brick.exchange import Exchange, Health
@@ -63,7 +63,7 @@ class Brick:
         self.transfer = FileTransfer(self._exchange, self.files)
         self.programs = Programs(self._exchange)
         self.messages = Messages(self._exchange)
-        self.sound = Sound(self._exchange)
+        self.sound = SoundPlayer(self._exchange)
         self.device = Device(self._exchange)
         self.radio = Radio(self._exchange)
         self.modules = Modules(self._exchange)

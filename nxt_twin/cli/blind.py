@@ -17,12 +17,12 @@ from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 if TYPE_CHECKING:
     from nxt_twin.blind.families.family import Family
     from nxt_twin.blind.families.orders import Outcome
-    from nxt_twin.blind.polling import Link
+    from nxt_twin.blind.polling import LinkName
     from nxt_twin.blind.silence import Remains
 
 # Each command imports what it needs when it runs: its help would wait a second for the simulators.
 _BRISTLE, _ALL = "bristle", "all"
-_LINKS: dict[str, tuple[Link, ...]] = {
+_LINKS: dict[str, tuple[LinkName, ...]] = {
     "usb": ("usb",),
     "bluetooth": ("bluetooth",),
     "both": ("usb", "bluetooth"),

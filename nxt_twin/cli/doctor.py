@@ -10,11 +10,11 @@ from rich.console import Console
 from rich.text import Text
 
 from nxt_twin.brick.doctor.checks import examine
-from nxt_twin.brick.doctor.finding import Finding, Verdict
+from nxt_twin.brick.doctor.finding import Finding, Severity
 from nxt_twin.brick.doctor.gather import gather_facts
 from nxt_twin.cli.output import JsonOption, emit_json
 
-_STYLES = {Verdict.OK: "green", Verdict.WARN: "yellow", Verdict.FAIL: "bold red"}
+_STYLES = {Severity.OK: "green", Severity.WARN: "yellow", Severity.FAIL: "bold red"}
 
 
 def doctor(
@@ -32,7 +32,7 @@ def doctor(
         console = Console(highlight=False, soft_wrap=True)
         for finding in findings:
             console.print(_line(finding))
-    if any(finding.verdict is Verdict.FAIL for finding in findings):
+    if any(finding.verdict is Severity.FAIL for finding in findings):
         raise typer.Exit(1)
 
 

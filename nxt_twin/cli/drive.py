@@ -12,7 +12,7 @@ import typer
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock, SystemClock
 from nxt_twin.cli.output import JsonOption, emit_json, progress
-from nxt_twin.cli.record import Teller, Written, opened, write_down
+from nxt_twin.cli.record import RecordedRun, Teller, opened, write_down
 from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end, wanted_ports
 from nxt_twin.recording.program import MotorProgram, Run
 from nxt_twin.recording.programs import load_program, own_programs
@@ -57,7 +57,7 @@ def drive(
     clock = SystemClock()
     found = chosen_url(url, clock)
     get_leave(found, wanted.ports, yes=yes)
-    done: list[Written] = []
+    done: list[RecordedRun] = []
     with tidy_end(), opened(found, clock) as brick:
         for run in wanted.runs:
             alone = wanted.model_copy(update={"runs": (run,)})
@@ -78,7 +78,7 @@ def named(record: Path, run: Run, program: MotorProgram) -> Path:
 
 def _run(
     alone: MotorProgram, brick: Brick, clock: Clock, plan: Plan, pace: Pace, file: Path | None
-) -> Written:
+) -> RecordedRun:
     driver = ProgramDriver(alone)
     if file is not None:
         return write_down(
@@ -95,7 +95,7 @@ def _run(
     with progress(f"{alone.name}: {alone.runs[0].name}") as tell:
         teller = Teller(tell)
         Logbook(brick, clock, alone.ports, plan, driver=driver).keep(driver.duration_s, teller)
-    return Written(file=None, rows=teller.last.rows, seconds=round(teller.last.elapsed_s, 3))
+    return RecordedRun(file=None, rows=teller.last.rows, seconds=round(teller.last.elapsed_s, 3))
 
 
 def _list(json: str | None) -> None:

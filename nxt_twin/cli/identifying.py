@@ -27,7 +27,7 @@ from nxt_twin.experiment.plan import Experiment, MotorIdentification, own_experi
 from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
 from nxt_twin.experiment.positioner.positioner import Axis
 from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
-from nxt_twin.experiment.run_sweep import Progress, Surroundings
+from nxt_twin.experiment.run_sweep import Apparatus, Progress
 from nxt_twin.experiment.standin.movers import standin_positioners
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
 from nxt_twin.recording.columns import PORTS, Port
@@ -120,7 +120,7 @@ def _on_mock(
 ) -> None:
     with bench.brick as brick:
         positioners, ask = standin_positioners(bench, movers), helper(bench, wanted)
-        carry_out(wanted, folder, Surroundings(brick, bench.clock, positioners, ask, screen.tell))
+        carry_out(wanted, folder, Apparatus(brick, bench.clock, positioners, ask, screen.tell))
 
 
 def _on_brick(
@@ -130,7 +130,7 @@ def _on_brick(
     with tidy_end(), opened(url, clock) as brick:
         positioners = open_positioners(movers, brick, clock, screen.ask)
         try:
-            around = Surroundings(brick, clock, positioners, screen.ask, screen.tell, pace_of(url))
+            around = Apparatus(brick, clock, positioners, screen.ask, screen.tell, pace_of(url))
             carry_out(wanted, folder, around)
         finally:
             close_positioners(positioners)

@@ -29,7 +29,7 @@ _TOLD_EVERY_S = 0.5
 
 
 @final
-class Written(TypedDict):
+class RecordedRun(TypedDict):
     """What was recorded: the file, if there is one, how many rows, how long."""
 
     file: str | None
@@ -111,7 +111,7 @@ def write_down(
     driver: Driver | None = None,
     seconds: float | None = None,
     may_end: bool = True,
-) -> Written:
+) -> RecordedRun:
     """Record, with progress; with `may_end` an interrupt ends it as if time were over.
 
     Whatever else ends it, what was recorded until then is kept, and beside it by how much rows are off their stamps.
@@ -123,7 +123,7 @@ def write_down(
             writer.keep_lags(logbook.row_lags)
             logbook.keep(seconds, teller)
     last = teller.last
-    return Written(file=str(out) if last.rows else None, rows=last.rows, seconds=round(last.elapsed_s, 3))
+    return RecordedRun(file=str(out) if last.rows else None, rows=last.rows, seconds=round(last.elapsed_s, 3))
 
 
 @final

@@ -12,7 +12,7 @@ from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 
 if TYPE_CHECKING:
-    from nxt_twin.api.prediction import Predicted
+    from nxt_twin.api.prediction import SimulatedChannel
     from nxt_twin.recording.mappings import MappingOf
     from nxt_twin.recording.recording import Recording
 
@@ -62,8 +62,8 @@ def _source(path: Path, mapping_of: MappingOf | None) -> Recording:
     return read_mapped(path, mapping) if mapping else read_recording(path)
 
 
-def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[Predicted, ...]:
-    from nxt_twin.api.prediction import Predicted, predictions
+def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[SimulatedChannel, ...]:
+    from nxt_twin.api.prediction import SimulatedChannel, predictions
     from nxt_twin.diagnose.robot.simulate import expected_pose, is_robot_model
     from nxt_twin.diagnose.sensor.simulate import expected_readings, is_sensor_model
     from nxt_twin.recording.configs import load_plant_config
@@ -71,17 +71,17 @@ def _predicted(model: str, source: Recording, restart_every: float | None) -> tu
     config = load_plant_config(model)
     if is_robot_model(config):
         return tuple(
-            Predicted(one.channel, one.values, one.unit, one.rmse, one.readings)
+            SimulatedChannel(one.channel, one.values, one.unit, one.rmse, one.readings)
             for one in expected_pose(config, source, restart_every)
         )
     if not is_sensor_model(config):
         return predictions(config, source, restart_every)
     said = expected_readings(config, source)
     rmse = said.rmse if said.readings else None
-    return (Predicted(said.channel, said.values, said.unit, rmse, said.readings),)
+    return (SimulatedChannel(said.channel, said.values, said.unit, rmse, said.readings),)
 
 
-def _told(each: Predicted) -> str:
+def _told(each: SimulatedChannel) -> str:
     if each.rmse is None:
         return f"{each.channel}: predicted; the recording holds no readings to compare"
     return f"{each.channel}: free-run RMSE {each.rmse:.4g} {each.unit}, {each.readings} readings"

@@ -163,7 +163,7 @@ def conclude(outcome: Outcome, told: Audience, showing: Showing) -> dict[str, An
 
 
 def _pages(report: Path, outcome: Outcome, told: Audience, title: str) -> list[str]:
-    from nxt_twin.view.live_report import Finding, write_live_report
+    from nxt_twin.view.live_report import LinkedDiagnosis, write_live_report
     from nxt_twin.view.report import write_report
 
     named = [
@@ -173,7 +173,7 @@ def _pages(report: Path, outcome: Outcome, told: Audience, title: str) -> list[s
     made = [(port, diagnosis.sentence, write_report(diagnosis, report)) for port, diagnosis in named]
     pages = [str(path) for _, _, path in made]
     if told.keeper is not None:
-        findings = [Finding(port, said, path.name) for port, said, path in made]
+        findings = [LinkedDiagnosis(port, said, path.name) for port, said, path in made]
         sentence = outcome.verdict.sentence
         page = write_live_report(report, told.keeper, title=title, sentence=sentence, findings=findings)
         pages.insert(0, str(page))

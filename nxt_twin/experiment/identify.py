@@ -8,12 +8,12 @@ from nxt_twin.experiment.identify_motor import identify_motor
 from nxt_twin.experiment.identify_sensor import identify_sensor
 from nxt_twin.experiment.plan import Experiment, MotorIdentification, TwoSensors
 from nxt_twin.experiment.run_motor import run_motor
-from nxt_twin.experiment.run_sweep import Surroundings, run_sweep
+from nxt_twin.experiment.run_sweep import Apparatus, run_sweep
 from nxt_twin.experiment.sweep import sweep_of
 from nxt_twin.experiment.two_sensors import identify_two_sensors
 
 
-def carry_out(experiment: Experiment, folder: RunFolder, around: Surroundings) -> None:
+def carry_out(experiment: Experiment, folder: RunFolder, around: Apparatus) -> None:
     """Record everything that the folder does not hold yet.
 
     Raises:

@@ -15,7 +15,7 @@ from nxt_twin.experiment.identified import Identified, Value, normal_value
 from nxt_twin.experiment.posterior import weighed
 from nxt_twin.sensors import ultrasonic
 from nxt_twin.sensors.beam import Beam
-from nxt_twin.sensors.fitting import Fitted
+from nxt_twin.sensors.fitting import FittedSensor
 from nxt_twin.sensors.walk import walked
 
 _UNITS: Final[Mapping[str, str]] = {
@@ -180,7 +180,7 @@ def _beam(echoes: _Echoes, far_mm: float) -> tuple[Value, ...]:
     )
 
 
-def _values(fitted: Fitted[Any]) -> tuple[Value, ...]:
+def _values(fitted: FittedSensor[Any]) -> tuple[Value, ...]:
     return tuple(
         normal_value(name, float(getattr(fitted.parameters, name)), fitted.std[name], _UNITS[name])
         for name in fitted.names

@@ -26,7 +26,7 @@ Samples = Annotated[int, Field(ge=1, le=1000)]
 
 
 @final
-class Pace(BaseModel):
+class Waits(BaseModel):
     """How long to wait.
 
     An ultrasonic sensor that is read sooner than 50 ms after a move, or after its last reading, may tell of a ping
@@ -43,13 +43,13 @@ class Pace(BaseModel):
     every_s: float = Field(default=0.06, ge=0.0, le=60.0)
 
 
-def _after_a_ping(pace: Pace) -> Pace:
+def _after_a_ping(pace: Waits) -> Waits:
     if pace.settle_s < _PING_S or pace.every_s < _PING_S:
         raise ValueError(f"settle_s and every_s of an ultrasonic sensor are {_PING_S:g} s at least")
     return pace
 
 
-UltrasonicPace = Annotated[Pace, AfterValidator(_after_a_ping)]
+UltrasonicPace = Annotated[Waits, AfterValidator(_after_a_ping)]
 
 
 @final
@@ -98,7 +98,7 @@ class _BeforeATarget(BaseModel):
     slot: Slot = 4
     distance_mm: Range
     samples: Samples = 1
-    pace: UltrasonicPace = Pace()
+    pace: UltrasonicPace = Waits()
 
 
 @final
@@ -144,7 +144,7 @@ class GradientSweep(BaseModel):
     lightings: Annotated[tuple[Annotated[str, Field(pattern=_NAME)], ...], Field(min_length=1)] = ("room",)
     lamp: bool = True
     samples: Samples = 16
-    pace: Pace = Pace(settle_s=0.1, every_s=0.0137)
+    pace: Waits = Waits(settle_s=0.1, every_s=0.0137)
 
 
 @final
@@ -168,7 +168,7 @@ class TouchCycles(BaseModel):
     axis: Literal["force_g", "compression_mm"] = "force_g"
     push: Range
     cycles: int = Field(default=8, ge=1, le=1000)
-    pace: Pace = Pace(settle_s=0.05, every_s=0.0)
+    pace: Waits = Waits(settle_s=0.05, every_s=0.0)
 
     @model_validator(mode="after")
     def _grows(self) -> Self:
@@ -202,7 +202,7 @@ class TwoSensors(BaseModel):
     other_slot: Slot = 1
     position_mm: Range
     samples: Samples = 16
-    pace: UltrasonicPace = Pace()
+    pace: UltrasonicPace = Waits()
 
     @model_validator(mode="after")
     def _two(self) -> Self:

@@ -10,7 +10,7 @@ from nxt_twin.brick.errors import BrickError
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RowWriter, RunFolder
 from nxt_twin.experiment.plan import Load, MotorIdentification
-from nxt_twin.experiment.run_sweep import Progress, Surroundings
+from nxt_twin.experiment.run_sweep import Apparatus, Progress
 from nxt_twin.recording.columns import BATTERY, TIME, mode_column, power_column, tacho_column
 from nxt_twin.recording.program import Command, Run, commands
 from nxt_twin.twin.dating import Dating
@@ -28,7 +28,7 @@ def recording_name(load: Load, run: Run) -> str:
     return f"{load.name}-{run.name}"
 
 
-def run_motor(experiment: MotorIdentification, folder: RunFolder, around: Surroundings) -> None:
+def run_motor(experiment: MotorIdentification, folder: RunFolder, around: Apparatus) -> None:
     """Do every run that the folder does not hold yet; one that was cut off is done again.
 
     Raises:
@@ -55,7 +55,7 @@ def _request(load: Load) -> str:
 
 
 def _record(
-    experiment: MotorIdentification, load: Load, run: Run, folder: RunFolder, around: Surroundings
+    experiment: MotorIdentification, load: Load, run: Run, folder: RunFolder, around: Apparatus
 ) -> None:
     port = experiment.port
     columns = (TIME, power_column(port), mode_column(port), tacho_column(port), BATTERY)
@@ -86,7 +86,7 @@ class _Recorder:
     """
 
     def __init__(
-        self, experiment: MotorIdentification, run: Run, writer: RowWriter, around: Surroundings
+        self, experiment: MotorIdentification, run: Run, writer: RowWriter, around: Apparatus
     ) -> None:
         self._experiment = experiment
         self._output = OUTPUTS[experiment.port]

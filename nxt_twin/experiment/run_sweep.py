@@ -13,7 +13,7 @@ from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RowWriter, RunFolder
 from nxt_twin.experiment.positioner.by_hand import Ask
 from nxt_twin.experiment.positioner.positioner import Axis, Positioner, within
-from nxt_twin.experiment.sweep import Part, Place, Sweep
+from nxt_twin.experiment.sweep import Place, Sweep, SweepPart
 from nxt_twin.recording.columns import TIME
 from nxt_twin.twin.settings import Pace
 
@@ -41,7 +41,7 @@ Tell = Callable[[Progress], None]
 
 @final
 @dataclass(frozen=True)
-class Surroundings:
+class Apparatus:
     """What an experiment needs of the world.
 
     Attributes:
@@ -61,7 +61,7 @@ class Surroundings:
     pace: Pace = field(default_factory=Pace)
 
 
-def run_sweep(sweep: Sweep, folder: RunFolder, around: Surroundings) -> None:
+def run_sweep(sweep: Sweep, folder: RunFolder, around: Apparatus) -> None:
     """Do everything that the folder does not hold yet.
 
     However it ends, the positioners stand still.
@@ -95,7 +95,12 @@ def _check(sweep: Sweep, positioners: Mapping[Axis, Positioner]) -> None:
 
 
 def _run_part(
-    part: Part, sweep: Sweep, folder: RunFolder, around: Surroundings, read: Callable[[], float], before: int
+    part: SweepPart,
+    sweep: Sweep,
+    folder: RunFolder,
+    around: Apparatus,
+    read: Callable[[], float],
+    before: int,
 ) -> None:
     columns = (TIME, sweep.column, *sweep.rig_columns)
     rows = [] if part.in_one_go else folder.begun(part.name, columns)
@@ -122,7 +127,7 @@ def _run_part(
 def _read_place(
     place: Place,
     sweep: Sweep,
-    around: Surroundings,
+    around: Apparatus,
     read: Callable[[], float],
     writer: RowWriter,
     zero_s: float,
@@ -144,7 +149,7 @@ def _silent(readings: Sequence[float]) -> bool:
     return bool(readings) and all(reading >= NO_ECHO for reading in readings)
 
 
-def _set_up(sweep: Sweep, around: Surroundings) -> Callable[[], float]:
+def _set_up(sweep: Sweep, around: Apparatus) -> Callable[[], float]:
     """Set the sensor's port up, and give what reads it once."""
     brick, port = around.brick, sweep.slot - 1
     match sweep.sensor:
@@ -161,7 +166,7 @@ def _set_up(sweep: Sweep, around: Surroundings) -> Callable[[], float]:
             return lambda: float(brick.sensors.read(port).value.raw)
 
 
-def _switch_other(part: Part, sweep: Sweep, around: Surroundings) -> None:
+def _switch_other(part: SweepPart, sweep: Sweep, around: Apparatus) -> None:
     """Let the second ultrasonic sensor ping, or be quiet."""
     if part.other_pings is None or sweep.other_slot is None:
         return

@@ -9,10 +9,10 @@ from nxt_twin.experiment.plan import (
     AngleSweep,
     DistanceSweep,
     GradientSweep,
-    Pace,
     SensorExperiment,
     TouchCycles,
     TwoSensors,
+    Waits,
 )
 from nxt_twin.experiment.positioner.positioner import Axis
 from nxt_twin.recording.columns import Slot, light_column, touch_column, ultrasonic_column
@@ -24,7 +24,7 @@ Place = tuple[float, ...]
 
 @final
 @dataclass(frozen=True)
-class Part:
+class SweepPart:
     """What becomes one recording.
 
     Attributes:
@@ -62,9 +62,9 @@ class Sweep:
     sensor: SensorKind
     slot: Slot
     axes: tuple[Axis, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[SweepPart, ...]
     samples: int
-    pace: Pace
+    pace: Waits
     other_slot: Slot | None = None
 
     @property
@@ -100,13 +100,13 @@ def sweep_of(experiment: SensorExperiment) -> Sweep:
     match experiment:
         case DistanceSweep():
             places = tuple((value,) for value in experiment.distance_mm.values())
-            parts: tuple[Part, ...] = (Part("sweep", places),)
+            parts: tuple[SweepPart, ...] = (SweepPart("sweep", places),)
             return Sweep(
                 "ultrasonic", experiment.slot, ("distance_mm",), parts, experiment.samples, experiment.pace
             )
         case AngleSweep():
             parts = tuple(
-                Part(
+                SweepPart(
                     f"distance-{distance:06.1f}".replace(".0", ""),
                     tuple((distance, angle) for angle in experiment.angle_deg.values()),
                     until_silent=True,
@@ -121,7 +121,8 @@ def sweep_of(experiment: SensorExperiment) -> Sweep:
             up = experiment.push.values()
             places = tuple((value,) for value in (*up, *reversed(up[:-1])))
             parts = tuple(
-                Part(f"cycle-{number + 1:03d}", places, in_one_go=True) for number in range(experiment.cycles)
+                SweepPart(f"cycle-{number + 1:03d}", places, in_one_go=True)
+                for number in range(experiment.cycles)
             )
             return Sweep("touch", experiment.slot, (experiment.axis,), parts, 1, experiment.pace)
         case TwoSensors():
@@ -132,7 +133,7 @@ def _gradient(experiment: GradientSweep) -> Sweep:
     places = tuple((value,) for value in experiment.position_mm.values())
     several = len(experiment.lightings) > 1
     parts = tuple(
-        Part(f"light-{name}", places, request=f"Please set the room light '{name}'." if several else "")
+        SweepPart(f"light-{name}", places, request=f"Please set the room light '{name}'." if several else "")
         for name in experiment.lightings
     )
     sensor: SensorKind = "light" if experiment.lamp else "light_unlit"
@@ -141,7 +142,7 @@ def _gradient(experiment: GradientSweep) -> Sweep:
 
 def _two_sensors(experiment: TwoSensors) -> Sweep:
     places = tuple((value,) for value in experiment.position_mm.values())
-    parts = (Part("alone", places, other_pings=False), Part("together", places, other_pings=True))
+    parts = (SweepPart("alone", places, other_pings=False), SweepPart("together", places, other_pings=True))
     return Sweep(
         "ultrasonic",
         experiment.slot,

@@ -154,7 +154,7 @@ class ModeSource(BaseModel):
 
 
 @final
-class Split(BaseModel):
+class SplitColumn(BaseModel):
     """A column that tells a table's recordings apart, by having one value in each."""
 
     model_config = _STRICT
@@ -192,7 +192,7 @@ class Mapping(BaseModel):
     output: Annotated[OutputSource, _FLAT]
     supply: Annotated[SupplySource | None, _FLAT] = None
     mode: Annotated[ModeSource | None, _FLAT] = None
-    split: Annotated[Split | None, _FLAT] = None
+    split: Annotated[SplitColumn | None, _FLAT] = None
 
     @model_validator(mode="before")
     @classmethod

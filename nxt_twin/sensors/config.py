@@ -22,7 +22,7 @@ EffectFields = Mapping[str, Mapping[str, str]]
 
 @final
 @dataclass(frozen=True)
-class Layout:
+class SensorLayout:
     """How a sensor's parameters stand in a file.
 
     Attributes:
@@ -42,7 +42,7 @@ class Layout:
 class Configured:
     """What the dataclasses of sensors' parameters have in common; each names its layout."""
 
-    layout: ClassVar[Layout]
+    layout: ClassVar[SensorLayout]
 
     def to_config(self) -> dict[str, Any]:
         """The parameters as a YAML-ready mapping."""
@@ -58,7 +58,7 @@ class Configured:
         return from_config(cls.layout, cls, config)
 
 
-def to_config(layout: Layout, parameters: Any) -> dict[str, Any]:  # noqa: ANN401  # any parameters dataclass
+def to_config(layout: SensorLayout, parameters: Any) -> dict[str, Any]:  # noqa: ANN401  # any parameters dataclass
     """A YAML-ready mapping; effects that are at their defaults, that is off, are left out."""
     nested = layout.nested_fields
     config: dict[str, Any] = {"kind": layout.kind}
@@ -76,7 +76,7 @@ def to_config(layout: Layout, parameters: Any) -> dict[str, Any]:  # noqa: ANN40
 
 
 def from_config(
-    layout: Layout, parameters_class: type[ParametersT], config: Mapping[str, Any]
+    layout: SensorLayout, parameters_class: type[ParametersT], config: Mapping[str, Any]
 ) -> ParametersT:
     """Read parameters from a mapping as `to_config` writes it.
 

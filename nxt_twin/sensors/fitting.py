@@ -46,7 +46,7 @@ class Free:
 
 @final
 @dataclass(frozen=True)
-class Fitted(Generic[ParametersT]):
+class FittedSensor(Generic[ParametersT]):
     """A fit.
 
     Attributes:
@@ -82,7 +82,7 @@ def chosen(known: Sequence[Free], names: Sequence[str], readings: FloatArray, se
 
 def fit_free(
     log_likelihood: Callable[[ParametersT], float], start: ParametersT, free: Sequence[Free]
-) -> Fitted[ParametersT]:
+) -> FittedSensor[ParametersT]:
     """Fit the `free` parameters from `start`; all others keep their values."""
 
     def at(x: FloatArray) -> ParametersT:
@@ -97,7 +97,7 @@ def fit_free(
     covariance = covariance_at(objective, best, free)
     stds = np.sqrt(np.diag(covariance))
     names = tuple(part.name for part in free)
-    return Fitted(
+    return FittedSensor(
         at(best), names, dict(zip(names, map(float, stds), strict=True)), covariance, objective(best)
     )
 

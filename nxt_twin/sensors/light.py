@@ -16,13 +16,13 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.config import Configured, SensorLayout
 from nxt_twin.sensors.converter import HIGHEST_RAW, converted, log_probability_each
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
+from nxt_twin.sensors.fitting import FittedSensor, Free, chosen, fit_free
 
-LAYOUT = Layout(
+LAYOUT = SensorLayout(
     "light_sensor",
     {
         "light_ambient_offset": {"offset_raw": "ambient_offset_raw"},
@@ -54,7 +54,7 @@ class LightParameters(Configured):
         flicker_frequency_hz, flicker_amplitude_raw, flicker_phase_rad: a sine in time; amplitude 0 is off.
     """
 
-    layout: ClassVar[Layout] = LAYOUT
+    layout: ClassVar[SensorLayout] = LAYOUT
 
     slope_raw_per_mm: float = 0.0
     zero_raw: float = 500.0
@@ -161,7 +161,7 @@ def fit(
     *,
     start: LightParameters | None = None,
     free: Sequence[str] = ("slope_raw_per_mm", "zero_raw", "noise_raw"),
-) -> Fitted[LightParameters]:
+) -> FittedSensor[LightParameters]:
     """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
 
     Args:

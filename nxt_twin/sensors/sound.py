@@ -15,12 +15,12 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.config import Configured, SensorLayout
 from nxt_twin.sensors.converter import HIGHEST_RAW, converted, log_probability_each
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
+from nxt_twin.sensors.fitting import FittedSensor, Free, chosen, fit_free
 
-LAYOUT = Layout("sound_sensor", {})
+LAYOUT = SensorLayout("sound_sensor", {})
 
 
 @final
@@ -37,7 +37,7 @@ class SoundParameters(Configured):
         weighted: 1 for the dBA mode, which hears as an ear does; 0 for dB.
     """
 
-    layout: ClassVar[Layout] = LAYOUT
+    layout: ClassVar[SensorLayout] = LAYOUT
 
     silent_raw: float = 1000.0
     loud_raw: float = 162.0
@@ -108,7 +108,7 @@ def fit(
     *,
     start: SoundParameters | None = None,
     free: Sequence[str] = ("silent_raw", "loud_raw", "exponent", "noise_raw"),
-) -> Fitted[SoundParameters]:
+) -> FittedSensor[SoundParameters]:
     """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
 
     Args:

@@ -16,15 +16,15 @@ from numpy.random import Generator
 from scipy.special import log_ndtr, ndtr
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.config import Configured, SensorLayout
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, Free, chosen, fit_free
+from nxt_twin.sensors.fitting import FittedSensor, Free, chosen, fit_free
 from nxt_twin.sensors.intervals import log_interval_probability
 
 Stroke = Literal["force_g", "travel_mm"]
 
-LAYOUT = Layout(
+LAYOUT = SensorLayout(
     "touch_sensor",
     {
         "touch_hysteresis": {
@@ -52,7 +52,7 @@ class TouchParameters(Configured):
         press_travel_mm, release_travel_mm: hysteresis by travel; None is off.
     """
 
-    layout: ClassVar[Layout] = LAYOUT
+    layout: ClassVar[SensorLayout] = LAYOUT
 
     switch_force_g: float = 60.0
     switch_travel_mm: float = 2.0
@@ -230,7 +230,7 @@ def fit(
     *,
     start: TouchParameters | None = None,
     free: Sequence[str] | None = None,
-) -> Fitted[TouchParameters]:
+) -> FittedSensor[TouchParameters]:
     """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
 
     Args:
@@ -260,7 +260,9 @@ def fit(
     return _unbiased(fitted, strokes, "force_noise_g" if by_force else "travel_noise_mm")
 
 
-def _unbiased(fitted: Fitted[TouchParameters], strokes: Strokes, noise: str) -> Fitted[TouchParameters]:
+def _unbiased(
+    fitted: FittedSensor[TouchParameters], strokes: Strokes, noise: str
+) -> FittedSensor[TouchParameters]:
     """The fit with its noise widened by √(n / (n - m)) for the m thresholds taken from the same n switchings."""
     if noise not in fitted.names:
         return fitted

@@ -18,7 +18,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.sensors.beam import Beam
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.sensors.expected import Expected
-from nxt_twin.sensors.fitting import Fitted, chosen, fit_free
+from nxt_twin.sensors.fitting import FittedSensor, chosen, fit_free
 from nxt_twin.sensors.intervals import interval_probability, logistic
 from nxt_twin.sensors.pings import at_pings, first_polls, ping_numbers
 from nxt_twin.sensors.ultrasonic_parameters import FREE, LAYOUT, REFERENCE_TEMPERATURE_C, UltrasonicParameters
@@ -285,7 +285,7 @@ def fit(
     *,
     start: UltrasonicParameters | None = None,
     free: Sequence[str] = ("noise_mm", "noise_per_distance", "zero_mm", "scale"),
-) -> Fitted[UltrasonicParameters]:
+) -> FittedSensor[UltrasonicParameters]:
     """Fit the parameters named in `free` by maximum likelihood; all others stay as in `start`.
 
     Args:

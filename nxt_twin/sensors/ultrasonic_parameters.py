@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from nxt_twin.sensors.config import Configured, Layout
+from nxt_twin.sensors.config import Configured, SensorLayout
 from nxt_twin.sensors.fitting import Free
 
 REFERENCE_TEMPERATURE_C = 20.0
 """Air temperature at which the sensor's own clock gives true centimetres; an assumption."""
 
-LAYOUT = Layout(
+LAYOUT = SensorLayout(
     "ultrasonic_sensor",
     {
         "ultrasonic_blind_zone": {
@@ -77,7 +77,7 @@ class UltrasonicParameters(Configured):
         update_period_s: time between pings; a poll sees the last ping's reading. 0: each poll is a ping.
     """
 
-    layout: ClassVar[Layout] = LAYOUT
+    layout: ClassVar[SensorLayout] = LAYOUT
 
     noise_mm: float = 3.0
     noise_per_distance: float = 0.0

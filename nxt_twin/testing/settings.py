@@ -11,7 +11,7 @@ import yaml
 
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.mock.body.body import Body
-from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.mock.body.ultrasonic import UltrasonicBody
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 
 _WORLD_FILE: Final = "nxt_world.yaml"
@@ -54,9 +54,9 @@ class MockSettings:
             _digital(body, port).acknowledging = False
 
 
-def _digital(body: Body, port: int) -> Ultrasonic:
+def _digital(body: Body, port: int) -> UltrasonicBody:
     sensor = body.sensors[port - 1] if 1 <= port <= len(body.sensors) else None
-    if not isinstance(sensor, Ultrasonic):
+    if not isinstance(sensor, UltrasonicBody):
         mend = "name the port of an ultrasonic sensor, by default 4"
         raise MarkerError("has no digital sensor", where=f"nxt_faults, port {port}", mend=mend)
     return sensor

@@ -19,7 +19,7 @@ _LEAST_LIKELIHOOD = 1e-30
 _MIX_EVERY_S = 0.25
 
 
-class Compared(NamedTuple):
+class ComparedReading(NamedTuple):
     """A reading beside its prediction: what was predicted, the variance of the difference, and its log-density."""
 
     predicted: float
@@ -81,14 +81,14 @@ class Estimator:
         self._filter.predict()
         self._filter.x = moved.reshape(-1, 1).copy()
 
-    def compare(self, reading: float, variance: float) -> Compared:
+    def compare(self, reading: float, variance: float) -> ComparedReading:
         """What a reading of the first component says, without believing it yet."""
         predicted = float(self._filter.x[0, 0])
         total = float(self._filter.P[0, 0]) + variance
         square = (reading - predicted) ** 2 / total
-        return Compared(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
+        return ComparedReading(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
 
-    def update(self, reading: float, variance: float) -> Compared:
+    def update(self, reading: float, variance: float) -> ComparedReading:
         """Believe a reading of the first component."""
         compared = self.compare(reading, variance)
         self._filter.update(
@@ -220,12 +220,12 @@ class Drift:
         powers = np.array([[dt_s**3 / 3.0, dt_s**2 / 2.0], [dt_s**2 / 2.0, dt_s]])
         self._filter.predict(F=np.array([[1.0, dt_s], [0.0, 1.0]]), Q=self._jerk * powers)
 
-    def compare(self, reading: float, variance: float) -> Compared:
+    def compare(self, reading: float, variance: float) -> ComparedReading:
         """What a reading says, without believing it yet."""
         predicted = self.value
         total = float(self._filter.P[0, 0]) + variance
         square = (reading - predicted) ** 2 / total
-        return Compared(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
+        return ComparedReading(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
 
     def update(self, reading: float, variance: float) -> None:
         """Believe a reading."""

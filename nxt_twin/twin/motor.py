@@ -12,7 +12,7 @@ from nxt_twin.recording.columns import PORTS, DriveMode, Port, tacho_column
 from nxt_twin.twin.batch import ANGLE, CURRENT, SPEED, Batch
 from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, Candidate, candidates
-from nxt_twin.twin.estimator import Compared, Weigher
+from nxt_twin.twin.estimator import ComparedReading, Weigher
 from nxt_twin.twin.jerk import Drive, Jerks
 from nxt_twin.twin.records import Innovation, MotorBelief
 from nxt_twin.twin.settings import MotorNoise, Watch
@@ -40,7 +40,7 @@ class ReadingEvidence(NamedTuple):
 
     innovation: Innovation
     nats: float
-    believed: Compared
+    believed: ComparedReading
     speed: float
     torque: float
     tacho_deg: int

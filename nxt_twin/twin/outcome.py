@@ -15,7 +15,7 @@ from nxt_twin.twin.records import Event
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
 from nxt_twin.twin.sinks import Memory, Several
-from nxt_twin.twin.verdict import Seen, Verdict, verdict
+from nxt_twin.twin.verdict import Seen, SessionVerdict, verdict
 
 
 @final
@@ -48,7 +48,7 @@ class Outcome:
         plants: the model of each motor at the end.
     """
 
-    verdict: Verdict
+    verdict: SessionVerdict
     polls: int
     stalls: int
     longest_stall_s: float

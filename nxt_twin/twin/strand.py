@@ -13,7 +13,7 @@ from nxt_twin.physics.stages import STAGES
 from nxt_twin.physics.terms import calls
 from nxt_twin.twin.batch import CURRENT, Batch
 from nxt_twin.twin.candidates import Candidate
-from nxt_twin.twin.estimator import Compared, Estimator
+from nxt_twin.twin.estimator import ComparedReading, Estimator
 from nxt_twin.twin.rows import ANGLE, SHARED, put, stirred, taken
 
 _LEAST_SPREAD = (1e-4, 1e-3, 1e-5, 1e-9)
@@ -149,10 +149,10 @@ class Strand:
             process[:2, :2] += jerked
         self.estimator.predict(moved, transition, process)
 
-    def compare(self, reading: float, variance: float) -> Compared:
+    def compare(self, reading: float, variance: float) -> ComparedReading:
         """What a reading (rad) says of this model."""
         return self.estimator.compare(reading, variance)
 
-    def update(self, reading: float, variance: float) -> Compared:
+    def update(self, reading: float, variance: float) -> ComparedReading:
         """Believe a reading."""
         return self.estimator.update(reading, variance)

@@ -9,7 +9,7 @@ from typing import Literal, final
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event
 
-Outcome = Literal["holds", "passed", "explained", "diverges", "trouble", "unseen"]
+VerdictWord = Literal["holds", "passed", "explained", "diverges", "trouble", "unseen"]
 
 _TROUBLES = ("stall", "disconnected")
 _ENOUGH = 0.5
@@ -46,7 +46,7 @@ class Seen:
 
 @final
 @dataclass(frozen=True)
-class Verdict:
+class SessionVerdict:
     """How model and brick got on.
 
     Attributes:
@@ -57,35 +57,37 @@ class Verdict:
         sentence: the same for a person.
     """
 
-    outcome: Outcome
+    outcome: VerdictWord
     sentence: str
 
 
-def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> Verdict:
+def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> SessionVerdict:
     """The verdict on a session, by its events, the motors that are off their models at its end, and what was seen."""
     adopted = [event for event in events if event.kind == "adopted"]
     apart = [event for event in events if event.kind == "divergence"]
     troubles = [event for event in events if event.kind in _TROUBLES]
     if diverging:
         last = next(event for event in reversed(apart) if event.port in diverging)
-        return Verdict("diverges", f"brick and model diverge: {last.words}")
+        return SessionVerdict("diverges", f"brick and model diverge: {last.words}")
     if troubles:
-        return Verdict("trouble", troubles[0].words)
+        return SessionVerdict("trouble", troubles[0].words)
     if adopted:
-        return Verdict("explained", f"brick and model agree again: {_adopted(adopted)}")
+        return SessionVerdict("explained", f"brick and model agree again: {_adopted(adopted)}")
     if apart:
-        return Verdict("passed", f"brick and model diverged for a while: {apart[0].words}")
+        return SessionVerdict("passed", f"brick and model diverged for a while: {apart[0].words}")
     return _undisturbed(seen)
 
 
-def _undisturbed(seen: Seen) -> Verdict:
+def _undisturbed(seen: Seen) -> SessionVerdict:
     if not seen.polls:
-        return Verdict("unseen", "the brick answered no poll, so this session does not judge the model")
+        return SessionVerdict(
+            "unseen", "the brick answered no poll, so this session does not judge the model"
+        )
     if seen.share < _ENOUGH:
-        return Verdict("unseen", f"{seen.loss}, so this session does not judge the model")
+        return SessionVerdict("unseen", f"{seen.loss}, so this session does not judge the model")
     if seen.share < _NEARLY_ALL:
-        return Verdict("holds", f"the model holds wherever the brick answered; {seen.loss}")
-    return Verdict("holds", "the model holds: the monitor found no divergence")
+        return SessionVerdict("holds", f"the model holds wherever the brick answered; {seen.loss}")
+    return SessionVerdict("holds", "the model holds: the monitor found no divergence")
 
 
 def _adopted(adopted: Sequence[Event]) -> str:

@@ -12,7 +12,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import envelope
-from nxt_twin.view.traces import RunPicture, Trace, draw_measured, ordinate_bounds, trusted
+from nxt_twin.view.traces import ModelTrace, RunPicture, draw_measured, ordinate_bounds, trusted
 
 _COLUMNS = 260
 _DOTS_UP_TO = 140
@@ -21,7 +21,7 @@ _LABEL_GAP = 0.07
 _LONG_STAMP_S = 1e4
 
 
-def telling_part(run: HeldOutRun, baseline: Trace) -> slice:
+def telling_part(run: HeldOutRun, baseline: ModelTrace) -> slice:
     """The samples around the baseline's largest error, so few that error and motion are of one size."""
     measured, whole = trusted(run), slice(0, run.time_s.size)
     motion = float(np.nanmax(measured) - np.nanmin(measured)) or np.inf
@@ -58,7 +58,7 @@ def mark_part(axes: Axes, run: HeldOutRun, part: slice) -> None:
         axes.axvline(edge, color=palette.MUTED, linewidth=0.7, linestyle=(0, (3, 2)), zorder=1)
 
 
-def draw_close_look(axes: Axes, picture: RunPicture, traces: list[Trace], part: slice) -> None:
+def draw_close_look(axes: Axes, picture: RunPicture, traces: list[ModelTrace], part: slice) -> None:
     """Draw one part of the run, single samples as dots where they are few, each curve named at its end."""
     run = picture.run
     time_s, measured = run.time_s[part], trusted(run)[part]

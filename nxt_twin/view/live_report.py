@@ -24,7 +24,7 @@ _TROUBLES: Final = ("divergence", "stall", "slip", "link_lost", "low_battery", "
 
 @final
 @dataclass
-class Tally:
+class ChannelTotals:
     """What all readings of a channel add up to, also those that are not kept.
 
     Attributes:
@@ -42,7 +42,7 @@ class Tally:
 
 @final
 @dataclass(frozen=True)
-class Finding:
+class LinkedDiagnosis:
     """A diagnosis that was made meanwhile: of which motor, in one sentence, and the name of its page."""
 
     port: Port
@@ -70,13 +70,13 @@ class Keeper:
         self.events: list[Event] = []
         self.count = 0
         self.every = 1
-        self.tallies: dict[str, Tally] = {}
+        self.tallies: dict[str, ChannelTotals] = {}
         self._most = most
 
     def tick(self, tick: Tick) -> None:
         """Take one poll."""
         for reading in tick.innovations:
-            tally = self.tallies.setdefault(reading.channel, Tally())
+            tally = self.tallies.setdefault(reading.channel, ChannelTotals())
             square = reading.normalised_square if reading.variance > 0 else 0.0
             tally.readings += 1
             tally.believed += reading.accepted
@@ -106,7 +106,7 @@ def write_live_report(
     title: str,
     sentence: str = "",
     name: str = "live",
-    findings: Sequence[Finding] = (),
+    findings: Sequence[LinkedDiagnosis] = (),
 ) -> Path:
     """Write the report into `folder`, made where it is missing, as `<name>.html`.
 
@@ -129,7 +129,7 @@ def write_live_report(
 
 
 def render_live_report(
-    kept: Keeper, *, title: str, sentence: str = "", findings: Sequence[Finding] = ()
+    kept: Keeper, *, title: str, sentence: str = "", findings: Sequence[LinkedDiagnosis] = ()
 ) -> str:
     """The report as the text of one self-contained HTML page; the same session gives the same text."""
     environment = Environment(

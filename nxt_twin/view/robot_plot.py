@@ -10,7 +10,7 @@ from nxt_twin.diagnose.diagnosis import DrivenPath
 from nxt_twin.view import palette
 from nxt_twin.view.numbers import plain
 from nxt_twin.view.thinning import envelope
-from nxt_twin.view.traces import RunPicture, Trace, traces_of
+from nxt_twin.view.traces import ModelTrace, RunPicture, traces_of
 
 _SIZE_IN = (10.4, 5.0)
 _COLUMNS = 480
@@ -30,7 +30,7 @@ def robot_figure(picture: RunPicture, path: DrivenPath) -> Figure:
     return figure
 
 
-def _draw_floor(axes: Axes, path: DrivenPath, traces: list[Trace]) -> None:
+def _draw_floor(axes: Axes, path: DrivenPath, traces: list[ModelTrace]) -> None:
     palette.dress(axes, "path on the floor: y to the left of the start (m)")
     axes.grid(visible=True, color=palette.GRID, linewidth=0.8)
     every = max(1, len(path.measured) // _MOST_POINTS)
@@ -55,7 +55,7 @@ def _draw_floor(axes: Axes, path: DrivenPath, traces: list[Trace]) -> None:
     axes.legend(frameon=False, fontsize=palette.SMALL_PT, labelcolor=palette.INK, loc="best")
 
 
-def _draw_distance(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
+def _draw_distance(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:
     palette.dress(axes, "distance between predicted and measured place (mm)")
     for spell in picture.spells:
         axes.axvspan(spell.start_s, spell.end_s, color=palette.SPELL, linewidth=0, zorder=0)

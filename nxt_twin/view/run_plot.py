@@ -13,8 +13,8 @@ from nxt_twin.view.close_look import draw_close_look, mark_part, telling_part
 from nxt_twin.view.numbers import plain
 from nxt_twin.view.thinning import envelope, finite, steps
 from nxt_twin.view.traces import (
+    ModelTrace,
     RunPicture,
-    Trace,
     draw_measured,
     ordinate_bounds,
     stale_samples,
@@ -57,7 +57,7 @@ def draw_run(figure: Figure, picture: RunPicture, *, top: float) -> None:
     _draw_rmse(figure.add_subplot(side[1]), picture, traces)
 
 
-def _draw_signal(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
+def _draw_signal(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:
     run = picture.run
     measured = trusted(run)
     factor, unit = palette.in_reach(measured, picture.unit)
@@ -116,7 +116,7 @@ def _draw_command(axes: Axes, run: HeldOutRun) -> None:
     axes.margins(y=0.15)
 
 
-def _draw_errors(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
+def _draw_errors(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:
     run = picture.run
     low, high = _error_bounds(run, traces)
     factor, unit = palette.in_reach(np.array([low, high]), picture.unit)
@@ -128,7 +128,7 @@ def _draw_errors(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
     axes.set_ylim(factor * low, factor * high)
 
 
-def _error_bounds(run: HeldOutRun, traces: list[Trace]) -> tuple[float, float]:
+def _error_bounds(run: HeldOutRun, traces: list[ModelTrace]) -> tuple[float, float]:
     """Limits around zero that hold every error, up to the size of the motion itself."""
     errors = np.concatenate([trace.error for trace in traces])
     motion = 1.2 * float(np.nanmax(trusted(run)) - np.nanmin(trusted(run))) or np.inf
@@ -137,7 +137,7 @@ def _error_bounds(run: HeldOutRun, traces: list[Trace]) -> tuple[float, float]:
     return widened(low, high)
 
 
-def _draw_rmse(axes: Axes, picture: RunPicture, traces: list[Trace]) -> None:
+def _draw_rmse(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:
     bars = [(trace.name, trace.colour, trace.rmse) for trace in traces]
     bars.append(("noise alone", palette.NOISE, picture.floor))
     longest = max((value for _, _, value in bars if np.isfinite(value)), default=0.0) or 1.0

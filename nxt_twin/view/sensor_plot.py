@@ -12,7 +12,7 @@ from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import some
-from nxt_twin.view.traces import RunPicture, Trace, traces_of, trusted
+from nxt_twin.view.traces import ModelTrace, RunPicture, traces_of, trusted
 from nxt_twin.view.wording import spelled_out
 
 _RIG = "rig_"
@@ -47,7 +47,7 @@ def sensor_figure(picture: RunPicture) -> Figure:
     return figure
 
 
-def _draw_readings(axes: Axes, picture: RunPicture, traces: list[Trace], kept: IntArray) -> None:
+def _draw_readings(axes: Axes, picture: RunPicture, traces: list[ModelTrace], kept: IntArray) -> None:
     palette.dress(axes, f"{picture.quantity} ({picture.unit})")
     truth = picture.run.command[kept]
     axes.plot(
@@ -62,7 +62,7 @@ def _draw_readings(axes: Axes, picture: RunPicture, traces: list[Trace], kept: I
 
 
 def _draw_errors(
-    axes: Axes, picture: RunPicture, traces: list[Trace], abscissa: FloatArray, kept: IntArray
+    axes: Axes, picture: RunPicture, traces: list[ModelTrace], abscissa: FloatArray, kept: IntArray
 ) -> None:
     palette.dress(axes, f"error: model − measured ({picture.unit})")
     axes.axhline(0, color=palette.LINE, linewidth=0.8, zorder=1)

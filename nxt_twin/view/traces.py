@@ -46,7 +46,7 @@ class RunPicture:
 
 @final
 @dataclass(frozen=True)
-class Trace:
+class ModelTrace:
     """What one model says of a run, and how far off it is where the measurement is to be trusted."""
 
     name: str
@@ -88,15 +88,17 @@ def _with_gaps(run: HeldOutRun) -> HeldOutRun:
     return replace(run, time_s=np.insert(run.time_s, before + 1, middle_s), **emptied)
 
 
-def traces_of(picture: RunPicture) -> list[Trace]:
+def traces_of(picture: RunPicture) -> list[ModelTrace]:
     """The re-fitted baseline and, where there is one, the improved model."""
     run = picture.run
     measured = trusted(run)
     baseline = finite(run.baseline)
-    traces = [Trace("baseline", palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)]
+    traces = [ModelTrace("baseline", palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)]
     if picture.improves:
         improved = finite(run.improved)
-        traces.append(Trace("improved", palette.IMPROVED, improved, improved - measured, run.improved_rmse))
+        traces.append(
+            ModelTrace("improved", palette.IMPROVED, improved, improved - measured, run.improved_rmse)
+        )
     return traces
 
 
@@ -110,7 +112,7 @@ def stale_samples(run: HeldOutRun) -> BoolArray:
     return (run.stale > 0.5) & np.isfinite(run.measured)
 
 
-def ordinate_bounds(measured: FloatArray, traces: list[Trace]) -> tuple[float, float]:
+def ordinate_bounds(measured: FloatArray, traces: list[ModelTrace]) -> tuple[float, float]:
     """Ordinate limits that show the measurement whole, and of a run-away prediction as much as fits."""
     low, high = float(np.nanmin(measured)), float(np.nanmax(measured))
     reach = 0.6 * (high - low) or np.inf

@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.mock.body.battery import Battery
 from nxt_twin.mock.body.body import Body as BrickBody
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.world.assembly import Assembly, Vector, rotation
@@ -109,7 +109,7 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
     )
     brick = BrickBody(
         battery,
-        Motors(world_plants),
+        MotorBank(world_plants),
         sockets({int(port): mount for port, mount in robot.sensors.items()}, around, seed),
     )
     return Arena(setting, engine, body, assembly, things, brick, watchers)

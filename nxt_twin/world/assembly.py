@@ -93,7 +93,7 @@ class Joint:
 
 @final
 @dataclass(frozen=True)
-class Link:
+class RigidLink:
     """A rigid body.
 
     Attributes:
@@ -136,7 +136,7 @@ class Assembly:
     """
 
     name: str
-    links: tuple[Link, ...]
+    links: tuple[RigidLink, ...]
     gears: tuple[Gear, ...] = ()
     fixed: bool = False
 
@@ -157,7 +157,7 @@ class Assembly:
 
 def lumped(
     name: str, parts: Iterable[tuple[Shape, float]], grip: Grip = Grip(), joint: Joint | None = None
-) -> Link:
+) -> RigidLink:
     """One link of several shapes, each with its mass (kg)."""
     shapes, masses = zip(*parts, strict=True)
     mass = sum(masses)
@@ -166,7 +166,7 @@ def lumped(
     for shape, part_kg in zip(shapes, masses, strict=True):
         x, y, z = (np.array(shape.at_m) - centre) ** 2
         moments += shape.inertia(part_kg) + part_kg * np.array([y + z, x + z, x + y])
-    return Link(name, tuple(shapes), mass, vector(centre), vector(moments), grip, joint)
+    return RigidLink(name, tuple(shapes), mass, vector(centre), vector(moments), grip, joint)
 
 
 def vector(values: Iterable[float]) -> Vector:

@@ -16,7 +16,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.mock.errors import WorldError
-from nxt_twin.world.assembly import Assembly, Gear, Link, Vector
+from nxt_twin.world.assembly import Assembly, Gear, RigidLink, Vector
 from nxt_twin.world.engine import Body, Hit, Hits
 from nxt_twin.world.pose import Pose, quaternion_to_matrix
 from nxt_twin.world.urdf import urdf
@@ -155,7 +155,7 @@ class Bullet:
         )
         return body
 
-    def _prepare(self, body: Body, link: Link, *, own: bool) -> None:
+    def _prepare(self, body: Body, link: RigidLink, *, own: bool) -> None:
         p, number = self._p, self._links[body][link.name]
         p.changeDynamics(
             body,

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from nxt_twin.world.assembly import Gear, Joint, Link, vector
+from nxt_twin.world.assembly import Gear, Joint, RigidLink, vector
 
 RATIO: Final = -4.0
 """Of the rotor's speed to the hub's. Larger lends less inertia to the body, and is worse conditioned."""
@@ -25,7 +25,7 @@ _ROTOR_ACROSS_KG_M2: Final = 1e-7
 _LEAST_LEFT: Final = 0.2
 
 
-def geared(link: Link, inertia_kg_m2: float) -> tuple[Link, Link, Gear]:
+def geared(link: RigidLink, inertia_kg_m2: float) -> tuple[RigidLink, RigidLink, Gear]:
     """A hinged link with its share of a gear train's inertia, the train's rotor, and what holds the two together."""
     if link.joint is None:
         raise ValueError(f"{link.name} hangs on no joint")
@@ -35,11 +35,11 @@ def geared(link: Link, inertia_kg_m2: float) -> tuple[Link, Link, Gear]:
     moments = vector(_ROTOR_ACROSS_KG_M2 + (spin - _ROTOR_ACROSS_KG_M2) * axis)
     name = f"{link.name} rotor"
     joint = Joint("hinge", link.joint.at_m, link.joint.axis)
-    rotor = Link(name, (), _ROTOR_KG, (0.0, 0.0, 0.0), moments, joint=joint)
+    rotor = RigidLink(name, (), _ROTOR_KG, (0.0, 0.0, 0.0), moments, joint=joint)
     return heavier, rotor, Gear(link.name, name, RATIO)
 
 
-def relieved(base: Link, axes: list[tuple[Joint, float]]) -> Link:
+def relieved(base: RigidLink, axes: list[tuple[Joint, float]]) -> RigidLink:
     """The base without the inertia that its gear trains lend it when it turns with them: each the sum of the two lumps.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.mock.body.ultrasonic import UltrasonicBody
 from nxt_twin.world.arena import Arena
 from nxt_twin.world.assembly import Shape
 from nxt_twin.world.senses.asked import Asked
@@ -19,7 +19,7 @@ EVERY_MS: Final = 40
 
 @final
 @dataclass(frozen=True)
-class Moved:
+class BodyMotion:
     """A rigid body's way.
 
     Attributes:
@@ -52,7 +52,7 @@ class Motion:
         self._sonars = [
             sensor.sensor.distance_cm
             for sensor in arena.body.sensors
-            if isinstance(sensor, Asked) and isinstance(sensor.sensor, Ultrasonic)
+            if isinstance(sensor, Asked) and isinstance(sensor.sensor, UltrasonicBody)
         ]
         arena.watchers.append(self._watch)
 
@@ -66,7 +66,7 @@ class Motion:
         """For each sample the ways of the last echoes, shape (rays, 2, 3)."""
         return self._rays
 
-    def bodies(self) -> list[Moved]:
+    def bodies(self) -> list[BodyMotion]:
         """Every rigid body, the robot's first."""
         arena = self._arena
         named = [(f"robot/{link.name}", link.shapes) for link in arena.assembly.links]
@@ -76,7 +76,7 @@ class Motion:
         ]
         frames = np.array(self._frames).reshape(len(self._times), len(named), 7)
         return [
-            Moved(name, shapes, frames[:, n, :3], frames[:, n, 3:])
+            BodyMotion(name, shapes, frames[:, n, :3], frames[:, n, 3:])
             for n, (name, shapes) in enumerate(named)
             if shapes
         ]

@@ -25,7 +25,7 @@ class Ghost:
 
 @final
 @dataclass(frozen=True)
-class Outcome:
+class WorldOutcome:
     """The end of a run.
 
     Attributes:
@@ -56,13 +56,15 @@ class Outcome:
         return 0.0 if ghost is None else 1e3 * float(np.hypot(ghost.x_m - self.x_m, ghost.y_m - self.y_m))
 
 
-def outcome(arena: Arena, course: Trace, ran: Ran, *, wall_s: float, ghost: Ghost | None = None) -> Outcome:
+def outcome(
+    arena: Arena, course: Trace, ran: Ran, *, wall_s: float, ghost: Ghost | None = None
+) -> WorldOutcome:
     """Look at the world as it is now."""
     pose = arena.robot_pose()
     x_m, y_m = (float(part) for part in pose.at_m[:2])
     hubs = np.degrees(arena.body.motors.angles_rad()).tolist()
     loose = [name for name, thing in arena.setting.scene.things.items() if thing.mass_g is not None]
-    return Outcome(
+    return WorldOutcome(
         ran,
         wall_s,
         x_m,
@@ -81,7 +83,7 @@ def _place(arena: Arena, name: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def to_json(told: Outcome) -> dict[str, Any]:
+def to_json(told: WorldOutcome) -> dict[str, Any]:
     """The outcome as JSON has it."""
     ghost = None if told.ghost is None else {**asdict(told.ghost), "apart_mm": round(told.apart_mm, 3)}
     return {
@@ -102,7 +104,7 @@ def to_json(told: Outcome) -> dict[str, Any]:
     }
 
 
-def summary(told: Outcome) -> Iterator[str]:
+def summary(told: WorldOutcome) -> Iterator[str]:
     """The outcome in words."""
     pace = told.ran.elapsed_s / max(told.wall_s, 1e-9)
     yield f"The program: {told.ran.ending} after {told.ran.elapsed_s:.1f} s, {pace:.1f} times as fast as real time."

@@ -22,7 +22,7 @@ import usb.backend.libusb1
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
-from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
 from nxt_twin.world.arena import Arena
 
 _LOOK_S: Final = 5e-6
@@ -99,7 +99,7 @@ def run_program(
     clock = ProgramClock(limit_s)
     firmware = Firmware(arena.body, arena.setting.world.identity())
     host = Host(firmware, clock)
-    bus = MockUsbBackend([UsbDevice(host, profile=PROFILES[link])])
+    bus = MockUsbBackend([ServedUsbDevice(host, profile=PROFILES[link])])
     ending, said = _run(script, arguments, clock, bus)
     host.catch_up()
     return Ran(ending, said, clock.now_s())

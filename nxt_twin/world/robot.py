@@ -12,7 +12,7 @@ from typing import Annotated, Final, Literal, final
 from pydantic import Field
 
 from nxt_twin.recording.columns import Port
-from nxt_twin.world.assembly import Assembly, Grip, Joint, Link, Shape, lumped
+from nxt_twin.world.assembly import Assembly, Grip, Joint, RigidLink, Shape, lumped
 from nxt_twin.world.geared import geared, relieved
 from nxt_twin.world.parts import Name, Place, Positive, Solid, Written, metres, painted
 from nxt_twin.world.sensing import SensorModel
@@ -63,7 +63,7 @@ class Wheel(Written):
     rolling_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     reversed: bool = False
 
-    def link(self, name: str) -> Link:
+    def link(self, name: str) -> RigidLink:
         """The wheel: a sphere to the floor, a cylinder to the eye.
 
         A wide cylinder touches the floor along a line, which pulls a straight course sideways by two per cent.
@@ -82,7 +82,7 @@ class Wheel(Written):
         )
         joint = Joint("hinge", metres(self.at_mm), (0.0, -1.0 if self.reversed else 1.0, 0.0))
         grip = Grip(self.friction, 1e-3 * self.scrub_mm, 1e-3 * self.rolling_mm)
-        return Link(name, shapes, mass_kg, (0.0, 0.0, 0.0), (across, spin, across), grip, joint)
+        return RigidLink(name, shapes, mass_kg, (0.0, 0.0, 0.0), (across, spin, across), grip, joint)
 
 
 @final
@@ -100,7 +100,7 @@ class Glide(Written):
     mass_g: Positive = 10.0
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.04
 
-    def link(self, name: str) -> Link:
+    def link(self, name: str) -> RigidLink:
         """A ball that is held so that it does not turn."""
         shape = Shape("sphere", (1e-3 * self.radius_mm,), colour=painted("dark grey"))
         joint = Joint("fixed", metres(self.at_mm), (0.0, 0.0, 1.0))
@@ -127,7 +127,7 @@ class Arm(Written):
     range_deg: tuple[float, float] | None = None
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.4
 
-    def link(self, name: str) -> Link:
+    def link(self, name: str) -> RigidLink:
         """The arm."""
         axis = axis_of(self.axis)
         limits = (

@@ -7,7 +7,7 @@ from typing import Annotated, Self, final
 
 from pydantic import Field, model_validator
 
-from nxt_twin.world.assembly import Assembly, Grip, Link, lumped
+from nxt_twin.world.assembly import Assembly, Grip, RigidLink, lumped
 from nxt_twin.world.parts import Name, Place, Positive, Solid, Written
 
 Shade = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -99,7 +99,7 @@ class Thing(Solid):
         """The thing as one body, its frame in its middle."""
         shape = self.model_copy(update={"at_mm": (0.0, 0.0, 0.0), "turned_deg": (0.0, 0.0, 0.0)}).shape()
         grip = Grip(self.friction, 0.0, 1e-3 * self.rolling_mm)
-        link: Link = lumped(name, [(shape, 1e-3 * (self.mass_g or 1.0))], grip)
+        link: RigidLink = lumped(name, [(shape, 1e-3 * (self.mass_g or 1.0))], grip)
         return Assembly(name, (link,), fixed=self.mass_g is None)
 
 
@@ -152,7 +152,7 @@ class Room(Written):
 
 
 @final
-class Start(Written):
+class StartPose(Written):
     """Where the robot's frame is at first.
 
     Attributes:
@@ -184,4 +184,4 @@ class Scene(Written):
     room: Room = Room()
     slope_deg: Annotated[float, Field(ge=0.0, le=45.0)] = 0.0
     uphill_deg: float = 0.0
-    start: Start = Start()
+    start: StartPose = StartPose()

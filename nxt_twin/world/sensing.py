@@ -6,7 +6,7 @@ from typing import Annotated, Literal, final
 
 from pydantic import Field
 
-from nxt_twin.world.assembly import Grip, Joint, Link, Shape, Vector, lumped, rotation, vector
+from nxt_twin.world.assembly import Grip, Joint, RigidLink, Shape, Vector, lumped, rotation, vector
 from nxt_twin.world.parts import Place, Positive, Written, metres, painted, radians
 
 
@@ -78,7 +78,7 @@ class TouchMount(Mounted):
     preload_g: Annotated[float, Field(ge=0.0, le=1000.0)] = 10.0
     mass_g: Positive = 5.0
 
-    def plunger(self, name: str) -> Link:
+    def plunger(self, name: str) -> RigidLink:
         """The bumper as a link that slides along where the sensor looks; at rest it is all the way out."""
         size = metres(self.bumper_mm)
         shape = Shape("box", size, (0.5 * size[0], 0.0, 0.0), (0.0, 0.0, 0.0), painted("orange"))

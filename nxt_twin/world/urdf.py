@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import quoteattr
 
-from nxt_twin.world.assembly import Assembly, Link, Shape, Vector
+from nxt_twin.world.assembly import Assembly, RigidLink, Shape, Vector
 
 
 def urdf(assembly: Assembly) -> str:
@@ -18,7 +18,7 @@ def urdf(assembly: Assembly) -> str:
     return "\n".join((f"<robot name={quoteattr(assembly.name)}>", *lines, "</robot>"))
 
 
-def _link(link: Link) -> Iterator[str]:
+def _link(link: RigidLink) -> Iterator[str]:
     most = max(link.inertia_kg_m2)
     yield f"<link name={quoteattr(link.name)}>"
     yield (
@@ -47,7 +47,7 @@ def _geometry(shape: Shape) -> str:
     return f"<geometry>{inside}</geometry>"
 
 
-def _joint(link: Link, base: Link) -> Iterator[str]:
+def _joint(link: RigidLink, base: RigidLink) -> Iterator[str]:
     joint = link.joint
     if joint is None:
         return

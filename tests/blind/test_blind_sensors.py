@@ -14,28 +14,28 @@ def heard(sensor, distance, angle=0.0, count=400):
 
 
 def test_an_echo_is_the_distance_in_whole_centimetres():
-    told = heard(echo.Echo(), 1003.0)
+    told = heard(echo.EchoMechanism(), 1003.0)
     assert np.all(told == np.round(told))
     assert told.mean() == pytest.approx(100.3, abs=0.3)
-    assert heard(echo.Echo(truncates=True), 1003.0).mean() == pytest.approx(99.8, abs=0.3)
+    assert heard(echo.EchoMechanism(truncates=True), 1003.0).mean() == pytest.approx(99.8, abs=0.3)
 
 
 def test_sound_is_faster_in_warm_air():
     assert echo.speed_of_sound_m_per_s(20.0) == pytest.approx(343.2, abs=0.3)
-    warm = heard(echo.Echo(temperature_c=40.0), 1500.0).mean()
+    warm = heard(echo.EchoMechanism(temperature_c=40.0), 1500.0).mean()
     assert warm == pytest.approx(150.0 * np.sqrt(293.15 / 313.15), abs=0.4)
 
 
 def test_a_ringing_emitter_hears_nothing_or_the_second_bounce():
-    assert np.all(heard(echo.Echo(blanked_mm=40.0), 30.0) == 255)
-    told = heard(echo.Echo(blanked_mm=40.0, second_bounce=0.5), 30.0)
+    assert np.all(heard(echo.EchoMechanism(blanked_mm=40.0), 30.0) == 255)
+    told = heard(echo.EchoMechanism(blanked_mm=40.0, second_bounce=0.5), 30.0)
     assert set(np.unique(told[told < 255])) <= {5.0, 6.0, 7.0}
     assert np.mean(told == 255) == pytest.approx(0.5, abs=0.1)
-    assert np.all(heard(echo.Echo(blanked_mm=40.0), 60.0) < 255)
+    assert np.all(heard(echo.EchoMechanism(blanked_mm=40.0), 60.0) < 255)
 
 
 def test_half_of_the_echoes_are_lost_at_the_beams_edge():
-    sensor = echo.Echo(margin_db=16.0, best_mm=438.0)
+    sensor = echo.EchoMechanism(margin_db=16.0, best_mm=438.0)
     edge = 10.0 * np.sqrt(sensor.margin_db / sensor.turning_db)
     assert edge == pytest.approx(40.0)
     assert np.mean(heard(sensor, 438.0, edge) == 255) == pytest.approx(0.5, abs=0.1)
@@ -45,7 +45,7 @@ def test_half_of_the_echoes_are_lost_at_the_beams_edge():
 
 
 def test_jitter_grows_with_distance():
-    sensor = echo.Echo(jitter_us_per_m=100.0)
+    sensor = echo.EchoMechanism(jitter_us_per_m=100.0)
     assert heard(sensor, 1500.0).std() > 3 * heard(sensor, 200.0).std()
 
 
@@ -67,7 +67,7 @@ def test_the_amplifier_leaves_its_straight_part_at_the_ceiling():
 
 
 def test_a_button_snaps_over_and_back_at_two_forces():
-    made = button.Button(back_mm=1.9, rub_g=0.0)
+    made = button.ButtonMechanism(back_mm=1.9, rub_g=0.0)
     force = np.concatenate([np.arange(0.0, 90.0, 0.1), np.arange(90.0, 0.0, -0.1)])
     told = button.readings(made, np.arange(force.size) * 0.02, force, np.random.default_rng(0))
     closed = np.flatnonzero(told)

@@ -9,7 +9,7 @@ import pytest
 
 from nxt_twin.brick.doctor.checks import examine
 from nxt_twin.brick.doctor.facts import MachineFacts, PackageFacts, RuleFile, SerialPortFacts, UsbFacts
-from nxt_twin.brick.doctor.finding import Finding, Verdict
+from nxt_twin.brick.doctor.finding import Finding, Severity
 from nxt_twin.brick.doctor.gather import brick_rules, gather_facts, users_of
 from nxt_twin.brick.doctor.packages import version_fits
 from nxt_twin.brick.doctor.udev import RULE_PATH, install_commands, rule_grants, rule_text
@@ -37,7 +37,7 @@ def only(check: str, **facts: object) -> Finding:
 
 
 def test_a_healthy_machine_has_nothing_but_ok():
-    assert {finding.verdict for finding in examine(HEALTHY)} == {Verdict.OK}
+    assert {finding.verdict for finding in examine(HEALTHY)} == {Severity.OK}
 
 
 def test_whatever_is_not_ok_says_why_and_how_to_mend_it():
@@ -50,21 +50,21 @@ def test_whatever_is_not_ok_says_why_and_how_to_mend_it():
         serial_ports=(SerialPortFacts("/dev/rfcomm0", group="dialout", accessible=False),),
         packages=(PackageFacts("pyusb", ">=1.3", "", fits=False),),
     )
-    bad = [finding for finding in examine(ill) if finding.verdict is not Verdict.OK]
+    bad = [finding for finding in examine(ill) if finding.verdict is not Severity.OK]
     assert len(bad) == 9
     assert all(finding.why and finding.mend for finding in bad)
 
 
 def test_without_a_rule_a_user_fails_and_root_is_warned():
-    assert only("udev", udev_rules=()).verdict is Verdict.FAIL
-    assert only("udev", udev_rules=(), is_root=True).verdict is Verdict.WARN
+    assert only("udev", udev_rules=()).verdict is Severity.FAIL
+    assert only("udev", udev_rules=(), is_root=True).verdict is Severity.WARN
     assert RULE_PATH in only("udev", udev_rules=()).mend
 
 
 def test_a_rule_that_comes_too_late_is_named():
     late = RuleFile("/etc/udev/rules.d/99-nxt.rules", rule_text())
     finding = only("udev", udev_rules=(late,))
-    assert finding.verdict is Verdict.FAIL
+    assert finding.verdict is Severity.FAIL
     assert "99-nxt.rules comes too late" in finding.what
 
 
@@ -90,15 +90,15 @@ def test_a_group_that_is_not_in_force_yet_needs_a_new_login():
 def test_a_package_that_does_not_fit_gives_the_command():
     package = PackageFacts("pyusb", ">=1.3", "1.2.1", fits=False)
     finding = only("package pyusb", packages=(package,))
-    assert (finding.verdict, finding.mend) == (Verdict.FAIL, "pip install 'pyusb>=1.3'")
+    assert (finding.verdict, finding.mend) == (Severity.FAIL, "pip install 'pyusb>=1.3'")
 
 
 def test_no_brick_on_usb_is_a_warning():
-    assert only("usb", usb=()).verdict is Verdict.WARN
+    assert only("usb", usb=()).verdict is Severity.WARN
 
 
 def test_usb_that_cannot_be_searched_fails():
-    assert only("usb", usb=(), usb_error="broken").verdict is Verdict.FAIL
+    assert only("usb", usb=(), usb_error="broken").verdict is Severity.FAIL
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ from nxt_twin.mock.run import serve
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
-from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
 from nxt_twin.mock.thread import served_in_thread
 
 
@@ -48,7 +48,7 @@ def _mock_in_virtual_time() -> Iterator[OpenBrick]:
 def _mock_on_usb() -> Iterator[OpenBrick]:
     """Our own USB link and all of pyusb, down to the bus; in virtual time, as the bus is in this process."""
     clock = VirtualClock()
-    bus = MockUsbBackend([UsbDevice(_mock_host(clock))])
+    bus = MockUsbBackend([ServedUsbDevice(_mock_host(clock))])
     yield lambda: Brick(open_usb("", clock, backend=bus), clock)
 
 

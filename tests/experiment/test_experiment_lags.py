@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from nxt_twin.cli.app import program
 from nxt_twin.experiment.identify import carry_out
-from nxt_twin.experiment.run_sweep import Surroundings
+from nxt_twin.experiment.run_sweep import Apparatus
 from nxt_twin.recording.files import read_recording
 
 RUNS = ["step-100", "step-60", "step-back-80", "step-32", "step-back-40", "step-80"]
@@ -88,7 +88,7 @@ def test_a_run_that_is_done_again_tells_its_lags_when_it_is_done(tmp_path: Path)
         return {path.stem for path in (folder.path / "recordings").glob(f"*{suffix}")}
 
     with pytest.raises(KeyboardInterrupt):
-        carry_out(experiment, folder, Surroundings(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
+        carry_out(experiment, folder, Apparatus(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
     assert beside(".yaml") == beside(".csv") == {"bare-step100"}
     carry_out(experiment, folder, around)
     assert beside(".yaml") == beside(".csv") == {"bare-step100", "bare-step60", "bare-step-80"}

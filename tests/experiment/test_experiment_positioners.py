@@ -7,7 +7,7 @@ from nxt_twin.experiment.positioner.rail import Rail, RailSetUp
 from nxt_twin.experiment.standin.hand import Hand
 from nxt_twin.experiment.standin.rig import Carriage
 from nxt_twin.experiment.standin.workbench import Workbench, workbench
-from nxt_twin.mock.body.course import Course
+from nxt_twin.mock.body.course import TargetCourse
 from nxt_twin.mock.body.world import World
 
 MM_PER_DEG = 0.3
@@ -77,7 +77,7 @@ def test_a_rail_that_is_stuck_lets_go_and_says_so() -> None:
 
 def test_a_rail_that_finds_no_end_gives_up() -> None:
     bench = workbench()
-    bench.body.sensors[0].pressed = Course([(0.0, 0.0)])
+    bench.body.sensors[0].pressed = TargetCourse([(0.0, 0.0)])
     with pytest.raises(PositionerError, match="no end"):
         rail_on(bench, homing="touch")
     assert bench.brick.motors.read(1).value.mode == 0

@@ -10,7 +10,7 @@ from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identify import carry_out
 from nxt_twin.experiment.plan import Experiment, MotorIdentification
 from nxt_twin.experiment.positioner.positioner import Limits
-from nxt_twin.experiment.run_sweep import Progress, Surroundings
+from nxt_twin.experiment.run_sweep import Apparatus, Progress
 from nxt_twin.experiment.standin.rig import RigMover
 from nxt_twin.recording.files import read_recording
 
@@ -49,11 +49,11 @@ TOUCH = ("time_s", "s1_touch", "rig_force_g")
 DISTANCE = ("time_s", "s4_ultrasonic_cm", "rig_distance_mm")
 
 
-def faltering(around: Surroundings, at_move: int, error: BaseException) -> tuple[Surroundings, Faltering]:
+def faltering(around: Apparatus, at_move: int, error: BaseException) -> tuple[Apparatus, Faltering]:
     last = list(around.positioners)[-1]
     positioner = Faltering(around.positioners[last], at_move, error)  # type: ignore[arg-type]
     movers = {**around.positioners, last: positioner}
-    return Surroundings(around.brick, around.clock, movers, around.ask, around.tell), positioner  # type: ignore[arg-type]
+    return Apparatus(around.brick, around.clock, movers, around.ask, around.tell), positioner  # type: ignore[arg-type]
 
 
 def run(experiment: Experiment, path: Path, seed: int = 1) -> RunFolder:
@@ -173,7 +173,7 @@ def test_nothing_moves_if_one_place_is_out_of_the_limits(tmp_path: Path) -> None
         carry_out(
             experiment,
             new_folder(tmp_path, experiment),
-            Surroundings(around.brick, around.clock, {"distance_mm": short}, around.ask),
+            Apparatus(around.brick, around.clock, {"distance_mm": short}, around.ask),
         )
     assert bench.rig.value("distance_mm") == 0.0
 
@@ -185,7 +185,7 @@ def test_an_axis_that_nothing_moves_is_named(tmp_path: Path) -> None:
         carry_out(
             experiment,
             new_folder(tmp_path, experiment),
-            Surroundings(around.brick, around.clock, {}, around.ask),
+            Apparatus(around.brick, around.clock, {}, around.ask),
         )
 
 
@@ -211,7 +211,7 @@ def test_each_room_light_is_asked_for(tmp_path: Path) -> None:
     carry_out(
         experiment,
         new_folder(tmp_path, experiment),
-        Surroundings(around.brick, around.clock, around.positioners, ask),
+        Apparatus(around.brick, around.clock, around.positioners, ask),
     )
     assert ["'dark'" in asked[0], "'lamp'" in asked[1], len(asked)] == [True, True, 2]
 
@@ -242,7 +242,7 @@ def test_a_motor_run_that_is_interrupted_leaves_the_motor_coasting_and_is_done_a
     bench = bench_for(experiment)
     around = surroundings(bench, experiment)
     with pytest.raises(KeyboardInterrupt):
-        carry_out(experiment, folder, Surroundings(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
+        carry_out(experiment, folder, Apparatus(around.brick, Impatient(bench.clock, 2.8), {}, around.ask))
     assert bench.brick.motors.read(0).value.mode == 0
     assert folder.finished("bare-step100")
     assert (folder.path / "recordings" / "bare-step60.csv.part").exists()

@@ -8,7 +8,7 @@ from mock_rig import USB, Rig
 import firmware_protocol as fp
 from benchmarks.mock_tacho_limit import LIMIT, overrun
 from firmware_protocol import RegulationMode, RunState, Status
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.world import World
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.stepper import Stepper
@@ -167,7 +167,7 @@ def test_the_battery_sags_under_load_and_drains(rig):
 @pytest.mark.parametrize(("brake", "winding_v"), [(True, 0.496 * 8.0), (False, 8.0)])
 def test_a_bridge_draws_what_its_winding_takes_while_it_is_connected(brake, winding_v):
     stepper = Stepper([plant_from_config(load_plant_config("nxt_motor"), "power_pct")])
-    motors = Motors(stepper)
+    motors = MotorBank(stepper)
     motors.set(0, -50, brake=brake)
     for _ in range(1000):
         drawn_a = motors.step(8.0, 1e-3)

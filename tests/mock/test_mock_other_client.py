@@ -30,7 +30,7 @@ from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.dialect import Heard, Unframed
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
-from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
 from nxt_twin.mock.thread import served_in_thread
 
 PROGRAM = b"MindstormsNXT\0" + bytes(50)
@@ -91,7 +91,7 @@ def over_usb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[nxt.br
     clock = VirtualClock()
     world = World()
     host = Host(Firmware(world.body(), world.identity()), clock)
-    bus = MockUsbBackend([UsbDevice(host, profile=PROFILES["none"])])
+    bus = MockUsbBackend([ServedUsbDevice(host, profile=PROFILES["none"])])
     monkeypatch.setattr(usb.backend.libusb1, "get_backend", lambda *_, **__: bus)
     monkeypatch.setattr(time, "sleep", clock.sleep)
     monkeypatch.setattr(time, "time", clock.now_s)

@@ -26,7 +26,7 @@ from nxt_twin.mock.serve.link import MockLink
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 from nxt_twin.mock.serve.pty import PtyEndpoint
 from nxt_twin.mock.serve.tcp import TcpEndpoint
-from nxt_twin.mock.serve.usb import MockUsbBackend, UsbDevice
+from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
 from nxt_twin.mock.start import open_mock_link
 
 VERSIONS = fp.encode_request(fp.GetVersions())
@@ -221,11 +221,11 @@ def test_no_other_file_is_replaced_by_the_link(host, tmp_path):
 
 
 @pytest.fixture
-def usb_device(host) -> UsbDevice:
-    return UsbDevice(host)
+def usb_device(host) -> ServedUsbDevice:
+    return ServedUsbDevice(host)
 
 
-def find(device: UsbDevice) -> usb.core.Device:
+def find(device: ServedUsbDevice) -> usb.core.Device:
     return usb.core.find(backend=MockUsbBackend([device]), idVendor=nxt_usb.VENDOR_ID)
 
 

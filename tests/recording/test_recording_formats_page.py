@@ -13,7 +13,7 @@ from nxt_twin.recording.mapping import (
     Mapping,
     ModeSource,
     OutputSource,
-    Split,
+    SplitColumn,
     SupplySource,
     TableFormat,
     TimeSource,
@@ -43,7 +43,16 @@ def test_every_column_stands_in_it():
     [
         (
             "Mapping files",
-            [Mapping, TableFormat, TimeSource, InputSource, OutputSource, SupplySource, ModeSource, Split],
+            [
+                Mapping,
+                TableFormat,
+                TimeSource,
+                InputSource,
+                OutputSource,
+                SupplySource,
+                ModeSource,
+                SplitColumn,
+            ],
         ),
         ("Cases", [CaseFile]),
         ("Motor programs", [MotorProgram, Run, Segment]),

@@ -9,7 +9,7 @@ import pytest
 from view_ticks import some_events, some_ticks
 
 from nxt_twin.twin.records import Innovation, MotorBelief, Tick
-from nxt_twin.view.dashboard.job import Job, job_of
+from nxt_twin.view.dashboard.job import DashboardJob, job_of
 from nxt_twin.view.dashboard.wire import read, written
 
 
@@ -55,5 +55,7 @@ def test_a_line_of_another_kind_is_refused():
 
 
 def test_a_job_comes_back_from_its_command():
-    job = Job("web", "a title", ("a", "c"), ("s1_light_raw",), data_port=1, page_port=2, parts_port=3, tab=1)
+    job = DashboardJob(
+        "web", "a title", ("a", "c"), ("s1_light_raw",), data_port=1, page_port=2, parts_port=3, tab=1
+    )
     assert job_of(job.command()[-1]) == job

@@ -9,7 +9,7 @@ from view_ticks import CHANNELS, PORTS, some_events, some_ticks
 
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, Innovation, Tick
-from nxt_twin.view.live_report import Finding, Keeper, render_live_report, write_live_report
+from nxt_twin.view.live_report import Keeper, LinkedDiagnosis, render_live_report, write_live_report
 
 
 def _kept(count: int = 300, most: int = 8000, ports: tuple[Port, ...] = PORTS) -> Keeper:
@@ -39,7 +39,7 @@ def test_sentence_events_and_every_motor_are_there(page: str):
 
 
 def test_the_first_screen_says_what_was_wrong_and_where_the_diagnosis_is():
-    found = Finding("b", "The model leaves out constant load.", "live-b-1.html")
+    found = LinkedDiagnosis("b", "The model leaves out constant load.", "live-b-1.html")
     told = render_live_report(_kept(50), title="mock:", findings=[found])
     head = told.split("What happened")[0]
     assert "The model leaves out constant load." in head

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.world.arena import open_arena
-from nxt_twin.world.assembly import Assembly, Link
+from nxt_twin.world.assembly import Assembly, RigidLink
 from nxt_twin.world.load import load_setting
 from nxt_twin.world.plants import WorldPlants
 
@@ -20,7 +20,7 @@ def numbers(values) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def geometry(link: Link) -> str:
+def geometry(link: RigidLink) -> str:
     found = []
     for shape in link.shapes:
         if shape.solid and shape.kind == "sphere":
@@ -32,14 +32,14 @@ def geometry(link: Link) -> str:
     return "".join(found)
 
 
-def inertial(link: Link) -> str:
+def inertial(link: RigidLink) -> str:
     # A wheel with its share of a gear train has moments that no body has: the rest is the joint's armature.
     x, y, z = link.inertia_kg_m2
     moments = numbers((x, min(y, x + z), z))
     return f'<inertial pos="{numbers(link.centre_m)}" mass="{link.mass_kg!r}" diaginertia="{moments}"/>'
 
 
-def body(link: Link) -> str:
+def body(link: RigidLink) -> str:
     joint = link.joint
     assert joint is not None
     x, y, z = link.inertia_kg_m2
@@ -91,7 +91,7 @@ class MuJoCo:
         mujoco.mj_step(self.model, self.data)
 
 
-def course(motors: Motors, left: int, right: int) -> list[float]:
+def course(motors: MotorBank, left: int, right: int) -> list[float]:
     for port, power in ((1, left), (2, right)):
         motors.set(port, power, brake=True)
     for _ in range(1000):
@@ -104,7 +104,7 @@ def test_another_engine_drives_the_castor_bot_alike():
     arena = open_arena(setting)
     oracle = MuJoCo(arena.assembly, ["left", "right"])
     plants = [setting.world.plant(port, setting.folder) for port in PORTS]
-    other = Motors(WorldPlants(plants, oracle, [1, 2], lambda: None))
+    other = MotorBank(WorldPlants(plants, oracle, [1, 2], lambda: None))
     for left, right in ((40, 40), (30, 45)):
         ours, theirs = course(arena.body.motors, left, right), course(other, left, right)
         assert ours == pytest.approx(theirs, rel=0.01)

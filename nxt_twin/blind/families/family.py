@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.sets import CasePlan
 
 
@@ -25,7 +25,7 @@ class Order:
 
     family: str
     plan: CasePlan
-    link: Link
+    link: LinkName
     duration_s: float | None
 
 

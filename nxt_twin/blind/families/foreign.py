@@ -18,7 +18,7 @@ from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.motors import draw_baseline, draw_motor, true_parameters
 from nxt_twin.blind.families.numbers import Chain, Numbers
 from nxt_twin.blind.families.programs import PROGRAMS, Program, draw_programs
-from nxt_twin.blind.families.setting import Hideable, Setting
+from nxt_twin.blind.families.setting import DrawnCase, Hideable
 from nxt_twin.blind.kinds import SIZES, Size
 from nxt_twin.errors import CaseError
 
@@ -90,7 +90,7 @@ class _Hiding:
     def motor_in(self, recording: int) -> Numbers:
         return replace(self.motor, **self.by_recording[recording])
 
-    def plus(self, effect: Hideable, at: Setting) -> _Hiding:
+    def plus(self, effect: Hideable, at: DrawnCase) -> _Hiding:
         drawn = effect.draw(at)
         extra = drawn.by_recording or ({},) * len(self.by_recording)
         listed = {
@@ -216,7 +216,7 @@ def _hide(
     hiding = _Hiding(motor, Chain(), motor, ({},) * len(scripts))
     for effect in effects:
         reach = _reach_deg(family, hiding, scripts, habits) if effect.id == "end_stop" else ()
-        at = Setting(
+        at = DrawnCase(
             rng=rng,
             size=size or SIZES[int(rng.integers(len(SIZES)))],
             motor=hiding.motor,

@@ -15,7 +15,7 @@ from nxt_twin.blind.case import SEAL_FILE
 from nxt_twin.blind.families.family import Family, Order
 from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.make import write_case
-from nxt_twin.blind.polling import Link
+from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.sets import plan_set
 from nxt_twin.errors import CaseError, NxtTwinError
 
@@ -55,7 +55,7 @@ def plan_orders(
     seed: int,
     amounts: Amounts,
     *,
-    links: Sequence[Link] = ("usb", "bluetooth"),
+    links: Sequence[LinkName] = ("usb", "bluetooth"),
     duration_s: float | None = None,
 ) -> tuple[Order, ...]:
     """Plan so many cases for each family; of the effects that are asked for, each takes those that it can hide.

@@ -20,7 +20,7 @@ INERTIA_KG_M2: Final = 1.2e-3
 
 @final
 @dataclass(frozen=True)
-class Setting:
+class DrawnCase:
     """One case as far as it is drawn.
 
     Attributes:
@@ -74,7 +74,7 @@ class Setting:
 
 @final
 @dataclass(frozen=True)
-class Hidden:
+class HiddenEffect:
     """One effect with its numbers drawn.
 
     Attributes:
@@ -110,7 +110,7 @@ class Hideable:
 
     id: str
     equation: Equation
-    draw: Callable[[Setting], Hidden]
+    draw: Callable[[DrawnCase], HiddenEffect]
     known: bool = True
     leaves_out: str | None = None
     clashes: tuple[str, ...] = ()

@@ -19,7 +19,7 @@ from nxt_twin.recording.case import Case, read_case
 
 @final
 @dataclass(frozen=True)
-class Peer:
+class RivalMethod:
     """One method.
 
     Attributes:
@@ -38,12 +38,11 @@ def _naming(recipe: Callable[[Regression], tuple[str, ...]]) -> Callable[[Case],
 
 
 _FORCES: Final = f"names {len(EXPRESSED)} effects; none of timing, encoder, second bodies, memory"
-PEERS: Final[tuple[Peer, ...]] = (
-    Peer("sindy", f"PySINDy on the discrepancy, threshold by held-out half seconds; {_FORCES}", _naming(sindy)),
-    Peer("lisdd", f"regimes, a sample-split F test, false discoveries controlled; {_FORCES}", _naming(lisdd)),
-    Peer("freed", f"everything freed at once, 95 % intervals; {_FORCES}; never says that something else is missing",
-         _naming(freed)),
-    Peer("ctsm", "likelihood ratio of process noise; names nothing, says that the torque balance is wrong",
+PEERS: Final[tuple[RivalMethod, ...]] = (
+    RivalMethod("sindy", f"PySINDy on the discrepancy, threshold by held-out half seconds; {_FORCES}", _naming(sindy)),
+    RivalMethod("lisdd", f"regimes, a sample-split F test, false discoveries controlled; {_FORCES}", _naming(lisdd)),
+    RivalMethod("freed", f"everything freed at once, 95 % intervals; {_FORCES}; never answers unexplained", _naming(freed)),
+    RivalMethod("ctsm", "likelihood ratio of process noise; names nothing, says that the torque balance is wrong",
          lambda case: None if lacks_something(case) else ()),
 )  # fmt: skip
 

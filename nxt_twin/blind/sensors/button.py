@@ -13,7 +13,7 @@ from nxt_twin.arrays import FloatArray
 
 @final
 @dataclass(frozen=True)
-class Button:
+class ButtonMechanism:
     """A touch sensor as a mechanism.
 
     Attributes:
@@ -32,17 +32,17 @@ class Button:
     creep_g_per_min: float = 0.0
 
 
-def press_force_g(button: Button) -> float:
+def press_force_g(button: ButtonMechanism) -> float:
     """The force at which the contact snaps over, g."""
     return button.preload_g + button.stiffness_g_per_mm * button.over_mm
 
 
-def release_force_g(button: Button) -> float:
+def release_force_g(button: ButtonMechanism) -> float:
     """The force at which it snaps back, g."""
     return button.preload_g + button.stiffness_g_per_mm * button.back_mm
 
 
-def readings(button: Button, time_s: FloatArray, force_g: FloatArray, rng: Generator) -> FloatArray:
+def readings(button: ButtonMechanism, time_s: FloatArray, force_g: FloatArray, rng: Generator) -> FloatArray:
     """0 or 1 at each poll, shape (polls,), from an open contact."""
     rising = np.diff(force_g, prepend=force_g[0]) >= 0.0
     turns = np.concatenate(([0], np.cumsum(rising[1:] != rising[:-1])))

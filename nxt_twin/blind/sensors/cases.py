@@ -14,8 +14,8 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.sensors import button as buttons
 from nxt_twin.blind.sensors import echo as echoes
 from nxt_twin.blind.sensors import photodiode as photodiodes
-from nxt_twin.blind.sensors.button import Button
-from nxt_twin.blind.sensors.echo import Echo
+from nxt_twin.blind.sensors.button import ButtonMechanism
+from nxt_twin.blind.sensors.echo import EchoMechanism
 from nxt_twin.blind.sensors.photodiode import Photodiode
 from nxt_twin.recording.recording import Recording
 
@@ -182,7 +182,7 @@ def _stamps(count: int, period_s: float, rng: Generator) -> FloatArray:
 def _ultrasonic_recordings(changes: Mapping[str, Any], rng: Generator) -> tuple[Recording, ...]:
     """A sweep square on, and the sensor turned at the paper's distances."""
     sensor = replace(
-        Echo(jitter_us=float(rng.uniform(8.0, 20.0)), truncates=bool(rng.integers(2))), **changes
+        EchoMechanism(jitter_us=float(rng.uniform(8.0, 20.0)), truncates=bool(rng.integers(2))), **changes
     )
     swept = np.repeat(np.arange(10.0, 1550.0, float(rng.choice([4.0, 7.0]))), 3)
     angles = np.arange(0.0, 71.0, 5.0)
@@ -223,7 +223,8 @@ def _touch_recordings(
 ) -> tuple[tuple[Recording, ...], Mapping[str, float]]:
     """Slow presses and releases, and what the button's forces are."""
     sensor = replace(
-        Button(preload_g=float(rng.uniform(0.0, 15.0)), rub_g=float(rng.uniform(0.1, 0.4))), **changes
+        ButtonMechanism(preload_g=float(rng.uniform(0.0, 15.0)), rub_g=float(rng.uniform(0.1, 0.4))),
+        **changes,
     )
     recordings = []
     for number in (1, 2, 3):

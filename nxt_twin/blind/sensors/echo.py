@@ -21,7 +21,7 @@ _CENTIMETRE_MM = 10.0
 
 @final
 @dataclass(frozen=True)
-class Echo:
+class EchoMechanism:
     """An ultrasonic sensor as a mechanism.
 
     Attributes:
@@ -65,7 +65,7 @@ def speed_of_sound_m_per_s(temperature_c: float) -> float:
 
 
 def readings_cm(
-    echo: Echo, time_s: FloatArray, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator
+    echo: EchoMechanism, time_s: FloatArray, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator
 ) -> FloatArray:
     """What the sensor says of each target, whole cm, 255 without echo; arrays of shape (polls,)."""
     count = distance_mm.size
@@ -83,7 +83,7 @@ def readings_cm(
     return np.where(lost, NO_ECHO_CM, np.clip(whole, 0.0, NO_ECHO_CM))
 
 
-def _heard(echo: Echo, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator) -> BoolArray:
+def _heard(echo: EchoMechanism, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator) -> BoolArray:
     """Whether the echo is above the threshold, in decibels, with one decibel of fading."""
     if echo.margin_db is None:
         return np.ones(distance_mm.size, dtype=np.bool_)

@@ -25,7 +25,7 @@ _WRITE_OVERHEAD: Final = 10
 """Bytes of an IOMAP_WRITE request around the data: type, opcode, module, offset, length."""
 
 
-class Module(NamedTuple):
+class ListedModule(NamedTuple):
     """A module of the firmware.
 
     Attributes:
@@ -48,11 +48,11 @@ class Modules:
         self._read_block = exchange.policy.telegram_size - _READ_OVERHEAD
         self._write_block = exchange.policy.telegram_size - _WRITE_OVERHEAD
 
-    def find_first(self, pattern: str = "*.*") -> Stamped[Module]:
+    def find_first(self, pattern: str = "*.*") -> Stamped[ListedModule]:
         """Start the search for modules; there is only one at a time, until `close` ends it."""
         return _module(self._exchange.ask(FindFirstModule(pattern)))
 
-    def find_next(self) -> Stamped[Module]:
+    def find_next(self) -> Stamped[ListedModule]:
         """Go on with the search; status MODULE_NOT_FOUND at its end, which does not close it."""
         return _module(self._exchange.ask(FindNextModule(0)))
 
@@ -60,10 +60,10 @@ class Modules:
         """End the search."""
         return self._exchange.ask(CloseModule(0)).having(None)
 
-    def list(self) -> Stamped[tuple[Module, ...]]:
+    def list(self) -> Stamped[tuple[ListedModule, ...]]:
         """All modules, in the brick's order."""
         first = found = self.find_first()
-        modules: list[Module] = []
+        modules: list[ListedModule] = []
         try:
             while True:
                 modules.append(found.value)
@@ -126,6 +126,6 @@ class Modules:
         return self.write(request.module_id, request.offset, request.data)
 
 
-def _module(reply: Stamped[ModuleFound]) -> Stamped[Module]:
+def _module(reply: Stamped[ModuleFound]) -> Stamped[ListedModule]:
     found = reply.value
-    return reply.having(Module(found.name, found.module_id, found.io_map_size))
+    return reply.having(ListedModule(found.name, found.module_id, found.io_map_size))

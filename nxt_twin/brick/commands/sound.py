@@ -10,7 +10,7 @@ from nxt_twin.brick.stamped import Stamped
 
 
 @final
-class Sound:
+class SoundPlayer:
     """Plays tones and files; every method raises what `Exchange.put` does."""
 
     def __init__(self, exchange: Exchange) -> None:

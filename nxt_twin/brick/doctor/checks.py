@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Final
 
 from nxt_twin.brick.doctor.facts import MachineFacts, PackageFacts, SerialPortFacts, UsbFacts
-from nxt_twin.brick.doctor.finding import Finding, Verdict
+from nxt_twin.brick.doctor.finding import Finding, Severity
 from nxt_twin.brick.doctor.udev import RULE_PATH, comes_too_late, install_commands, rule_grants
 
 _PYTHON_MIN: Final = (3, 11)
@@ -21,11 +21,11 @@ def check_python(facts: MachineFacts) -> Iterable[Finding]:
     """Is this Python new enough?"""
     version = ".".join(map(str, facts.python))
     if facts.python >= _PYTHON_MIN:
-        yield Finding("python", Verdict.OK, f"Python {version}")
+        yield Finding("python", Severity.OK, f"Python {version}")
     else:
         yield Finding(
             "python",
-            Verdict.FAIL,
+            Severity.FAIL,
             f"Python {version}",
             "nxt-twin needs Python 3.11 or later",
             "python3.11 -m venv .venv && .venv/bin/pip install nxt-twin",
@@ -41,11 +41,11 @@ def check_packages(facts: MachineFacts) -> Iterable[Finding]:
 def check_libusb(facts: MachineFacts) -> Iterable[Finding]:
     """Can libusb be loaded?"""
     if not facts.libusb:
-        yield Finding("libusb", Verdict.OK, "libusb can be loaded")
+        yield Finding("libusb", Severity.OK, "libusb can be loaded")
     else:
         yield Finding(
             "libusb",
-            Verdict.FAIL,
+            Severity.FAIL,
             f"libusb cannot be loaded: {facts.libusb}",
             "no brick can be reached over USB",
             "pip install --force-reinstall libusb-package",
@@ -58,13 +58,13 @@ def check_udev(facts: MachineFacts) -> Iterable[Finding]:
         return
     granting = [rule.path for rule in facts.udev_rules if rule_grants(rule.path, rule.text)]
     if granting:
-        yield Finding("udev", Verdict.OK, f"{granting[0]} grants access to bricks on USB")
+        yield Finding("udev", Severity.OK, f"{granting[0]} grants access to bricks on USB")
         return
     late = [rule.path for rule in facts.udev_rules if comes_too_late(rule.path)]
     what = f"{late[0]} comes too late to grant access" if late else "no udev rule grants access to bricks"
     yield Finding(
         "udev",
-        Verdict.WARN if facts.is_root else Verdict.FAIL,
+        Severity.WARN if facts.is_root else Severity.FAIL,
         what,
         "only root can open a brick over USB",
         " && ".join((f"nxt-twin udev | sudo tee {RULE_PATH}", *install_commands()[1:])),
@@ -75,11 +75,11 @@ def check_usb(facts: MachineFacts) -> Iterable[Finding]:
     """Are there bricks on USB, and can they be used?"""
     if facts.usb_error:
         yield Finding(
-            "usb", Verdict.FAIL, facts.usb_error, "USB cannot be searched", "reboot, or use Bluetooth"
+            "usb", Severity.FAIL, facts.usb_error, "USB cannot be searched", "reboot, or use Bluetooth"
         )
     elif not facts.usb:
         yield Finding(
-            "usb", Verdict.WARN, "no brick on USB", "there is none to talk to", "plug it in and switch it on"
+            "usb", Severity.WARN, "no brick on USB", "there is none to talk to", "plug it in and switch it on"
         )
     for brick in facts.usb:
         yield _usb_finding(brick)
@@ -90,27 +90,27 @@ def check_bluetooth(facts: MachineFacts) -> Iterable[Finding]:
     if facts.bluetooth_sockets:
         yield Finding(
             "bluetooth",
-            Verdict.WARN,
+            Severity.WARN,
             facts.bluetooth_sockets,
             "bt: cannot be used",
             "bind a serial port instead: sudo rfcomm bind 0 ADDRESS 1, then serial:/dev/rfcomm0",
         )
     else:
-        yield Finding("bluetooth", Verdict.OK, "Python and the system have Bluetooth sockets")
+        yield Finding("bluetooth", Severity.OK, "Python and the system have Bluetooth sockets")
     if facts.system == "Linux" and not facts.bluetooth_adapters:
         yield Finding(
             "bluetooth adapter",
-            Verdict.WARN,
+            Severity.WARN,
             "there is no Bluetooth adapter",
             "no brick can be reached by radio",
             "plug one in, or use USB",
         )
     elif facts.bluetooth_adapters:
-        yield Finding("bluetooth adapter", Verdict.OK, ", ".join(facts.bluetooth_adapters))
+        yield Finding("bluetooth adapter", Severity.OK, ", ".join(facts.bluetooth_adapters))
     if facts.system == "Linux" and "bluetoothctl" not in facts.bluetooth_tools:
         yield Finding(
             "bluetooth tools",
-            Verdict.WARN,
+            Severity.WARN,
             "bluetoothctl is not there",
             "bricks cannot be paired from here",
             "sudo apt install bluez",
@@ -120,7 +120,7 @@ def check_bluetooth(facts: MachineFacts) -> Iterable[Finding]:
 def check_serial_ports(facts: MachineFacts) -> Iterable[Finding]:
     """May the serial ports be opened, and does another program have them open?"""
     if not facts.serial_ports:
-        yield Finding("serial", Verdict.OK, "no serial ports, which only Bluetooth without sockets needs")
+        yield Finding("serial", Severity.OK, "no serial ports, which only Bluetooth without sockets needs")
     for port in facts.serial_ports:
         yield _serial_finding(port, facts.groups)
 
@@ -128,11 +128,11 @@ def check_serial_ports(facts: MachineFacts) -> Iterable[Finding]:
 def _package_finding(package: PackageFacts) -> Finding:
     check = f"package {package.name}"
     if package.fits:
-        return Finding(check, Verdict.OK, f"{package.name} {package.installed}")
+        return Finding(check, Severity.OK, f"{package.name} {package.installed}")
     have = f"{package.name} {package.installed}" if package.installed else f"{package.name} is missing"
     return Finding(
         check,
-        Verdict.FAIL,
+        Severity.FAIL,
         have,
         f"nxt-twin needs {package.name}{package.wanted}",
         f"pip install '{package.name}{package.wanted}'",
@@ -141,9 +141,9 @@ def _package_finding(package: PackageFacts) -> Finding:
 
 def _usb_finding(brick: UsbFacts) -> Finding:
     if not brick.obstacle:
-        return Finding("usb", Verdict.OK, f"a brick at {brick.place}")
+        return Finding("usb", Severity.OK, f"a brick at {brick.place}")
     return Finding(
-        "usb", Verdict.FAIL, f"{brick.place}: {brick.obstacle}", "this brick cannot be used", brick.mend
+        "usb", Severity.FAIL, f"{brick.place}: {brick.obstacle}", "this brick cannot be used", brick.mend
     )
 
 
@@ -151,13 +151,13 @@ def _serial_finding(port: SerialPortFacts, groups: frozenset[str]) -> Finding:
     if port.users:
         return Finding(
             "serial",
-            Verdict.WARN,
+            Severity.WARN,
             f"{port.device} is in use by {', '.join(port.users)}",
             "a brick behind it cannot be reached meanwhile",
             "close that program",
         )
     if port.accessible:
-        return Finding("serial", Verdict.OK, f"{port.device} may be opened")
+        return Finding("serial", Severity.OK, f"{port.device} may be opened")
     if port.group in groups:
         why, mend = "the group was given after this login", "log out and in again"
     else:
@@ -165,7 +165,7 @@ def _serial_finding(port: SerialPortFacts, groups: frozenset[str]) -> Finding:
             f"this user is not in the group {port.group}",
             f"sudo usermod -aG {port.group} $USER, then log in again",
         )
-    return Finding("serial", Verdict.FAIL, f"{port.device} may not be opened", why, mend)
+    return Finding("serial", Severity.FAIL, f"{port.device} may not be opened", why, mend)
 
 
 _CHECKS: Final[tuple[Callable[[MachineFacts], Iterable[Finding]], ...]] = (

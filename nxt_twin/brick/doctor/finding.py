@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import final
 
 
-class Verdict(StrEnum):
+class Severity(StrEnum):
     """How bad it is: fail closes at least one way to a brick, warn may."""
 
     OK = "ok"
@@ -29,7 +29,7 @@ class Finding:
     """
 
     check: str
-    verdict: Verdict
+    verdict: Severity
     what: str
     why: str = ""
     mend: str = ""

@@ -16,7 +16,7 @@ from nxt_twin.diagnose.diagnosis import (
 )
 from nxt_twin.physics.plant import Plant
 
-Verdict = Literal["unchanged", "changed", "unexplained"]
+ChangeVerdict = Literal["unchanged", "changed", "unexplained"]
 
 
 @final
@@ -68,7 +68,7 @@ class Changes:
 
     name: str
     before: str
-    verdict: Verdict
+    verdict: ChangeVerdict
     sentence: str
     changes: tuple[Change, ...]
     refit: dict[str, Moved]

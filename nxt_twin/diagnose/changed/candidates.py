@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.changed.joint import Joint, JointFitter, design_of
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, design_of
 from nxt_twin.diagnose.changed.model import Model, difference_spread
 from nxt_twin.diagnose.fitting.fit import SOFT
 from nxt_twin.diagnose.fitting.variables import starts_of
@@ -26,7 +26,7 @@ _LARGEST_STRETCH = 10.0
 
 @final
 @dataclass(frozen=True)
-class Candidate:
+class ChangeCandidate:
     """One way in which the side after may differ.
 
     Attributes:
@@ -45,26 +45,26 @@ class Candidate:
         return wider if self.effect is None else wider.with_effect(self.effect, dict(self.start), scale)
 
 
-def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Candidate]:
+def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[ChangeCandidate]:
     """What `model` does not yet let differ; an effect once for each of its starts."""
     index = {variable.slots[0].symbol: n for n, variable in enumerate(model.shared)}
     groups = [tuple(index[symbol] for symbol in group) for group in _GROUPS if set(group) <= index.keys()]
     found: list[tuple[int, ...]] = [(n,) for n in range(len(model.shared)) if n not in model.differs]
     found += [group for group in groups if set(group) - set(model.differs)]
-    every = [Candidate(tuple(sorted(each))) for each in found]
+    every = [ChangeCandidate(tuple(sorted(each))) for each in found]
     for effect in lacking(model.after, fitter.sides[1].jobs[0].signals):
         if effect.id in _FROM_A_MOMENT_ON or "outlier" in effect.terms:
             continue
         for start in starts_of(effect, scale):
-            every.append(Candidate((), effect.id, tuple(start.items())))
+            every.append(ChangeCandidate((), effect.id, tuple(start.items())))
             if effect.id == _HUNG and index["inertia"] not in model.differs:
-                every.append(Candidate((index["inertia"],), effect.id, tuple(start.items())))
+                every.append(ChangeCandidate((index["inertia"],), effect.id, tuple(start.items())))
     return every
 
 
 def promising(
-    fitter: JointFitter, joint: Joint, every: Sequence[Candidate], scale: Scale, most: int
-) -> list[Candidate]:
+    fitter: JointFitter, joint: JointFit, every: Sequence[ChangeCandidate], scale: Scale, most: int
+) -> list[ChangeCandidate]:
     """The candidates that promise most beside `joint`, best first; of an effect's starts the best alone."""
     view = _View(fitter, joint)
     penalty = 0.5 * float(np.log(max(fitter.worth(), 2.0)))
@@ -73,7 +73,7 @@ def promising(
         size = len(each.slots) + (len(each.put(joint.model, scale).added) if each.effect else 0)
         promised.append((view.gain(each.slots, signature) - penalty * size, each))
     promised.sort(key=lambda item: -item[0])
-    best: dict[tuple[tuple[int, ...], str | None], Candidate] = {}
+    best: dict[tuple[tuple[int, ...], str | None], ChangeCandidate] = {}
     for gain, each in promised:
         if gain > 0.0:
             best.setdefault((each.slots, each.effect), each)
@@ -84,7 +84,7 @@ def promising(
 class _View:
     """What the side after looks like from a fitted model: residuals and slopes there."""
 
-    def __init__(self, fitter: JointFitter, joint: Joint) -> None:
+    def __init__(self, fitter: JointFitter, joint: JointFit) -> None:
         self._fitter, self._joint = fitter, joint
         model, x = joint.model, joint.x
         slopes = fitter.slopes(model, x, joint.error, "fitted")
@@ -95,7 +95,7 @@ class _View:
         self._slope = slopes.slope[1][: len(model.shared)]
         self._base = _quadratic(self._hessian, self._gradient)
 
-    def signatures(self, every: Sequence[Candidate], scale: Scale) -> list[FloatArray | None]:
+    def signatures(self, every: Sequence[ChangeCandidate], scale: Scale) -> list[FloatArray | None]:
         """How each candidate's effect at its start moves the readings after, in errors."""
         fitter, joint = self._fitter, self._joint
         side = fitter.sides[1]
@@ -135,7 +135,7 @@ class _View:
         return _quadratic(hessian, whole) - self._base
 
 
-def _common(joint: Joint) -> dict[Slot, float]:
+def _common(joint: JointFit) -> dict[Slot, float]:
     """What the fit moved, as far as an effect does not replace it."""
     model = joint.model
     plant = model.plant_at(joint.x, after=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import final
 
 from nxt_twin.diagnose.changed.candidates import candidates_for, promising
-from nxt_twin.diagnose.changed.joint import Joint, JointFitter
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.physics.parameter import Scale
 
@@ -36,7 +36,7 @@ class Chosen:
         lacking: ids of effects that would help on both sides, and are no change.
     """
 
-    joint: Joint
+    joint: JointFit
     nats: dict[int | str, float]
     lacking: tuple[str, ...]
 
@@ -50,7 +50,7 @@ class Chooser:
         self._lacking: set[str] = set()
         self._penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
 
-    def chosen(self, joint: Joint, progress: Progress) -> Chosen:
+    def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
         """Add to `joint` while something earns its place, then take out what no longer does."""
         while joint.model.changes < MOST_CHANGES:
             progress(f"trying what else may have changed; {joint.model.changes} so far")
@@ -74,7 +74,7 @@ class Chooser:
             chosen = self._pruned(best)
         return chosen
 
-    def _rivals(self, joint: Joint, each: int | str) -> list[tuple[Joint, Joint]]:
+    def _rivals(self, joint: JointFit, each: int | str) -> list[tuple[JointFit, JointFit]]:
         """`joint` without one change, and with others in its place that readings which were not fitted accept."""
         model = self._without(joint.model, each)
         bare = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
@@ -90,7 +90,7 @@ class Chooser:
                 found.append(self._fitter.fit(wider, wider.moved_from(model, bare.x)))
         return [(bare, rival) for rival in found if sum(rival.check_rms) < _WORSE * sum(joint.check_rms)]
 
-    def net(self, simpler: Joint, wider: Joint) -> float:
+    def net(self, simpler: JointFit, wider: JointFit) -> float:
         """What `wider` gains beyond the penalty for its further numbers, nats.
 
         That a parameter is another one is likelier beforehand than that a law came in, and that a load is another one
@@ -101,9 +101,9 @@ class Chooser:
         motor = wider.model.motor_constants - simpler.model.motor_constants
         return simpler.cost - wider.cost - self._penalty * size - _LAW_NATS * laws - _MOTOR_NATS * motor
 
-    def _better(self, joint: Joint) -> Joint | None:
+    def _better(self, joint: JointFit) -> JointFit | None:
         every = candidates_for(self._fitter, joint.model, self._scale)
-        found: list[tuple[float, Joint]] = []
+        found: list[tuple[float, JointFit]] = []
         for each in promising(self._fitter, joint, every, self._scale, _TRIED):
             wider = each.put(joint.model, self._scale)
             tried = self._fitter.fit(wider, wider.moved_from(joint.model, joint.x))
@@ -112,7 +112,7 @@ class Chooser:
         found.sort(key=lambda item: -item[0])
         return next((tried for net, tried in found if not self._is_on_both(joint, tried, net)), None)
 
-    def _is_on_both(self, joint: Joint, tried: Joint, net: float) -> bool:
+    def _is_on_both(self, joint: JointFit, tried: JointFit, net: float) -> bool:
         """Whether the new effect of `tried`, on both sides, says as much: then the plant lacks it, and always did."""
         new = set(tried.model.effects) - set(joint.model.effects)
         if not new:
@@ -127,15 +127,15 @@ class Chooser:
         self._lacking.add(effect)
         return True
 
-    def _lasts(self, simpler: Joint, wider: Joint) -> bool:
+    def _lasts(self, simpler: JointFit, wider: JointFit) -> bool:
         """Whether readings that were not fitted accept it."""
         likelier = wider.check_cost < simpler.check_cost
         return likelier and sum(wider.check_rms) < _WORSE * sum(simpler.check_rms)
 
-    def _pruned(self, joint: Joint) -> Chosen:
+    def _pruned(self, joint: JointFit) -> Chosen:
         while True:
             nats: dict[int | str, float] = {}
-            weakest: tuple[float, Joint] | None = None
+            weakest: tuple[float, JointFit] | None = None
             moved: list[int | str] = [*joint.model.differs, *joint.model.effects]
             for each in moved:
                 model = self._without(joint.model, each)

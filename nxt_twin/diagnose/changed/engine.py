@@ -11,7 +11,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.choose import Chooser, Chosen
 from nxt_twin.diagnose.changed.held_out import Predicted, predicted_after
-from nxt_twin.diagnose.changed.joint import Joint, JointFitter
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, window_for
@@ -50,8 +50,8 @@ class Compared:
 
     before: Problem
     after: Problem
-    shared: Joint
-    free: Joint
+    shared: JointFit
+    free: JointFit
     chosen: Chosen
     predicted: Predicted
     covariance: FloatArray
@@ -148,7 +148,7 @@ def _compared(
     )
 
 
-def _of_after(simulator: Simulator, side: Side, free: Joint, tolerance: float) -> float | None:
+def _of_after(simulator: Simulator, side: Side, free: JointFit, tolerance: float) -> float | None:
     """The alarms among the repeats of the side after, at what it is by itself."""
     count = len(free.model.shared)
     own = replace(free, model=_bare(free.model), x=np.asarray(free.x[:count] + free.x[count:]))

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.changed.joint import Joint, JointFitter, window_rms
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, window_rms
 from nxt_twin.diagnose.changed.sides import Side
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.diagnose.units import Units
@@ -35,7 +35,7 @@ class Predicted:
         return window_rms(self.side, self.as_before)
 
 
-def predicted_after(fitter: JointFitter, joint: Joint) -> Predicted:
+def predicted_after(fitter: JointFitter, joint: JointFit) -> Predicted:
     """Both predictions of the side after, from a joint that was fitted to the other readings."""
     model = joint.model
     bare = replace(model, differs=(), effects=(), after=model.plant, added=())

@@ -29,7 +29,7 @@ _LARGEST_ERROR = 1e6
 
 @final
 @dataclass(frozen=True)
-class Joint:
+class JointFit:
     """A model at its best numbers.
 
     Attributes:
@@ -51,7 +51,7 @@ class Joint:
 
 @final
 @dataclass(frozen=True)
-class Slopes:
+class JointSlopes:
     """Residuals over the error and slopes for each number of a model, by side.
 
     Attributes:
@@ -72,7 +72,7 @@ class JointFitter:
         self.sides = tuple(sides)
         self.tolerance = tolerance
 
-    def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> Joint:
+    def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> JointFit:
         """Move the numbers of `model` from `x` to the likeliest ones, given the readings of one use."""
         low, high = model.bounds()
         x = np.clip(x, low, high)
@@ -88,7 +88,7 @@ class JointFitter:
             window_rms(side, self.run(model, x[None], n, "check")[0]) for n, side in enumerate(self.sides)
         )
         cost = self._costs(model, x[None], error, which)[0] + prior
-        return Joint(
+        return JointFit(
             model, x, error, float(cost), float(self._costs(model, x[None], error, "check")[0]), check_rms
         )
 
@@ -96,7 +96,7 @@ class JointFitter:
         """How many independent readings there are."""
         return sum(side.worth(which) for side in self.sides)
 
-    def covariance(self, joint: Joint, which: Which = "everything") -> FloatArray:
+    def covariance(self, joint: JointFit, which: Which = "everything") -> FloatArray:
         """Of the numbers, inside."""
         hessian, _ = self.normal_equations(
             joint.model, joint.x, self.slopes(joint.model, joint.x, joint.error, which), which
@@ -110,7 +110,7 @@ class JointFitter:
         found, _ = predictions(self.simulator, values, active, own.jobs, own.masks(which))
         return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
 
-    def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> Slopes:
+    def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> JointSlopes:
         """By one-sided differences, in errors per unit of the numbers inside."""
         count, residuals, slopes = len(model.shared), [], []
         for n, side in enumerate(self.sides):
@@ -122,10 +122,10 @@ class JointFitter:
             found = self.run(model, sets, n, which)
             slopes.append((found[:-1] - found[-1]) / steps[rows][:, None] / error)
             residuals.append((side.measured(which) - found[-1]) / error)
-        return Slopes(tuple(residuals), tuple(slopes))
+        return JointSlopes(tuple(residuals), tuple(slopes))
 
     def normal_equations(
-        self, model: Model, x: FloatArray, slopes: Slopes, which: Which
+        self, model: Model, x: FloatArray, slopes: JointSlopes, which: Which
     ) -> tuple[FloatArray, FloatArray]:
         """Gauss-Newton Hessian and gradient of the cost."""
         centre, spread = model.priors()

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
-from nxt_twin.diagnose.changed.joint import Joint, JointFitter
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import difference_spread
 from nxt_twin.diagnose.fitting.fit import SOFT
 
@@ -15,7 +15,7 @@ _PATTERNS = ((0, 1), (0, 1, 1, 0))
 _FEWEST = 2
 
 
-def alarm_nats(fitter: JointFitter, joint: Joint) -> float | None:
+def alarm_nats(fitter: JointFitter, joint: JointFit) -> float | None:
     """What the best single parameter gains where one side's repeats are split against one another, nats net.
 
     None where there is one recording alone. Recordings are sorted by how far they move, so that repeats of one motion

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from nxt_twin.diagnose.changed import words
-from nxt_twin.diagnose.changed.answer import Change, Changes, Verdict
+from nxt_twin.diagnose.changed.answer import Change, Changes, ChangeVerdict
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.changed.held_out import runs_of
 from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Mismatch, Moved, Tolerance
@@ -47,7 +47,7 @@ def _units(compared: Compared) -> Units:
     return units_of(compared.before.plant.layout.frame, compared.before.signals[0])
 
 
-def _verdict(compared: Compared) -> Verdict:
+def _verdict(compared: Compared) -> ChangeVerdict:
     """By windows that were not fitted: against a plant of the side's own, and against the side before."""
     own, found = compared.free.check_rms, compared.chosen.joint.check_rms
     tolerance = compared.tolerance

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from nxt_twin.diagnose.changed.answer import Change, Verdict
+from nxt_twin.diagnose.changed.answer import Change, ChangeVerdict
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.telling.words import listed
@@ -41,7 +41,7 @@ _NEARER = 0.8  # of an error: what a reader would call better
 _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
 
 
-def sentence(verdict: Verdict, changes: Sequence[Change], fit: Fit, compared: Compared) -> str:
+def sentence(verdict: ChangeVerdict, changes: Sequence[Change], fit: Fit, compared: Compared) -> str:
     """What changed, and by how much."""
     before, after = compared.before.name, compared.after.name
     named = listed([_change(change) for change in changes])

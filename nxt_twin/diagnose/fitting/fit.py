@@ -240,7 +240,7 @@ def fit(
     Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
-    search = _Search(simulator, plant, tuple(variables), target.pulling())
+    search = _FitSurroundings(simulator, plant, tuple(variables), target.pulling())
     x: FloatArray = search.centred(search.inside(values_of(plant, variables)))
     slopes = search.slopes(x) if slopes is None else search.brought(slopes, x)
     objective = search.objective_of(x, slopes)
@@ -310,7 +310,7 @@ class Slopes:
 
 
 @final
-class _Search:
+class _FitSurroundings:
     """The fixed surroundings of one fit.
 
     Inside, positive variables are logarithms; all are divided by their scale where they meet a linear equation.

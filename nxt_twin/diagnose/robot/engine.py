@@ -64,7 +64,7 @@ class RobotAnswer:
 
 @final
 @dataclass(frozen=True)
-class _Evidence:
+class _RobotEvidence:
     """Everything that a robot's diagnosis is put together from."""
 
     case: Case
@@ -128,7 +128,7 @@ def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotA
     before = short_errors(
         runs, drive.geometry, wheels_at(plain, start_of(drive.geometry, len(runs))), scale_of(after)
     )
-    evidence = _Evidence(case, drive, found, judged, tuple(what_is_left(after)), before, powered)
+    evidence = _RobotEvidence(case, drive, found, judged, tuple(what_is_left(after)), before, powered)
     diagnosis = _diagnosis(evidence)
     geometry = model_of(found.final).geometry
     named = {
@@ -171,7 +171,7 @@ def fit_robot(case: Case) -> tuple[dict[str, Any], DifferentialDrive]:
     }, model
 
 
-def _diagnosis(evidence: _Evidence) -> Diagnosis:
+def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
     found, judged = evidence.found, evidence.judged
     powered = evidence.powered
     effects = (*found_effects(found), *(powered.effects if powered else ()))
@@ -200,7 +200,7 @@ def _diagnosis(evidence: _Evidence) -> Diagnosis:
     )
 
 
-def _mismatch(evidence: _Evidence, verdict: Verdict, named: list[str]) -> Mismatch:
+def _mismatch(evidence: _RobotEvidence, verdict: Verdict, named: list[str]) -> Mismatch:
     """When and in which way of driving the model as given fails, by the noise of the improved one."""
     channel = "pose_heading_deg" if named == ["pose_offset"] else "pose_x_m"
     if verdict == "adequate":
@@ -210,7 +210,7 @@ def _mismatch(evidence: _Evidence, verdict: Verdict, named: list[str]) -> Mismat
     return Mismatch(channel, spells_of(short, evidence.found.runs), regimes_of(short), equation)
 
 
-def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
+def _alternatives(evidence: _RobotEvidence) -> tuple[Alternative, ...]:
     """Effects of the geometry that were not named, with the held-out error that they would give."""
     found = evidence.found
     named = {effect.id for effect in found.choice.named}
@@ -223,7 +223,7 @@ def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
     )
 
 
-def _error_with(evidence: _Evidence, effect: str) -> float:
+def _error_with(evidence: _RobotEvidence, effect: str) -> float:
     found = evidence.found
     free = found.final.free.copy()
     free[places_of(LIBRARY[effect])] = True

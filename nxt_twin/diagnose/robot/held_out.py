@@ -27,7 +27,7 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.search import RobotFindings, refit, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.physics.robot.drive import Geometry
-from nxt_twin.physics.robot.odometry import Pose
+from nxt_twin.physics.robot.odometry import PosePath
 
 FEWEST_RUNS: Final = 3
 _FOLDS: Final = 4
@@ -76,7 +76,7 @@ def cut(run: RobotRun, parts: int) -> list[RobotRun]:
     found = []
     for number, (begin, end) in enumerate(itertools.pairwise(rows), 1):
         part = slice(int(begin), int(end))
-        pose = Pose(run.pose.x_m[part], run.pose.y_m[part], run.pose.heading_rad[part])
+        pose = PosePath(run.pose.x_m[part], run.pose.y_m[part], run.pose.heading_rad[part])
         found.append(
             replace(
                 run,
@@ -179,7 +179,7 @@ def _drawn(one: JudgedRun) -> HeldOutRun:
     )
 
 
-def _places(pose: Pose) -> FloatArray:
+def _places(pose: PosePath) -> FloatArray:
     return np.stack([pose.x_m, pose.y_m], axis=1)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
-from nxt_twin.physics.robot.odometry import Pose, axle_path, measured_path
+from nxt_twin.physics.robot.odometry import PosePath, axle_path, measured_path
 
 SECONDS: Final = 2.0
 METRES: Final = 1.0
@@ -38,7 +38,7 @@ class RunErrors:
     metre_s: float
 
 
-def predicted(model: RobotModel, run: RobotRun) -> Pose:
+def predicted(model: RobotModel, run: RobotRun) -> PosePath:
     """The measured pose that a model expects along a run, from its wheels and its first pose alone."""
     return measured_path(model.geometry, *_wheels(model, run), run.first)
 

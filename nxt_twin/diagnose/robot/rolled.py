@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.robot.drive import Geometry
-from nxt_twin.physics.robot.odometry import Pose
+from nxt_twin.physics.robot.odometry import PosePath
 
 
 @final
@@ -32,7 +32,7 @@ class BodyMotion:
         return self.along_m + (side - 0.5) * track_m * self.heading_rad
 
 
-def body_motion(pose: Pose, geometry: Geometry) -> BodyMotion:
+def body_motion(pose: PosePath, geometry: Geometry) -> BodyMotion:
     """The motion of the axle's middle under the measured poses; short steps, so that fast turns are no matter."""
     heading = pose.heading_rad - np.radians(geometry.heading_offset_deg)
     lever = geometry.offset_forward_m + 1j * geometry.offset_left_m

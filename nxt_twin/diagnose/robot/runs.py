@@ -14,7 +14,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive
-from nxt_twin.physics.robot.odometry import Pose
+from nxt_twin.physics.robot.odometry import PosePath
 from nxt_twin.recording.columns import POSE_HEADING, POSE_X, POSE_Y, Port, power_column, tacho_column
 from nxt_twin.recording.recording import Recording
 
@@ -42,7 +42,7 @@ class RobotRun:
     time_s: FloatArray
     left_rad: FloatArray
     right_rad: FloatArray
-    pose: Pose
+    pose: PosePath
 
     @property
     def first(self) -> tuple[float, float, float]:
@@ -98,7 +98,7 @@ def _run(recording: Recording, drive: DifferentialDrive) -> RobotRun:
         what = "its wheels turn less than half a turn"
         raise DiagnosisError(what, where=recording.name, mend="record a run in which the robot drives")
     heading = np.unwrap(np.radians(columns[POSE_HEADING][kept]))
-    pose = Pose(columns[POSE_X][kept], columns[POSE_Y][kept], heading)
+    pose = PosePath(columns[POSE_X][kept], columns[POSE_Y][kept], heading)
     return RobotRun(recording.name, session_of(recording.name), recording.time_s[kept], left, right, pose)
 
 

@@ -82,7 +82,7 @@ class SensorAnswer:
 
 @final
 @dataclass(frozen=True)
-class _Evidence:
+class _SensorEvidence:
     """Everything that a sensor's diagnosis is put together from."""
 
     case: Case
@@ -121,7 +121,7 @@ def diagnose_sensor(case: Case, *, seed: int = 0, progress: Progress = lambda _:
     explanation = explain(fitter, ideal, progress)
     progress("judging on what was held out")
     ideal, final = fitter.on_everything(ideal), explanation.best
-    evidence = _Evidence(
+    evidence = _SensorEvidence(
         case=case,
         kind=sensor_kind(case),
         fitter=fitter,
@@ -179,7 +179,7 @@ def _known(fitter: SensorFitter, structure: SensorStructure) -> Any:  # noqa: AN
     return np.where(fitter.split.known, fitter.scores(structure.values), np.nan)
 
 
-def _diagnosis(evidence: _Evidence) -> Diagnosis:
+def _diagnosis(evidence: _SensorEvidence) -> Diagnosis:
     problem = evidence.fitter.problem
     verdict = _verdict(evidence)
     effects = tuple(_found_effects(evidence))
@@ -214,7 +214,7 @@ def _diagnosis(evidence: _Evidence) -> Diagnosis:
     )
 
 
-def _verdict(evidence: _Evidence) -> Verdict:
+def _verdict(evidence: _SensorEvidence) -> Verdict:
     """Adequate, explained or unexplained, by what is left beside what was found."""
     structured = [left for left in evidence.left if _is_structured(left)]
     if not evidence.final.active:
@@ -228,7 +228,7 @@ def _verdict(evidence: _Evidence) -> Verdict:
     return "unexplained" if most.nats > allowed * (most.nats + _gained(evidence)) else "explained"
 
 
-def _gained(evidence: _Evidence) -> float:
+def _gained(evidence: _SensorEvidence) -> float:
     """What the effects together gain, nats."""
     each = [evidence.fitter.problem.log_each(s.values) for s in (evidence.final, evidence.ideal)]
     return float(np.sum((each[0] - each[1])[evidence.fitter.split.known]))
@@ -238,7 +238,7 @@ def _is_structured(left: Left) -> bool:
     return left.nats > STRUCTURED_NATS and left.size > STRUCTURED_SIZE and left.p_value < BY_CHANCE
 
 
-def _found_effects(evidence: _Evidence) -> list[FoundEffect]:
+def _found_effects(evidence: _SensorEvidence) -> list[FoundEffect]:
     final = evidence.final
     found = []
     for effect in final.active:
@@ -283,7 +283,7 @@ def _estimates(fitter: SensorFitter, effect: SensorEffect, final: SensorStructur
     return averaged
 
 
-def _refit(evidence: _Evidence) -> dict[str, Moved]:
+def _refit(evidence: _SensorEvidence) -> dict[str, Moved]:
     """The ideal sensor's own parameters, from where they were given to where the final fit has them."""
     final, fitter = evidence.final, evidence.fitter
     stds = standard_errors(final.names, fitter.covariance(final))
@@ -305,7 +305,7 @@ def _given(case: Case) -> Mapping[str, Any]:
     return load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
 
 
-def _mismatch(evidence: _Evidence, verdict: Verdict) -> Mismatch:
+def _mismatch(evidence: _SensorEvidence, verdict: Verdict) -> Mismatch:
     """When and in which regime the re-fitted ideal sensor fails, measured by the noise of the improved one."""
     problem = evidence.fitter.problem
     if verdict == "adequate":
@@ -321,7 +321,7 @@ def _off_noise(problem: SensorProblem) -> dict[str, float]:
     return {name: value for off in fields_off for name, value in off.items() if "noise" in name}
 
 
-def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
+def _alternatives(evidence: _SensorEvidence) -> tuple[Alternative, ...]:
     """What came nearest in the place of each effect, with its own error on what is held out."""
     rivals = [rival for near in evidence.explanation.rivals.values() for rival in near]
     listed = []
@@ -333,7 +333,7 @@ def _alternatives(evidence: _Evidence) -> tuple[Alternative, ...]:
     return tuple(listed)
 
 
-def _next_experiment(evidence: _Evidence, verdict: Verdict) -> NextExperiment | None:
+def _next_experiment(evidence: _SensorEvidence, verdict: Verdict) -> NextExperiment | None:
     for effect in evidence.final.active:
         for rival in evidence.explanation.rivals[effect.id]:
             if rival.behind < RIVAL_NATS:

@@ -120,7 +120,7 @@ class SensorProblem(Protocol):
 
 @final
 @dataclass(frozen=True)
-class Split:
+class ItemSplit:
     """Which items are fitted, which only check a choice, and which are held out; they do not overlap."""
 
     fit: Mask
@@ -133,7 +133,7 @@ class Split:
         return ~self.held_out
 
 
-def split_of(problem: SensorProblem) -> Split:
+def split_of(problem: SensorProblem) -> ItemSplit:
     """Hold out what the case says; else blocks of items all over the recordings, and others to check with.
 
     The blocks are short, so that a narrow range of the truth has its share of each kind.
@@ -150,7 +150,7 @@ def split_of(problem: SensorProblem) -> Split:
         check[items[block == _CHECK_BLOCK]] = True
         if not named:
             held_out[items[block == _HELD_OUT_BLOCK]] = True
-    return Split(~(held_out | check), check, held_out)
+    return ItemSplit(~(held_out | check), check, held_out)
 
 
 def standard_errors(names: Sequence[str], covariance: FloatArray) -> dict[str, float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
-from nxt_twin.diagnose.sensor.problem import Mask, SensorProblem, Split, Values, split_of
+from nxt_twin.diagnose.sensor.problem import ItemSplit, Mask, SensorProblem, Values, split_of
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
 from nxt_twin.sensors.walk import walked
 
@@ -62,7 +62,7 @@ class SensorFitter:
         self._seed = seed
 
     @cached_property
-    def split(self) -> Split:
+    def split(self) -> ItemSplit:
         """What is fitted, what checks, what is held out."""
         return split_of(self.problem)
 

@@ -68,7 +68,7 @@ class Yardstick:
 
 @final
 @dataclass(frozen=True)
-class Shape:
+class ShapeFamily:
     """One family of functions.
 
     Attributes:
@@ -290,32 +290,32 @@ def _counts_in_time(course: Course, unit: Yardstick) -> FloatArray:
     return hats(course.laid_s, unit.quick_s) * course.pace
 
 
-SHAPES: tuple[Shape, ...] = (
-    Shape("torque_balance", "torque", _plain_friction),
-    Shape("torque_balance", "torque", _friction),
-    Shape("torque_balance", "torque", _friction_that_remembers),
-    Shape("torque_balance", "torque", _around_a_turn),
-    Shape("torque_balance", "torque", _over_the_reach),
-    Shape("torque_balance", "torque", _held_at_the_ends),
-    Shape("torque_balance", "torque", _friction_around_a_turn),
-    Shape("torque_balance", "torque", _drag_around_a_turn),
-    Shape("torque_balance", "torque", _load_in_time),
-    Shape("torque_balance", "torque", _friction_in_time),
-    Shape("torque_balance", "torque", _inertia_in_time),
-    Shape("torque_balance", "torque", _friction_by_load),
-    Shape("torque_balance", "torque", _after_reversal),
-    Shape("electrical", "torque", _power_curve),
-    Shape("electrical", "torque", _current_curve),
-    Shape("electrical", "torque", _supply_under_load),
-    Shape("electrical", "torque", _supply_in_time),
-    Shape("electrical", "torque", _heat),
-    Shape("electrical", "torque", _current_around_a_turn),
-    Shape("kinematic", "torque", _on_springs),
-    Shape("kinematic", "torque", _behind_plays),
-    Shape("kinematic", "torque", _by_rubbings),
-    Shape("measurement", "count", _counts_by_speed),
-    Shape("measurement", "count", _counts_in_time),
-    Shape("measurement", "reading", _encoder_around_a_turn),
+SHAPES: tuple[ShapeFamily, ...] = (
+    ShapeFamily("torque_balance", "torque", _plain_friction),
+    ShapeFamily("torque_balance", "torque", _friction),
+    ShapeFamily("torque_balance", "torque", _friction_that_remembers),
+    ShapeFamily("torque_balance", "torque", _around_a_turn),
+    ShapeFamily("torque_balance", "torque", _over_the_reach),
+    ShapeFamily("torque_balance", "torque", _held_at_the_ends),
+    ShapeFamily("torque_balance", "torque", _friction_around_a_turn),
+    ShapeFamily("torque_balance", "torque", _drag_around_a_turn),
+    ShapeFamily("torque_balance", "torque", _load_in_time),
+    ShapeFamily("torque_balance", "torque", _friction_in_time),
+    ShapeFamily("torque_balance", "torque", _inertia_in_time),
+    ShapeFamily("torque_balance", "torque", _friction_by_load),
+    ShapeFamily("torque_balance", "torque", _after_reversal),
+    ShapeFamily("electrical", "torque", _power_curve),
+    ShapeFamily("electrical", "torque", _current_curve),
+    ShapeFamily("electrical", "torque", _supply_under_load),
+    ShapeFamily("electrical", "torque", _supply_in_time),
+    ShapeFamily("electrical", "torque", _heat),
+    ShapeFamily("electrical", "torque", _current_around_a_turn),
+    ShapeFamily("kinematic", "torque", _on_springs),
+    ShapeFamily("kinematic", "torque", _behind_plays),
+    ShapeFamily("kinematic", "torque", _by_rubbings),
+    ShapeFamily("measurement", "count", _counts_by_speed),
+    ShapeFamily("measurement", "count", _counts_in_time),
+    ShapeFamily("measurement", "reading", _encoder_around_a_turn),
 )
 
 

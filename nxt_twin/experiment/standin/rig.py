@@ -16,7 +16,7 @@ from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, wit
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.course import constant
 from nxt_twin.mock.body.sensor import Analog, Touch
-from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.mock.body.ultrasonic import UltrasonicBody
 
 _NO_ECHO: Final = 255.0
 _REDRAWS: Final = 1000
@@ -217,7 +217,7 @@ class _Shown:
 
 def place_ultrasonic(body: Body, slot: int, rig: Rig, echo: Echo, random: Random) -> None:
     """Put the sensor on port `slot` (0 to 3) in front of the rig's target."""
-    body.sensors[slot] = Ultrasonic(
+    body.sensors[slot] = UltrasonicBody(
         _Shown(lambda _: echo.hear(rig.value("distance_mm"), rig.value("angle_deg"), random))
     )
 
@@ -287,10 +287,10 @@ def place_transducers(
         random: chance of the echoes.
         wall_mm: distance of the wall.
     """
-    other = Ultrasonic(constant(wall_mm / 10.0))
+    other = UltrasonicBody(constant(wall_mm / 10.0))
 
     def read(_: float) -> float:
         return pair.hear(rig.value("position_mm"), together=other.pinging, distance=wall_mm, random=random)
 
-    body.sensors[slots[0]] = Ultrasonic(_Shown(read))
+    body.sensors[slots[0]] = UltrasonicBody(_Shown(read))
     body.sensors[slots[1]] = other

@@ -32,7 +32,7 @@ from nxt_twin.experiment.standin.rig import (
     place_ultrasonic,
 )
 from nxt_twin.mock.body.body import Body
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.clock import VirtualClock
@@ -110,7 +110,7 @@ def mount(bench: Workbench, port: Port, added_inertia_kg_m2: float) -> None:
     plants[index] = plants[index].with_values({slot: heavier})
     stepper = Stepper(plants)
     stepper.angle[:] = bench.body.motors.plants.angle
-    bench.body.motors = Motors(stepper)
+    bench.body.motors = MotorBank(stepper)
 
 
 def _stand_anywhere(body: Body, chance: Random) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import final
 
 from nxt_twin.mock.body.battery import Battery
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.sensor import Sensor
 from nxt_twin.mock.firmware.hardware import TICK_S
 
@@ -24,7 +24,7 @@ class Body:
         followers: called after each tick; what hangs on a motor and has a memory, such as a carriage with play.
     """
 
-    def __init__(self, battery: Battery, motors: Motors, sensors: Sequence[Sensor]) -> None:
+    def __init__(self, battery: Battery, motors: MotorBank, sensors: Sequence[Sensor]) -> None:
         self.battery = battery
         self.motors = motors
         self.sensors = list(sensors)

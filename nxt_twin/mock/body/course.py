@@ -9,7 +9,7 @@ from typing import Literal, Protocol, final
 Between = Literal["step", "line"]
 
 
-class Showing(Protocol):
+class SensorView(Protocol):
     """What a sensor is shown: a course, or a test rig round the brick."""
 
     def at(self, time_s: float) -> float:
@@ -18,7 +18,7 @@ class Showing(Protocol):
 
 
 @final
-class Course:
+class TargetCourse:
     """What a sensor is shown.
 
     Args:
@@ -56,6 +56,6 @@ class Course:
         return self._values[before] + share * (self._values[after] - self._values[before])
 
 
-def constant(value: float) -> Course:
+def constant(value: float) -> TargetCourse:
     """A course that stays at `value`."""
-    return Course([(0.0, value)])
+    return TargetCourse([(0.0, value)])

@@ -39,7 +39,7 @@ class Plants(Protocol):
 
 
 @final
-class Motors:
+class MotorBank:
     """Three motors behind their bridges.
 
     Args:

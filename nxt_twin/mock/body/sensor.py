@@ -7,7 +7,7 @@ from random import Random
 from typing import Final, final
 
 from firmware_protocol import SensorType
-from nxt_twin.mock.body.course import Showing, constant
+from nxt_twin.mock.body.course import SensorView, constant
 
 OPEN_READING: Final = 1023
 TOUCH_PRESSED_READING: Final = 183
@@ -42,8 +42,8 @@ class Touch(Sensor):
         pressed: 0 or 1 over time.
     """
 
-    def __init__(self, pressed: Showing | None = None) -> None:
-        self.pressed: Showing = pressed or constant(0.0)
+    def __init__(self, pressed: SensorView | None = None) -> None:
+        self.pressed: SensorView = pressed or constant(0.0)
 
     def reading(self, time_s: float) -> int:
         """Low when pressed."""
@@ -76,14 +76,14 @@ class Analog(Sensor):
 
     def __init__(
         self,
-        raw: Showing,
+        raw: SensorView,
         *,
-        lit_raw: Showing | None = None,
+        lit_raw: SensorView | None = None,
         noise_raw: float = 0.0,
         random: Random | None = None,
     ) -> None:
-        self.raw: Showing = raw
-        self.lit_raw: Showing = lit_raw or raw
+        self.raw: SensorView = raw
+        self.lit_raw: SensorView = lit_raw or raw
         self._noise_raw = noise_raw
         self._random = random or Random(0)  # noqa: S311 - noise, not secrets
         self._lit = False

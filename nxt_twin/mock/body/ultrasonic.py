@@ -20,7 +20,7 @@ from firmware_protocol.ultrasonic import (
     UltrasonicCommand,
     UltrasonicRegister,
 )
-from nxt_twin.mock.body.course import Showing
+from nxt_twin.mock.body.course import SensorView
 from nxt_twin.mock.body.sensor import OPEN_READING, Sensor
 
 PING_S: Final = 0.04
@@ -38,7 +38,7 @@ _WRITABLE: Final = frozenset(
 
 
 @final
-class Ultrasonic(Sensor):
+class UltrasonicBody(Sensor):
     """The ultrasonic sensor.
 
     Args:
@@ -49,8 +49,8 @@ class Ultrasonic(Sensor):
         answering: False is a fault: it acknowledges, but sends nothing.
     """
 
-    def __init__(self, distance_cm: Showing) -> None:
-        self.distance_cm: Showing = distance_cm
+    def __init__(self, distance_cm: SensorView) -> None:
+        self.distance_cm: SensorView = distance_cm
         self.acknowledging = True
         self.answering = True
         self._powered = False

@@ -17,10 +17,10 @@ from nxt_twin.mock.body.battery import (
     Battery,
 )
 from nxt_twin.mock.body.body import Body
-from nxt_twin.mock.body.course import Between, Course, constant
-from nxt_twin.mock.body.motors import Motors
+from nxt_twin.mock.body.course import Between, TargetCourse, constant
+from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.sensor import Analog, Sensor, Touch, empty_socket
-from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.mock.body.ultrasonic import UltrasonicBody
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.firmware.firmware import DEFAULT_ADDRESS, DEFAULT_NAME, SLEEP_TIMEOUT_MIN, Identity
 from nxt_twin.physics.plant import Plant, plant_from_config
@@ -50,9 +50,9 @@ class CourseModel(_Part):
             raise ValueError("its times do not increase")
         return points
 
-    def course(self) -> Course:
+    def course(self) -> TargetCourse:
         """The course itself."""
-        return Course(self.points, between=self.between, repeat=self.repeat)
+        return TargetCourse(self.points, between=self.between, repeat=self.repeat)
 
 
 def _shape(shown: object) -> str:
@@ -151,7 +151,7 @@ class World(_Part):
         plants = [self.plant(port, folder) for port in ("a", "b", "c")]
         random = Random(seed)  # noqa: S311 - noise, not secrets
         sensors = [self._sensor(port, random) for port in (1, 2, 3, 4)]
-        return Body(battery, Motors(Stepper(plants, ready=ready)), sensors)
+        return Body(battery, MotorBank(Stepper(plants, ready=ready)), sensors)
 
     def plant(self, port: Literal["a", "b", "c"], folder: Path | None = None) -> Plant:
         """The plant on a port; `folder` is where paths of plant files start.
@@ -176,7 +176,7 @@ class World(_Part):
                 own = Random(random.random())  # noqa: S311
                 return Analog(_course(given.raw), lit_raw=lit, noise_raw=given.noise_raw, random=own)
             case UltrasonicModel():
-                return Ultrasonic(_course(given.distance_cm))
+                return UltrasonicBody(_course(given.distance_cm))
             case NothingModel():
                 return empty_socket()
 
@@ -189,7 +189,7 @@ _DEFAULT_SENSORS: dict[int, TouchModel | AnalogModel | UltrasonicModel | Nothing
 }
 
 
-def _course(shown: float | CourseModel) -> Course:
+def _course(shown: float | CourseModel) -> TargetCourse:
     return shown.course() if isinstance(shown, CourseModel) else constant(shown)
 
 

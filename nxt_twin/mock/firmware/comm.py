@@ -12,7 +12,7 @@ from nxt_twin.mock.firmware.channel import Channel, ExtendedWrite, Piece, Transp
 from nxt_twin.mock.firmware.direct import DirectCommands
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
 from nxt_twin.mock.firmware.long_read import LongRead
-from nxt_twin.mock.firmware.radio import Radio
+from nxt_twin.mock.firmware.radio import RadioModule
 from nxt_twin.mock.firmware.system import SystemCommands
 
 _NO_REPLY: Final = 0x80
@@ -34,7 +34,13 @@ class Comm:
     """
 
     def __init__(
-        self, loader: Loader, radio: Radio, direct: DirectCommands, system: SystemCommands, *, lossy: bool
+        self,
+        loader: Loader,
+        radio: RadioModule,
+        direct: DirectCommands,
+        system: SystemCommands,
+        *,
+        lossy: bool,
     ) -> None:
         self.channels = {transport: Channel(transport) for transport in Transport}
         self._bluetooth = self.channels[Transport.BLUETOOTH]

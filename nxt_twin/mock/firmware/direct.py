@@ -16,8 +16,8 @@ from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
 from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
 from nxt_twin.mock.firmware.output import OutputModule, OutputPort
 from nxt_twin.mock.firmware.program import ProgramModule
-from nxt_twin.mock.firmware.radio import Contact, Radio
-from nxt_twin.mock.firmware.refusal import Refusal
+from nxt_twin.mock.firmware.radio import Contact, RadioModule
+from nxt_twin.mock.firmware.refusal import RefusedReply
 from nxt_twin.mock.firmware.sound import SoundModule
 from nxt_twin.mock.firmware.ui import FLAG_EXECUTE_FILE, MINUTE_MS, UiModule
 
@@ -70,7 +70,7 @@ class DirectCommands:
         program: ProgramModule,
         sound: SoundModule,
         ui: UiModule,
-        radio: Radio,
+        radio: RadioModule,
     ) -> None:
         self._outputs = outputs
         self._inputs = inputs
@@ -124,7 +124,7 @@ class DirectCommands:
         try:
             data = self._handlers[type(request)](request)
             return fp.encode_reply(type(request), data)
-        except Refusal as refusal:
+        except RefusedReply as refusal:
             return fp.encode_reply(type(request), refusal.data, status=refusal.status)[: -refusal.cut or None]
         except _NoConnection:
             stale = bytes(channel.stale[_NAME_OFFSET : _NAME_OFFSET + _NAME_SIZE])
@@ -153,13 +153,13 @@ class DirectCommands:
         try:
             self._loader.find_first(name)
         except LoaderRefusal:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE) from None
+            raise RefusedReply(Status.VALUE_OUT_OF_RANGE) from None
         self._loader.close(0)
 
     def _stop_program(self, request: fp.StopProgram) -> None:
         del request
         if self._program.running is None:
-            raise Refusal(Status.NO_ACTIVE_PROGRAM)
+            raise RefusedReply(Status.NO_ACTIVE_PROGRAM)
         self._program.stop()
 
     def _play_sound_file(self, request: fp.PlaySoundFile) -> None:
@@ -170,7 +170,7 @@ class DirectCommands:
         every = request.port == fp.OutputPort.ALL
         ports = range(limits.OUTPUT_PORT_COUNT) if every else [int(request.port)]
         if ports[-1] >= limits.OUTPUT_PORT_COUNT:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE)
+            raise RefusedReply(Status.VALUE_OUT_OF_RANGE)
         for port in ports:
             self._outputs.set_state(
                 port,
@@ -237,10 +237,10 @@ class DirectCommands:
     def _low_speed_write(self, request: fp.LowSpeedWrite) -> None:
         port = self._digital_port(request.port)
         if request.send_length > limits.LOW_SPEED_BUFFER_SIZE:
-            raise Refusal(Status.ILLEGAL_SIZE)
+            raise RefusedReply(Status.ILLEGAL_SIZE)
         status = self._low_speed.write(port, request.data, request.receive_length)
         if status != Status.OK:
-            raise Refusal(status)
+            raise RefusedReply(status)
 
     def _low_speed_read(self, request: fp.LowSpeedRead) -> ReplyData:
         port = self._digital_port(request.port)
@@ -249,7 +249,7 @@ class DirectCommands:
         waiting = channel.bytes_ready
         if status & _NEGATIVE:
             nothing = fp.LowSpeedRead.Reply(waiting, bytes(limits.LOW_SPEED_BUFFER_SIZE))
-            raise Refusal(status, nothing, cut=waiting)
+            raise RefusedReply(status, nothing, cut=waiting)
         return _with_status(
             fp.LowSpeedRead.Reply.of(channel.take_received()), Status.OK if waiting else status
         )
@@ -257,13 +257,13 @@ class DirectCommands:
     def _current_program(self, request: fp.GetCurrentProgram) -> ReplyData:
         del request
         if self._program.running is None:
-            raise Refusal(Status.NO_ACTIVE_PROGRAM, fp.blank_reply(fp.GetCurrentProgram))
+            raise RefusedReply(Status.NO_ACTIVE_PROGRAM, fp.blank_reply(fp.GetCurrentProgram))
         return fp.GetCurrentProgram.Reply(self._program.running)
 
     def _write_message(self, request: fp.MessageWrite) -> None:
         status = self._store(request.mailbox, request.data)
         if status != Status.OK:
-            raise Refusal(status)
+            raise RefusedReply(status)
 
     def _store(self, mailbox: int, message: bytes) -> Status:
         if not 0 < len(message) <= limits.MESSAGE_SIZE or message[-1]:
@@ -275,12 +275,12 @@ class DirectCommands:
     def _read_message(self, request: fp.MessageRead) -> ReplyData:
         nothing = fp.MessageRead.Reply(request.local_mailbox, 0, bytes(limits.MESSAGE_SIZE))
         if self._program.running is None:
-            raise Refusal(Status.NO_ACTIVE_PROGRAM, nothing)
+            raise RefusedReply(Status.NO_ACTIVE_PROGRAM, nothing)
         if request.remote_mailbox >= limits.MAILBOX_COUNT:
-            raise Refusal(Status.ILLEGAL_MAILBOX, nothing)
+            raise RefusedReply(Status.ILLEGAL_MAILBOX, nothing)
         message = self._program.mailboxes.oldest(request.remote_mailbox)
         if message is None:
-            raise Refusal(Status.MAILBOX_EMPTY, nothing)
+            raise RefusedReply(Status.MAILBOX_EMPTY, nothing)
         if request.remove:
             self._program.mailboxes.remove(request.remote_mailbox)
         padded = message.ljust(limits.MESSAGE_SIZE, b"\0")
@@ -288,9 +288,9 @@ class DirectCommands:
 
     def _read_datalog(self, request: fp.DatalogRead) -> ReplyData:
         if self._program.running is None:
-            raise Refusal(Status.NO_ACTIVE_PROGRAM, fp.blank_reply(fp.DatalogRead))
+            raise RefusedReply(Status.NO_ACTIVE_PROGRAM, fp.blank_reply(fp.DatalogRead))
         if not self._program.datalog:
-            raise Refusal(Status.MAILBOX_EMPTY, fp.blank_reply(fp.DatalogRead))
+            raise RefusedReply(Status.MAILBOX_EMPTY, fp.blank_reply(fp.DatalogRead))
         entry = self._program.datalog[0]
         if request.remove:
             self._program.datalog.popleft()
@@ -327,7 +327,7 @@ class DirectCommands:
             case fp.PropertyId.SLEEP_TIMEOUT:
                 self._ui.sleep_timeout_min = request.value // MINUTE_MS & 0xFF
             case _:
-                raise Refusal(Status.UNKNOWN_OPCODE)
+                raise RefusedReply(Status.UNKNOWN_OPCODE)
 
     def _get_property(self, request: fp.GetProperty) -> ReplyData:
         values = {
@@ -336,13 +336,13 @@ class DirectCommands:
             fp.PropertyId.SLEEP_TIMEOUT: self._ui.sleep_timeout_min * MINUTE_MS,
         }
         if request.property_id not in values:
-            raise Refusal(Status.UNKNOWN_OPCODE)
+            raise RefusedReply(Status.UNKNOWN_OPCODE)
         wanted = fp.PropertyId(request.property_id)
         return fp.GetProperty.Reply.of(wanted, values[wanted])
 
     def _output(self, port: int, blank: ReplyData | None = None) -> OutputPort:
         if port >= limits.OUTPUT_PORT_COUNT:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE, blank)
+            raise RefusedReply(Status.VALUE_OUT_OF_RANGE, blank)
         return self._outputs.ports[port]
 
     def _input(self, port: int, blank: ReplyData | None = None) -> InputPort:
@@ -350,11 +350,11 @@ class DirectCommands:
 
     def _digital_port(self, port: int, blank: ReplyData | None = None) -> int:
         if port >= limits.INPUT_PORT_COUNT:
-            raise Refusal(Status.VALUE_OUT_OF_RANGE, blank)
+            raise RefusedReply(Status.VALUE_OUT_OF_RANGE, blank)
         return int(port)
 
 
 def _with_status(reply: ReplyData, status: Status) -> ReplyData:
     if status != Status.OK:
-        raise Refusal(status, reply)
+        raise RefusedReply(status, reply)
     return reply

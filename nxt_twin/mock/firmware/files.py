@@ -13,7 +13,7 @@ from firmware_protocol import ReplyData, Status
 from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.flash import StoredFile
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
-from nxt_twin.mock.firmware.refusal import Refusal
+from nxt_twin.mock.firmware.refusal import RefusedReply
 
 _REPLY_DATA_OFFSET: Final = 6
 """Where the data start in a READ reply."""
@@ -45,7 +45,7 @@ class FileCommands:
     def open_write_data(self, request: fp.OpenWriteData, channel: Channel) -> ReplyData:
         """OPEN_WRITE_DATA."""
         if fp.is_linear_name(request.name):
-            raise Refusal(Status.ILLEGAL_FILE_NAME, fp.FileHandle(0))
+            raise RefusedReply(Status.ILLEGAL_FILE_NAME, fp.FileHandle(0))
         return self._create(channel, request.name, request.size, appendable=True)
 
     def open_append(self, request: fp.OpenAppendData, channel: Channel) -> ReplyData:
@@ -61,10 +61,10 @@ class FileCommands:
         except LoaderRefusal as refusal:
             stale = bytes(channel.stale[_REPLY_DATA_OFFSET : _REPLY_DATA_OFFSET + fitting])
             reply = fp.ReadFile.Reply(request.handle, request.length, stale.ljust(fitting, b"\0"))
-            raise Refusal(refusal.status, reply) from None
+            raise RefusedReply(refusal.status, reply) from None
         reply = fp.ReadFile.Reply(request.handle, request.length, data.ljust(fitting, b"\0"))
         if status != Status.OK:
-            raise Refusal(status, reply)
+            raise RefusedReply(status, reply)
         return reply
 
     def close(self, request: fp.CloseFile, channel: Channel) -> ReplyData:
@@ -84,7 +84,7 @@ class FileCommands:
         try:
             self._loader.delete(request.name)
         except LoaderRefusal as refusal:
-            raise Refusal(refusal.status, reply) from None
+            raise RefusedReply(refusal.status, reply) from None
         return reply
 
     def find_first(self, request: fp.FindFirst, channel: Channel) -> ReplyData:
@@ -98,7 +98,7 @@ class FileCommands:
         try:
             return _found(request.handle, self._loader.find_next(request.handle))
         except LoaderRefusal as refusal:
-            raise Refusal(refusal.status, _found_none(refusal.handle)) from None
+            raise RefusedReply(refusal.status, _found_none(refusal.handle)) from None
 
     def _create(
         self, channel: Channel, name: str, size: int, *, linear: bool = False, appendable: bool = False
@@ -114,7 +114,7 @@ class FileCommands:
         try:
             handle, found = open_()
         except LoaderRefusal as refusal:
-            raise Refusal(refusal.status, refused(refusal.handle)) from None
+            raise RefusedReply(refusal.status, refused(refusal.handle)) from None
         channel.handles.add(handle)
         return handle, found
 
@@ -125,7 +125,7 @@ def _opened(handle: int) -> ReplyData:
 
 def _closed(status: Status, handle: int) -> ReplyData:
     if status != Status.OK:
-        raise Refusal(status, fp.FileHandle(handle))
+        raise RefusedReply(status, fp.FileHandle(handle))
     return fp.FileHandle(handle)
 
 

@@ -25,7 +25,7 @@ from nxt_twin.mock.firmware.module import MemoryModule
 from nxt_twin.mock.firmware.modules import ModuleCommands
 from nxt_twin.mock.firmware.output import OutputModule
 from nxt_twin.mock.firmware.program import ProgramModule
-from nxt_twin.mock.firmware.radio import Radio
+from nxt_twin.mock.firmware.radio import RadioModule
 from nxt_twin.mock.firmware.settings import restore_settings
 from nxt_twin.mock.firmware.sound import SoundModule
 from nxt_twin.mock.firmware.system import SystemCommands
@@ -79,7 +79,7 @@ class Firmware:
         identity = identity or Identity()
         self.ticks = 0
         self.hardware = hardware
-        self.radio = Radio(identity.name, identity.address)
+        self.radio = RadioModule(identity.name, identity.address)
         self.inputs = InputModule(hardware)
         self.loader = Loader(files)
         self.outputs = OutputModule(hardware)

@@ -20,7 +20,7 @@ from firmware_protocol import (
 from nxt_twin.mock.firmware.hardware import Hardware
 from nxt_twin.mock.firmware.integers import s16
 from nxt_twin.mock.firmware.module import Module
-from nxt_twin.mock.firmware.scaling import FULL_SCALE, Range, fahrenheit_tenths, normalised
+from nxt_twin.mock.firmware.scaling import FULL_SCALE, ConverterSpan, fahrenheit_tenths, normalised
 
 INVALID_MS: Final = 20
 INVALID_SOUND_MS: Final = 300
@@ -151,7 +151,9 @@ class InputPort:
             self.invalid_data = False
 
     def _measure(self, raw: int) -> None:
-        reading = normalised(self.sensor_type, raw, Range(self.custom_zero_offset, self.custom_percent))
+        reading = normalised(
+            self.sensor_type, raw, ConverterSpan(self.custom_zero_offset, self.custom_percent)
+        )
         if reading is None:
             self._settled = raw
             return

@@ -12,7 +12,7 @@ from firmware_protocol import ReadFile, Status, TelegramType
 from firmware_protocol.bluetooth import FRAME_SIZE_MAX, LENGTH_PREFIX_SIZE, RECEIVE_BUFFER_SIZE
 from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
-from nxt_twin.mock.firmware.radio import Radio
+from nxt_twin.mock.firmware.radio import RadioModule
 
 _HEADER_SIZE: Final = 6
 _FIRST_SIZE: Final = RECEIVE_BUFFER_SIZE - LENGTH_PREFIX_SIZE - _HEADER_SIZE
@@ -34,7 +34,7 @@ class LongRead:
         radio: busy while it reads.
     """
 
-    def __init__(self, loader: Loader, channel: Channel, radio: Radio) -> None:
+    def __init__(self, loader: Loader, channel: Channel, radio: RadioModule) -> None:
         self._loader = loader
         self._channel = channel
         self._radio = radio

@@ -36,7 +36,7 @@ _LOW_SPEED_TYPES: Final = frozenset({SensorType.LOW_SPEED, SensorType.LOW_SPEED_
 
 
 @final
-class Channel:
+class PortBus:
     """One port's buffers and the state of its transaction."""
 
     __slots__ = (
@@ -102,7 +102,7 @@ class LowSpeedModule(Module):
     name = "Low Speed.mod"
 
     def __init__(self, hardware: Hardware, inputs: InputModule) -> None:
-        self.channels = tuple(Channel() for _ in range(limits.INPUT_PORT_COUNT))
+        self.channels = tuple(PortBus() for _ in range(limits.INPUT_PORT_COUNT))
         self.active = 0
         self._speed = 0
         self._spare = 0
@@ -158,7 +158,7 @@ class LowSpeedModule(Module):
             if channel.state != LowSpeedState.IDLE:
                 self._step(port, channel)
 
-    def _step(self, port: int, channel: Channel) -> None:
+    def _step(self, port: int, channel: PortBus) -> None:
         if channel.state in (LowSpeedState.ERROR, LowSpeedState.DONE):
             self.active &= ~(1 << port)
             if channel.state == LowSpeedState.DONE:
@@ -175,7 +175,7 @@ class LowSpeedModule(Module):
         elif channel.state == LowSpeedState.COMMUNICATING:
             self._communicate(port, channel)
 
-    def _start(self, port: int, channel: Channel) -> None:
+    def _start(self, port: int, channel: PortBus) -> None:
         """Send from where the last attempt stopped reading: a retry sends what lies behind the message."""
         first = 4 * _BUFFER_STRIDE + port * _BUFFER_STRIDE + channel.send_out
         message = self.export()[first : first + channel.send_in]
@@ -187,7 +187,7 @@ class LowSpeedModule(Module):
         channel.wait_ms = BYTE_MS * (len(message) if acknowledged else 1)
         channel.answer = message if acknowledged else None
 
-    def _communicate(self, port: int, channel: Channel) -> None:
+    def _communicate(self, port: int, channel: PortBus) -> None:
         channel.wait_ms -= 1.0
         if channel.mode == LowSpeedMode.TRANSMITTING:
             if channel.wait_ms <= 0.0:
@@ -202,7 +202,7 @@ class LowSpeedModule(Module):
                 channel.mode = LowSpeedMode.DATA_RECEIVED
                 channel.state = LowSpeedState.DONE
 
-    def _end_sending(self, port: int, channel: Channel) -> None:
+    def _end_sending(self, port: int, channel: PortBus) -> None:
         if channel.answer is None:
             channel.retries += 1
             if channel.retries > RETRY_COUNT:

@@ -12,7 +12,7 @@ import firmware_protocol as fp
 from firmware_protocol import ReplyData, Status
 from nxt_twin.mock.firmware.channel import Channel
 from nxt_twin.mock.firmware.module import Module, overlay
-from nxt_twin.mock.firmware.refusal import Refusal
+from nxt_twin.mock.firmware.refusal import RefusedReply
 
 
 @final
@@ -37,7 +37,7 @@ class ModuleCommands:
         """FIND_FIRST_MODULE."""
         del channel
         if self._searching:
-            raise Refusal(Status.NO_MORE_HANDLES, fp.blank_reply(fp.FindFirstModule))
+            raise RefusedReply(Status.NO_MORE_HANDLES, fp.blank_reply(fp.FindFirstModule))
         self._searching = True
         self._pattern = request.pattern
         self._next = 0
@@ -60,9 +60,9 @@ class ModuleCommands:
         end = request.offset + length
         try:
             memory = self._memory(request.module_id, end).export()
-        except Refusal as refusal:
+        except RefusedReply as refusal:
             reply = fp.IoMapRead.Reply(request.module_id, 0, bytes(length))
-            raise Refusal(refusal.status, reply) from None
+            raise RefusedReply(refusal.status, reply) from None
         return fp.IoMapRead.Reply(request.module_id, length, memory[request.offset : end])
 
     def write(self, request: fp.IoMapWrite, channel: Channel) -> ReplyData:
@@ -70,8 +70,8 @@ class ModuleCommands:
         del channel
         try:
             module = self._memory(request.module_id, request.offset + request.length)
-        except Refusal as refusal:
-            raise Refusal(refusal.status, fp.IoMapWrite.Reply(request.module_id, 0)) from None
+        except RefusedReply as refusal:
+            raise RefusedReply(refusal.status, fp.IoMapWrite.Reply(request.module_id, 0)) from None
         module.adopt(overlay(module.export(), request.offset, request.data))
         return fp.IoMapWrite.Reply(request.module_id, request.length)
 
@@ -81,12 +81,12 @@ class ModuleCommands:
             if self._pattern is None or fp.pattern_matches(self._pattern, module.name):
                 self._next = index + 1
                 return fp.ModuleFound(0, module.name, module.module_id, 0, len(module.export()))
-        raise Refusal(Status.MODULE_NOT_FOUND, fp.blank_reply(fp.FindFirstModule))
+        raise RefusedReply(Status.MODULE_NOT_FOUND, fp.blank_reply(fp.FindFirstModule))
 
     def _memory(self, module_id: int, end: int) -> Module:
         module = self._by_id.get(int(module_id))
         if module is None:
-            raise Refusal(Status.MODULE_NOT_FOUND)
+            raise RefusedReply(Status.MODULE_NOT_FOUND)
         if end > len(module.export()):
-            raise Refusal(Status.OUT_OF_BOUNDS)
+            raise RefusedReply(Status.OUT_OF_BOUNDS)
         return module

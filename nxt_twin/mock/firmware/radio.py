@@ -53,7 +53,7 @@ class Contact:
 
 
 @final
-class Radio(Module):
+class RadioModule(Module):
     """Identity and Bluetooth tables."""
 
     module_id = ModuleId.COMM

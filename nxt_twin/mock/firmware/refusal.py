@@ -8,7 +8,7 @@ from firmware_protocol import ReplyData, Status
 
 
 @final
-class Refusal(Exception):  # noqa: N818 - a refusal is what it is
+class RefusedReply(Exception):  # noqa: N818 - a refusal is what it is
     """A reply with a status other than OK.
 
     Args:

@@ -13,7 +13,7 @@ from nxt_twin.mock.firmware.integers import s16, u16, u32
 FULL_SCALE: Final = 1023
 
 
-class Range(NamedTuple):
+class ConverterSpan(NamedTuple):
     """The part of the converter's range that a sensor uses: reading at zero, and its width in percent."""
 
     zero: int
@@ -21,11 +21,11 @@ class Range(NamedTuple):
 
 
 INVERTED_RANGES: Final = {
-    SensorType.REFLECTION: Range(476, 41),
-    SensorType.LIGHT_ACTIVE: Range(200, 68),
-    SensorType.LIGHT_INACTIVE: Range(200, 68),
-    SensorType.SOUND_DB: Range(162, 83),
-    SensorType.SOUND_DBA: Range(162, 83),
+    SensorType.REFLECTION: ConverterSpan(476, 41),
+    SensorType.LIGHT_ACTIVE: ConverterSpan(200, 68),
+    SensorType.LIGHT_INACTIVE: ConverterSpan(200, 68),
+    SensorType.SOUND_DB: ConverterSpan(162, 83),
+    SensorType.SOUND_DBA: ConverterSpan(162, 83),
 }
 """Sensors whose voltage falls with what they measure."""
 
@@ -43,14 +43,14 @@ Source: c_input.c cInputTempConv. LEGO's own builds hold a table instead, nowher
 """
 
 
-def scaled(raw: int, span: Range) -> int:
+def scaled(raw: int, span: ConverterSpan) -> int:
     """The reading stretched from a part of the range to the whole of it."""
     if span.percent == 0:
         return 0
     return min(FULL_SCALE, max(0, raw - span.zero) * 100 // span.percent)
 
 
-def normalised(sensor_type: int, raw: int, custom: Range) -> int | None:
+def normalised(sensor_type: int, raw: int, custom: ConverterSpan) -> int | None:
     """The normalised reading 0 to 1023, or None for a type that does not use the converter.
 
     Args:

@@ -16,8 +16,8 @@ from nxt_twin.mock.firmware.files import FileCommands
 from nxt_twin.mock.firmware.flash import USER_SECTORS
 from nxt_twin.mock.firmware.loader import Loader
 from nxt_twin.mock.firmware.modules import ModuleCommands
-from nxt_twin.mock.firmware.radio import Radio
-from nxt_twin.mock.firmware.refusal import Refusal
+from nxt_twin.mock.firmware.radio import RadioModule
+from nxt_twin.mock.firmware.refusal import RefusedReply
 
 ERASE_MS: Final = 4 * len(USER_SECTORS)
 """Erasing the user flash, 4 ms a sector, during which nothing else happens."""
@@ -34,7 +34,7 @@ class SystemCommands:
         booted: whether the brick was put into firmware download mode.
     """
 
-    def __init__(self, loader: Loader, radio: Radio, modules: ModuleCommands) -> None:
+    def __init__(self, loader: Loader, radio: RadioModule, modules: ModuleCommands) -> None:
         self.stall_ms = 0
         self.booted = False
         self._loader = loader
@@ -82,7 +82,7 @@ class SystemCommands:
         try:
             data = self._handlers[type(request)](request, channel)
             return fp.encode_reply(type(request), data)
-        except Refusal as refusal:
+        except RefusedReply as refusal:
             return fp.encode_reply(type(request), refusal.data, status=refusal.status)
 
     def _versions(self, request: fp.GetVersions, channel: Channel) -> ReplyData:
@@ -93,14 +93,14 @@ class SystemCommands:
 
     def _boot(self, request: fp.Boot, channel: Channel) -> ReplyData:
         if channel.transport is not Transport.USB or request.magic[:-1] != BOOT_MAGIC[:-1]:
-            raise Refusal(Status.UNDEFINED_ERROR, fp.blank_reply(fp.Boot))
+            raise RefusedReply(Status.UNDEFINED_ERROR, fp.blank_reply(fp.Boot))
         self.booted = True
         return fp.Boot.Reply()
 
     def _set_name(self, request: fp.SetBrickName, channel: Channel) -> None:
         del channel
         if not self._radio.rename(request.name):
-            raise Refusal(Status.BLUETOOTH_BUSY)
+            raise RefusedReply(Status.BLUETOOTH_BUSY)
 
     def _address(self, request: fp.BluetoothGetAddress, channel: Channel) -> ReplyData:
         del request, channel
@@ -123,10 +123,10 @@ class SystemCommands:
 
     def _poll(self, request: fp.Poll, channel: Channel) -> ReplyData:
         if request.length > channel.sizes.poll:
-            raise Refusal(Status.UNDEFINED_ERROR, fp.Poll.Reply(request.buffer, 0, b""))
+            raise RefusedReply(Status.UNDEFINED_ERROR, fp.Poll.Reply(request.buffer, 0, b""))
         return fp.Poll.Reply(request.buffer, 0, bytes(request.length))
 
     def _factory_reset(self, request: fp.BluetoothFactoryReset, channel: Channel) -> None:
         del request
         if channel.transport is not Transport.USB or not self._radio.factory_reset():
-            raise Refusal(Status.UNDEFINED_ERROR)
+            raise RefusedReply(Status.UNDEFINED_ERROR)

@@ -99,7 +99,7 @@ _ENDPOINTS: Final = (
 
 
 @final
-class UsbDevice:
+class ServedUsbDevice:
     """A mock brick in a USB socket.
 
     Args:
@@ -172,25 +172,25 @@ class MockUsbBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb is un
         devices: what is plugged in; they may be unplugged and plugged in again.
     """
 
-    def __init__(self, devices: Sequence[UsbDevice]) -> None:
+    def __init__(self, devices: Sequence[ServedUsbDevice]) -> None:
         self._devices = devices
 
-    def enumerate_devices(self) -> Iterator[UsbDevice]:
+    def enumerate_devices(self) -> Iterator[ServedUsbDevice]:
         """All devices that are present."""
         return iter([device for device in self._devices if device.present])
 
-    def get_device_descriptor(self, dev: UsbDevice) -> DeviceDescriptor:
+    def get_device_descriptor(self, dev: ServedUsbDevice) -> DeviceDescriptor:
         """The device descriptor."""
         return dev.descriptor()
 
-    def get_configuration_descriptor(self, dev: UsbDevice, config: int) -> ConfigurationDescriptor:
+    def get_configuration_descriptor(self, dev: ServedUsbDevice, config: int) -> ConfigurationDescriptor:
         """The only configuration's descriptor."""
         del dev
         _only(config)
         return ConfigurationDescriptor()
 
     def get_interface_descriptor(
-        self, dev: UsbDevice, intf: int, alt: int, config: int
+        self, dev: ServedUsbDevice, intf: int, alt: int, config: int
     ) -> InterfaceDescriptor:
         """The only interface's descriptor."""
         del dev
@@ -198,47 +198,49 @@ class MockUsbBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb is un
         return InterfaceDescriptor()
 
     def get_endpoint_descriptor(
-        self, dev: UsbDevice, ep: int, intf: int, alt: int, config: int
+        self, dev: ServedUsbDevice, ep: int, intf: int, alt: int, config: int
     ) -> EndpointDescriptor:
         """One of the two endpoints' descriptors."""
         del dev
         _only(intf, alt, config)
         return _ENDPOINTS[ep]
 
-    def open_device(self, dev: UsbDevice) -> UsbDevice:
+    def open_device(self, dev: ServedUsbDevice) -> ServedUsbDevice:
         """A handle."""
         _check_present(dev)
         return dev
 
-    def close_device(self, dev_handle: UsbDevice) -> None:
+    def close_device(self, dev_handle: ServedUsbDevice) -> None:
         """Nothing is held."""
 
-    def set_configuration(self, dev_handle: UsbDevice, config_value: int) -> None:
+    def set_configuration(self, dev_handle: ServedUsbDevice, config_value: int) -> None:
         """Configure the device."""
         _check_present(dev_handle)
         dev_handle.configuration = config_value
 
-    def get_configuration(self, dev_handle: UsbDevice) -> int:
+    def get_configuration(self, dev_handle: ServedUsbDevice) -> int:
         """The configuration in force; 0 before the first one is set."""
         _check_present(dev_handle)
         return dev_handle.configuration
 
-    def set_interface_altsetting(self, dev_handle: UsbDevice, intf: int, altsetting: int) -> None:
+    def set_interface_altsetting(self, dev_handle: ServedUsbDevice, intf: int, altsetting: int) -> None:
         """There is only one setting."""
         _check_present(dev_handle)
         _only(intf, altsetting)
 
-    def claim_interface(self, dev_handle: UsbDevice, intf: int) -> None:
+    def claim_interface(self, dev_handle: ServedUsbDevice, intf: int) -> None:
         """Nobody else wants it."""
         _check_present(dev_handle)
         _only(intf)
 
-    def release_interface(self, dev_handle: UsbDevice, intf: int) -> None:
+    def release_interface(self, dev_handle: ServedUsbDevice, intf: int) -> None:
         """Nobody else wants it."""
         del dev_handle
         _only(intf)
 
-    def bulk_write(self, dev_handle: UsbDevice, ep: int, intf: int, data: array[int], timeout: int) -> int:
+    def bulk_write(
+        self, dev_handle: ServedUsbDevice, ep: int, intf: int, data: array[int], timeout: int
+    ) -> int:
         """Send bytes, in packets of at most 64."""
         del intf, timeout
         _check_present(dev_handle)
@@ -249,7 +251,9 @@ class MockUsbBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb is un
             dev_handle.line.write(raw[at : at + nxt_usb.PACKET_SIZE])
         return len(raw)
 
-    def bulk_read(self, dev_handle: UsbDevice, ep: int, intf: int, buff: array[int], timeout: int) -> int:
+    def bulk_read(
+        self, dev_handle: ServedUsbDevice, ep: int, intf: int, buff: array[int], timeout: int
+    ) -> int:
         """Receive a packet; the timeout is in ms, 0 for ever."""
         del intf
         _check_endpoint(ep, nxt_usb.ENDPOINT_IN)
@@ -269,7 +273,7 @@ class MockUsbBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb is un
 
     def ctrl_transfer(
         self,
-        dev_handle: UsbDevice,
+        dev_handle: ServedUsbDevice,
         bmRequestType: int,  # noqa: N803 - the standard's names
         bRequest: int,  # noqa: N803
         wValue: int,  # noqa: N803
@@ -294,18 +298,18 @@ class MockUsbBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb is un
         data[: len(kept)] = array("B", kept)
         return len(kept)
 
-    def clear_halt(self, dev_handle: UsbDevice, ep: int) -> None:
+    def clear_halt(self, dev_handle: ServedUsbDevice, ep: int) -> None:
         """No endpoint ever halts."""
         del ep
         _check_present(dev_handle)
 
-    def reset_device(self, dev_handle: UsbDevice) -> None:
+    def reset_device(self, dev_handle: ServedUsbDevice) -> None:
         """Reset the bus: what is on its way is lost, the firmware runs on."""
         _check_present(dev_handle)
         dev_handle.line.reset()
         dev_handle.configuration = 0
 
-    def is_kernel_driver_active(self, dev_handle: UsbDevice, intf: int) -> bool:
+    def is_kernel_driver_active(self, dev_handle: ServedUsbDevice, intf: int) -> bool:
         """No kernel has a driver for bricks."""
         del dev_handle, intf
         return False
@@ -322,7 +326,7 @@ def _check_endpoint(given: int, wanted: int) -> None:
         raise _error("Entity not found", errno.ENOENT)
 
 
-def _check_present(device: UsbDevice) -> None:
+def _check_present(device: ServedUsbDevice) -> None:
     if not device.present:
         raise _error("No such device (it may have been disconnected)", errno.ENODEV)
 

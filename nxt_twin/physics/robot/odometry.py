@@ -13,7 +13,7 @@ from nxt_twin.physics.robot.drive import Geometry
 
 @final
 @dataclass(frozen=True)
-class Pose:
+class PosePath:
     """Places and headings along a run, each of shape (samples,); headings counter-clockwise, not wrapped."""
 
     x_m: FloatArray
@@ -21,7 +21,7 @@ class Pose:
     heading_rad: FloatArray
 
 
-def axle_path(geometry: Geometry, left_rad: FloatArray, right_rad: FloatArray) -> Pose:
+def axle_path(geometry: Geometry, left_rad: FloatArray, right_rad: FloatArray) -> PosePath:
     """The path of the axle's middle from the origin, heading along x, as the wheels turn.
 
     Each wheel turns at a constant rate between samples, so that the path there is an arc.
@@ -36,14 +36,14 @@ def axle_path(geometry: Geometry, left_rad: FloatArray, right_rad: FloatArray) -
     return integrated(0.5 * (left_m + right_m), (right_m - left_m) / geometry.track_m)
 
 
-def integrated(travel_m: FloatArray, turn_rad: FloatArray) -> Pose:
+def integrated(travel_m: FloatArray, turn_rad: FloatArray) -> PosePath:
     """The path from the origin that steps of so much travel and turn make, shape (steps + 1,)."""
     heading = np.concatenate([[0.0], np.cumsum(turn_rad)])
     chord = travel_m * np.sinc(turn_rad / (2.0 * np.pi))
     middle = heading[:-1] + 0.5 * turn_rad
     x_m = np.concatenate([[0.0], np.cumsum(chord * np.cos(middle))])
     y_m = np.concatenate([[0.0], np.cumsum(chord * np.sin(middle))])
-    return Pose(x_m, y_m, heading)
+    return PosePath(x_m, y_m, heading)
 
 
 def measured_path(
@@ -52,7 +52,7 @@ def measured_path(
     right_rad: FloatArray,
     known: tuple[float, float, float],
     at: int = 0,
-) -> Pose:
+) -> PosePath:
     """What an outside camera would measure along the run, from one measured pose and the wheels alone.
 
     Args:
@@ -67,4 +67,4 @@ def measured_path(
     seen = path.x_m + 1j * path.y_m + lever * np.exp(1j * path.heading_rad)
     turn = known[2] - np.radians(geometry.heading_offset_deg) - path.heading_rad[at]
     turned = (seen - seen[at]) * np.exp(1j * turn) + known[0] + 1j * known[1]
-    return Pose(turned.real, turned.imag, path.heading_rad - path.heading_rad[at] + known[2])
+    return PosePath(turned.real, turned.imag, path.heading_rad - path.heading_rad[at] + known[2])

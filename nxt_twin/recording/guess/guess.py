@@ -12,7 +12,7 @@ import numpy as np
 
 from nxt_twin.errors import MappingError
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
-from nxt_twin.recording.guess.profile import Column, Profile, profile_of
+from nxt_twin.recording.guess.profile import TableColumn, TableProfile, profile_of
 from nxt_twin.recording.guess.roles import Roles, names, roles_of
 from nxt_twin.recording.guess.scales import input_scale, output_scale, step_of, time_unit, turn_of
 from nxt_twin.recording.source import quoted
@@ -43,7 +43,7 @@ class Guessed:
         lacking: why it is no whole mapping, where one of the keys could not be guessed.
     """
 
-    profile: Profile
+    profile: TableProfile
     guesses: tuple[Guess, ...]
     lacking: MappingError | None = None
 
@@ -88,7 +88,7 @@ def _optional(roles: Roles) -> Iterator[Guess]:
         yield Guess("split", _column(roles.split), f"{runs} runs, one after the other")
 
 
-def _table(profile: Profile) -> Guess:
+def _table(profile: TableProfile) -> Guess:
     """The format, as far as the content of another file might not tell it."""
     layout = profile.layout
     if layout is None:
@@ -106,7 +106,7 @@ def _table(profile: Profile) -> Guess:
     return Guess("table", keys, f"the delimiter that cuts all lines into as many numbers; {head}")
 
 
-def _time(profile: Profile, roles: Roles) -> Guess:
+def _time(profile: TableProfile, roles: Roles) -> Guess:
     if roles.time is None:
         known = names(profile.columns)
         which = "no column that grows from row to row as time does"
@@ -116,7 +116,7 @@ def _time(profile: Profile, roles: Roles) -> Guess:
     return Guess("time", _column(roles.time) | {"unit": unit}, why)
 
 
-def _output(profile: Profile, roles: Roles) -> Guess:
+def _output(profile: TableProfile, roles: Roles) -> Guess:
     column = roles.output
     if column is None:
         which = "no column that looks like a measured angle, position or speed"
@@ -137,11 +137,11 @@ def _output(profile: Profile, roles: Roles) -> Guess:
     )
 
 
-def _alike(one: Column, other: Column) -> bool:
+def _alike(one: TableColumn, other: TableColumn) -> bool:
     return split_name(one.name)[0] == split_name(other.name)[0] and one.index is not None
 
 
-def _input(profile: Profile, roles: Roles) -> Guess:
+def _input(profile: TableProfile, roles: Roles) -> Guess:
     if roles.input is not None and roles.output is not None:
         role, unit, size, why = input_scale(roles.input, roles.output)
         kind, gain = INPUTS[role][unit]
@@ -161,7 +161,7 @@ def _input(profile: Profile, roles: Roles) -> Guess:
     raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
 
 
-def _column(column: Column) -> dict[str, Any]:
+def _column(column: TableColumn) -> dict[str, Any]:
     stem, index = split_name(column.name)
     return {"column": column.name} if index is None else {"column": stem, "index": index}
 

@@ -35,7 +35,7 @@ _LEVELS_UP = 4  # from a LeRobot episode to its data set's meta/info.json
 
 @final
 @dataclass(frozen=True)
-class Column:
+class TableColumn:
     """One column.
 
     Attributes:
@@ -84,7 +84,7 @@ class Column:
 
 @final
 @dataclass(frozen=True)
-class Profile:
+class TableProfile:
     """A table as it is found.
 
     Attributes:
@@ -98,7 +98,7 @@ class Profile:
     path: Path
     kind: TableKind
     layout: TextLayout | None
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
     others: tuple[str, ...]
 
     @property
@@ -107,7 +107,7 @@ class Profile:
         return self.columns[0].values.size if self.columns else 0
 
 
-def profile_of(path: Path) -> Profile:
+def profile_of(path: Path) -> TableProfile:
     """Read all columns of a table.
 
     Raises:
@@ -128,8 +128,8 @@ def profile_of(path: Path) -> Profile:
     numbers = {name: values for name, values in numbers.items() if rows and values.size == rows[0][0]}
     units = _units(file, layout, list(cells)) | {name: ISO for name, own in dates.items() if own is not None}
     joints = _joints(file)
-    columns = (Column(n, v, units.get(n, _bracketed(n)), joints.get(n, "")) for n, v in numbers.items())
-    return Profile(file, kind, layout, tuple(columns), tuple(n for n, v in cells.items() if v is None))
+    columns = (TableColumn(n, v, units.get(n, _bracketed(n)), joints.get(n, "")) for n, v in numbers.items())
+    return TableProfile(file, kind, layout, tuple(columns), tuple(n for n, v in cells.items() if v is None))
 
 
 def _read(file: Path, kind: TableKind) -> dict[str, tuple[str, ...]]:

@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.recording.guess.profile import Column, Profile
+from nxt_twin.recording.guess.profile import TableColumn, TableProfile
 from nxt_twin.recording.guess.vocabulary import has, unit_of
 from nxt_twin.recording.tables.nested import split_name
 
@@ -24,15 +24,15 @@ _SUPPLY_V = (2.0, 100.0)
 class Roles:
     """The columns by role; None where none is found."""
 
-    time: Column | None
-    split: Column | None
-    output: Column | None
-    input: Column | None
-    supply: Column | None
-    mode: Column | None
+    time: TableColumn | None
+    split: TableColumn | None
+    output: TableColumn | None
+    input: TableColumn | None
+    supply: TableColumn | None
+    mode: TableColumn | None
 
 
-def roles_of(profile: Profile, joint: str | None) -> Roles:
+def roles_of(profile: TableProfile, joint: str | None) -> Roles:
     """The likeliest column for each role, each column in one role.
 
     Args:
@@ -53,20 +53,20 @@ def roles_of(profile: Profile, joint: str | None) -> Roles:
     return Roles(time, split, output, command, _take(left, _as_supply), _take(left, _as_mode))
 
 
-def _take(columns: list[Column], rating: Callable[[Column], float]) -> Column | None:
+def _take(columns: list[TableColumn], rating: Callable[[TableColumn], float]) -> TableColumn | None:
     """The column that rates best above 0, taken out of the list; of equals the first."""
     rated = [(rating(column), -place) for place, column in enumerate(columns)]
     best, place = max(rated, default=(0.0, 0))
     return columns.pop(-place) if best > 0.0 else None
 
 
-def _is_of(column: Column, joint: str | None) -> bool:
+def _is_of(column: TableColumn, joint: str | None) -> bool:
     if joint is None or (column.index is None and not column.joint and joint.lower() not in column.words):
         return joint is None
     return joint == str(column.index) or joint.lower() in (column.joint.lower(), *column.words)
 
 
-def _groups(split: Column | None, rows: int) -> list[slice]:
+def _groups(split: TableColumn | None, rows: int) -> list[slice]:
     """The rows of each recording."""
     if split is None:
         return [slice(0, rows)]
@@ -74,13 +74,13 @@ def _groups(split: Column | None, rows: int) -> list[slice]:
     return [slice(low, high) for low, high in pairwise(edges)]
 
 
-def _as_split(column: Column) -> float:
+def _as_split(column: TableColumn) -> float:
     if not has(column, "split") or not column.is_whole or not 1 < np.unique(column.known).size <= _MOST_RUNS:
         return 0.0
     return 1.0 if np.count_nonzero(np.diff(column.values)) < 0.2 * column.values.size else 0.0
 
 
-def _as_time(column: Column, groups: Iterable[slice]) -> float:
+def _as_time(column: TableColumn, groups: Iterable[slice]) -> float:
     steps = np.concatenate([np.diff(column.values[group]) for group in groups])
     if (
         not steps.size
@@ -95,12 +95,12 @@ def _as_time(column: Column, groups: Iterable[slice]) -> float:
     return max(2.0 + named + evenness - 2.0 * _is_mere_count(column), 0.0)
 
 
-def _is_mere_count(column: Column) -> bool:
+def _is_mere_count(column: TableColumn) -> bool:
     """Rows that are numbered."""
     return column.is_whole and bool(np.all(np.diff(column.values) == 1.0))
 
 
-def _as_output(column: Column) -> float:
+def _as_output(column: TableColumn) -> float:
     if column.span == 0.0 or has(column, "goal") or has(column, "split") or has(column, "supply"):
         return 0.0
     measures, _ = unit_of(column)
@@ -113,13 +113,13 @@ def _as_output(column: Column) -> float:
     return max(2.0 + named + united - other + smooth + moving - 1.5 * _is_stepped(column), 0.0)
 
 
-def _is_stepped(column: Column) -> bool:
+def _is_stepped(column: TableColumn) -> bool:
     """It rests, and leaps: as commands do, and motion cannot."""
     steps = np.abs(np.diff(column.known))
     return bool(steps.size and np.mean(steps == 0.0) > 0.5 and steps.max() > 0.2 * column.span)
 
 
-def _as_input(column: Column, output: Column | None) -> float:
+def _as_input(column: TableColumn, output: TableColumn | None) -> float:
     measures, _ = unit_of(column)
     named = 5.0 * any(has(column, each) for each in _COMMANDS) - 3.0 * has(column, "derived")
     united = 3.0 * (measures in ("power", "voltage", "current", "torque", "force"))
@@ -134,17 +134,17 @@ def _as_input(column: Column, output: Column | None) -> float:
     return max(named + united + beside + bare + drive - other - constant, 0.0)
 
 
-def _is_bare(column: Column) -> bool:
+def _is_bare(column: TableColumn) -> bool:
     """Its name says nothing: c3."""
     return not any(map(str.isalpha, "".join(column.words).replace("c", "")))
 
 
-def _is_of_one_matrix(column: Column, output: Column | None) -> bool:
+def _is_of_one_matrix(column: TableColumn, output: TableColumn | None) -> bool:
     is_element = output is not None and column.index is not None
     return is_element and split_name(column.name)[0] == split_name(output.name if output else "")[0]
 
 
-def _is_beside(column: Column, output: Column | None) -> bool:
+def _is_beside(column: TableColumn, output: TableColumn | None) -> bool:
     """Of the joint of the output, as its index or a word that is not about what is measured tells."""
     if output is None or _is_of_one_matrix(column, output):
         return False
@@ -154,18 +154,18 @@ def _is_beside(column: Column, output: Column | None) -> bool:
     return any(len(word) > 1 or word in "abc" for word in shared)
 
 
-def _as_supply(column: Column) -> float:
+def _as_supply(column: TableColumn) -> float:
     low, high = _SUPPLY_V
     scale = 1e-3 if column.largest > 1000.0 else 1.0
     middle = float(np.median(column.known)) * scale if column.known.size else 0.0
     return float(has(column, "supply") and low <= middle <= high)
 
 
-def _as_mode(column: Column) -> float:
+def _as_mode(column: TableColumn) -> float:
     few = np.unique(column.known)
     return float(has(column, "mode") and column.is_whole and 1 < few.size <= _MODES)
 
 
-def names(columns: Sequence[Column]) -> str:
+def names(columns: Sequence[TableColumn]) -> str:
     """The names of columns, for people."""
     return ", ".join(column.name for column in columns[:12]) + (", …" if len(columns) > 12 else "")

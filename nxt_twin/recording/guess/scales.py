@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
-from nxt_twin.recording.guess.profile import ISO, Column
+from nxt_twin.recording.guess.profile import ISO, TableColumn
 from nxt_twin.recording.guess.vocabulary import has, unit_of
 
 Scale = tuple[str, str, float, str]
@@ -30,7 +30,7 @@ _DISTINCT = 8
 _TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
 
 
-def time_unit(column: Column) -> tuple[str, str]:
+def time_unit(column: TableColumn) -> tuple[str, str]:
     """The unit of stamps, and why."""
     measures, unit = unit_of(column)
     if column.stated_unit == ISO:
@@ -50,7 +50,7 @@ def time_unit(column: Column) -> tuple[str, str]:
     return ("us" if middle < 1e6 else "ns"), f"{told} in whole numbers; CHECK"
 
 
-def output_scale(column: Column) -> Scale:
+def output_scale(column: TableColumn) -> Scale:
     """What a reading is."""
     measures, unit = unit_of(column)
     if measures in OUTPUTS:
@@ -71,7 +71,7 @@ def output_scale(column: Column) -> Scale:
     return "angle", "deg", 1.0, f"no unit is stated; up to {column.largest:.4g}, taken for degrees; CHECK"
 
 
-def _ticks(column: Column) -> Scale:
+def _ticks(column: TableColumn) -> Scale:
     for most, step_deg, told in _ENCODERS:
         if column.known.min() >= 0.0 and column.largest <= most:
             return (
@@ -83,7 +83,7 @@ def _ticks(column: Column) -> Scale:
     return "angle", "deg", 1.0, "ticks, taken for one degree each; CHECK the gain: degrees in a tick"
 
 
-def input_scale(column: Column, output: Column) -> Scale:
+def input_scale(column: TableColumn, output: TableColumn) -> Scale:
     """What a command is."""
     measures, unit = unit_of(column)
     if has(column, "goal") or (split_action(column) and not measures):
@@ -116,12 +116,12 @@ def input_scale(column: Column, output: Column) -> Scale:
     )
 
 
-def split_action(column: Column) -> bool:
+def split_action(column: TableColumn) -> bool:
     """LeRobot's `action` is the goal of each joint."""
     return "action" in column.words
 
 
-def turn_of(column: Column) -> float:
+def turn_of(column: TableColumn) -> float:
     """At which value a reading starts anew, in the column's unit; 0 where it does not."""
     leaps = np.abs(np.diff(column.known))
     for turn in _TURNS:
@@ -130,7 +130,7 @@ def turn_of(column: Column) -> float:
     return 0.0
 
 
-def step_of(column: Column) -> float:
+def step_of(column: TableColumn) -> float:
     """The smallest step of a reading, in the column's unit; 0 where it has none that shows."""
     levels = np.unique(column.known)
     if levels.size < _DISTINCT:

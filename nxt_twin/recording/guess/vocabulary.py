@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from nxt_twin.recording.guess.profile import Column
+from nxt_twin.recording.guess.profile import TableColumn
 
 _WRITTEN = """
 time: t time timestamp stamp ms millis micros seconds sec clock date datetime zeit tempo temps
@@ -62,12 +62,12 @@ _UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
 _SUFFIXES = ("rad_per_s", "deg_per_s", "m_per_s")
 
 
-def has(column: Column, subject: str) -> bool:
+def has(column: TableColumn, subject: str) -> bool:
     """Whether the column's name has a word for `subject`."""
     return bool(NAMES[subject].intersection(column.words))
 
 
-def unit_of(column: Column) -> tuple[str, str]:
+def unit_of(column: TableColumn) -> tuple[str, str]:
     """What the column's unit measures and the unit itself, as `--columns` writes it; empty where none is stated."""
     for stated in (column.stated_unit.lower(), *_endings(column)):
         if stated in _UNITS:
@@ -75,7 +75,7 @@ def unit_of(column: Column) -> tuple[str, str]:
     return "", ""
 
 
-def _endings(column: Column) -> list[str]:
+def _endings(column: TableColumn) -> list[str]:
     """What may be a unit at the end of a name: `speed_deg_per_s`, `angle_deg`, `angle/deg`, `t ms`."""
     name = column.name.lower()
     long = [suffix.replace("_per_", "/") for suffix in _SUFFIXES if name.endswith(suffix)]

@@ -16,7 +16,7 @@ from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view.dashboard.feeder import Feeder
-from nxt_twin.view.dashboard.job import Job
+from nxt_twin.view.dashboard.job import DashboardJob
 from nxt_twin.view.dashboard.page import page_url
 from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_display
 
@@ -37,7 +37,9 @@ class Dashboard:
         lossless: whether to wait for slow processes instead of dropping what is oldest.
     """
 
-    def __init__(self, viewer: Job | None, file: Job | None, *, lossless: bool = False) -> None:
+    def __init__(
+        self, viewer: DashboardJob | None, file: DashboardJob | None, *, lossless: bool = False
+    ) -> None:
         self._url = (
             "" if viewer is None or viewer.kind != "web" else page_url(viewer.page_port, viewer.data_port)
         )
@@ -151,16 +153,16 @@ def open_dashboard(
     viewer = file = None
     if view == "spawn":
         require_display()
-        viewer = Job("spawn", title, tuple(ports), tuple(channels), data_port=free_port(), tab=tab)
+        viewer = DashboardJob("spawn", title, tuple(ports), tuple(channels), data_port=free_port(), tab=tab)
     elif view == "web":
         page_port, data_port, parts_port = _three_ports(web_port)
-        viewer = Job(
+        viewer = DashboardJob(
             "web", title, tuple(ports), tuple(channels),
             data_port=data_port, page_port=page_port, parts_port=parts_port, tab=tab,
         )  # fmt: skip
     if save is not None:
         _check_writable(save)
-        file = Job("file", title, tuple(ports), tuple(channels), file=str(save.absolute()), tab=tab)
+        file = DashboardJob("file", title, tuple(ports), tuple(channels), file=str(save.absolute()), tab=tab)
     return Dashboard(viewer, file, lossless=lossless)
 
 

@@ -25,7 +25,7 @@ _LEAST_LIKELY: Final = 0.05
 
 @final
 @dataclass(frozen=True)
-class Table:
+class DrawnTable:
     """What is drawn under one name.
 
     Attributes:
@@ -74,13 +74,13 @@ class Tabulator:
         self._sent_s: deque[float] = deque(maxlen=_RATE_MEMORY + 1)
         self._likely: set[tuple[Port, str]] = set()
 
-    def tables(self, ticks: Sequence[Tick]) -> list[Table]:
+    def tables(self, ticks: Sequence[Tick]) -> list[DrawnTable]:
         """The tables of a batch; those without a row are left out."""
         channels: dict[str, list[Innovation]] = {}
         for tick in ticks:
             for innovation in tick.innovations:
                 channels.setdefault(innovation.channel, []).append(innovation)
-        found: list[Table] = []
+        found: list[DrawnTable] = []
         motors = {tacho_column(port): port for port in self._ports}
         for channel, innovations in channels.items():
             port = motors.get(channel)
@@ -90,7 +90,9 @@ class Tabulator:
             found += _motor_tables(port, ticks, self._likely)
         return [table for table in (*found, *self._link_tables(ticks)) if table.time_s.size]
 
-    def _reading_tables(self, place: str, channel: str, innovations: Sequence[Innovation]) -> list[Table]:
+    def _reading_tables(
+        self, place: str, channel: str, innovations: Sequence[Innovation]
+    ) -> list[DrawnTable]:
         rows = np.array([(i.time_s, i.measured, i.predicted, i.variance) for i in innovations])
         time_s, measured, predicted, variance = rows.T
         reach = BAND * np.sqrt(np.maximum(variance, 0.0))
@@ -105,11 +107,11 @@ class Tabulator:
             "innovation": np.column_stack([measured - predicted, reach, -reach]),
             "square": np.array(squares),
         }
-        found = [Table(f"{place}/{name}", time_s, values) for name, values in curves.items()]
+        found = [DrawnTable(f"{place}/{name}", time_s, values) for name, values in curves.items()]
         refused = np.array([not innovation.accepted for innovation in innovations])
-        return [*found, Table(f"{place}/refused", time_s[refused], measured[refused, None])]
+        return [*found, DrawnTable(f"{place}/refused", time_s[refused], measured[refused, None])]
 
-    def _link_tables(self, ticks: Sequence[Tick]) -> list[Table]:
+    def _link_tables(self, ticks: Sequence[Tick]) -> list[DrawnTable]:
         up = [tick for tick in ticks if tick.link_up]
         rates = []
         for tick in up:
@@ -122,14 +124,14 @@ class Tabulator:
         known = np.isfinite(rate_hz)
         latency_ms = np.array([1e3 * (tick.received_s - tick.sent_s) for tick in up])
         return [
-            Table("/link/latency_ms", time_s, latency_ms[:, None]),
-            Table("/link/polls_hz", time_s[known], rate_hz[known, None]),
-            Table("/link/up", *_changes([(tick.received_s, float(tick.link_up)) for tick in ticks])),
-            Table("/battery/volts", np.array([at for at, _ in read]), np.array([[v] for _, v in read])),
+            DrawnTable("/link/latency_ms", time_s, latency_ms[:, None]),
+            DrawnTable("/link/polls_hz", time_s[known], rate_hz[known, None]),
+            DrawnTable("/link/up", *_changes([(tick.received_s, float(tick.link_up)) for tick in ticks])),
+            DrawnTable("/battery/volts", np.array([at for at, _ in read]), np.array([[v] for _, v in read])),
         ]
 
 
-def _motor_tables(port: Port, ticks: Sequence[Tick], likely: set[tuple[Port, str]]) -> list[Table]:
+def _motor_tables(port: Port, ticks: Sequence[Tick], likely: set[tuple[Port, str]]) -> list[DrawnTable]:
     """The tables of one motor; an effect's probability from the batch on in which it is first likely."""
     states = [(tick.received_s, motor) for tick in ticks for motor in tick.motors if motor.port == port]
     if not states:
@@ -138,7 +140,7 @@ def _motor_tables(port: Port, ticks: Sequence[Tick], likely: set[tuple[Port, str
     reach = np.array([BAND * motor.unknown_torque_std_nm for _, motor in states])
     torque = np.array([motor.unknown_torque_nm for _, motor in states])
     found = [
-        Table(
+        DrawnTable(
             motor_path(port, "torque"),
             time_s,
             1e3 * np.column_stack([torque, torque - reach, torque + reach]),
@@ -154,7 +156,7 @@ def _motor_tables(port: Port, ticks: Sequence[Tick], likely: set[tuple[Port, str
         rows = [(at, motor.effects[name]) for at, motor in states if name in motor.effects]
         if rows:
             at_s, probability = np.array(rows).T
-            found.append(Table(effect_path(port, name), at_s, probability[:, None]))
+            found.append(DrawnTable(effect_path(port, name), at_s, probability[:, None]))
     return found
 
 

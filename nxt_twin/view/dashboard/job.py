@@ -14,7 +14,7 @@ _WORKER: Final = "nxt_twin.view.dashboard.worker"
 
 @final
 @dataclass(frozen=True)
-class Job:
+class DashboardJob:
     """What the process is to do; travels as its one argument.
 
     Attributes:
@@ -44,7 +44,7 @@ class Job:
         return [sys.executable, "-m", _WORKER, dumps(asdict(self))]
 
 
-def job_of(argument: str) -> Job:
-    """The job that `Job.command` wrote down."""
+def job_of(argument: str) -> DashboardJob:
+    """The job that `DashboardJob.command` wrote down."""
     known = loads(argument)
-    return Job(**{**known, "ports": tuple(known["ports"]), "channels": tuple(known["channels"])})
+    return DashboardJob(**{**known, "ports": tuple(known["ports"]), "channels": tuple(known["channels"])})

@@ -11,7 +11,7 @@ from queue import Queue
 from typing import Any, Final, Literal
 
 from nxt_twin.twin.records import Event, Tick
-from nxt_twin.view.dashboard.job import Job, job_of
+from nxt_twin.view.dashboard.job import DashboardJob, job_of
 from nxt_twin.view.dashboard.page import Page
 from nxt_twin.view.dashboard.viewer import LOOPBACK, find_viewer, listens, start_viewer
 from nxt_twin.view.dashboard.wire import read
@@ -96,7 +96,7 @@ def _gathered(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
         yield some
 
 
-def _open_viewer(job: Job) -> tuple[subprocess.Popen[bytes] | None, Page | None]:
+def _open_viewer(job: DashboardJob) -> tuple[subprocess.Popen[bytes] | None, Page | None]:
     if job.kind not in ("spawn", "web"):
         return None, None
     kind: Literal["spawn", "web"] = "web" if job.kind == "web" else "spawn"

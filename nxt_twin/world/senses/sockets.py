@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.mock.body.sensor import Analog, Sensor, Touch, empty_socket
-from nxt_twin.mock.body.ultrasonic import Ultrasonic
+from nxt_twin.mock.body.ultrasonic import UltrasonicBody
 from nxt_twin.world.senses.asked import Asked
 from nxt_twin.world.senses.gyro import GyroSense
 from nxt_twin.world.senses.held import Held
@@ -36,7 +36,7 @@ def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> 
         PlantError: a sensor's configuration is none.
         SensorError: likewise.
     """
-    ultrasonic: list[Ultrasonic] = []
+    ultrasonic: list[UltrasonicBody] = []
     streams = np.random.default_rng(seed).spawn(len(SOCKETS))
     return [
         Asked(_socket(mounts[port], port, around, rng, ultrasonic)) if port in mounts else empty_socket()
@@ -45,14 +45,14 @@ def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> 
 
 
 def _socket(
-    mount: SensorModel, port: int, around: Surroundings, rng: Generator, ultrasonic: list[Ultrasonic]
+    mount: SensorModel, port: int, around: Surroundings, rng: Generator, ultrasonic: list[UltrasonicBody]
 ) -> Sensor:
     match mount:
         case UltrasonicMount():
             sense = UltrasonicSense(
                 mount, around, rng, lambda: any(o.pinging for o in ultrasonic if o is not own)
             )
-            own = Ultrasonic(sense)
+            own = UltrasonicBody(sense)
             ultrasonic.append(own)
             return own
         case LightMount():

@@ -33,7 +33,7 @@ _NEVER_DEG: Final = 179.0
 
 @final
 class UltrasonicSense:
-    """What an ultrasonic sensor reads, cm; the mock's `Showing`, asked at each ping.
+    """What an ultrasonic sensor reads, cm; the mock's `SensorView`, asked at each ping.
 
     A surface sends an echo where its incidence and the ray's angle off the axis, together, are within the model's beam:
     for a flat wall that is the wall's own angle, as the source paper measured it. The echo that counts is the nearest.

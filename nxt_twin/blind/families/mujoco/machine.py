@@ -13,7 +13,7 @@ from nxt_twin.blind.families.compiled import as_record
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.mujoco import electric, model
 from nxt_twin.blind.families.numbers import NEVER_S, Numbers
-from nxt_twin.blind.families.setting import Hidden, Hideable, Setting
+from nxt_twin.blind.families.setting import DrawnCase, HiddenEffect, Hideable
 
 HUB: Final = 1
 VARYING: Final = (
@@ -104,14 +104,14 @@ class MuJoCo(Machine):
         self._model.dof_frictionloss[rubbing] = max(level - motor.share * motor.coulomb_nm, 1e-9)
 
 
-def _swinging_mass(at: Setting) -> Hidden:
+def _swinging_mass(at: DrawnCase) -> HiddenEffect:
     torque = at.torque(small=(0.01, 0.015), medium=(0.025, 0.04), large=(0.06, 0.09))
     pin_m, length_m = at.between(0.03, 0.05), at.between(0.04, 0.1)
     mass_kg = torque / (model.GRAVITY_M_PER_S2 * pin_m)
     return _strange(model.SWINGING_MASS, a=mass_kg, b=pin_m, c=length_m, d=mass_kg * length_m**2 * 0.8)
 
 
-def _slack_rope(at: Setting) -> Hidden:
+def _slack_rope(at: DrawnCase) -> HiddenEffect:
     stiffness = at.torque(small=(4e-3, 7e-3), medium=(0.012, 0.02), large=(0.04, 0.08))
     width = at.between(1.0, 4.0)
     middle = math.radians(float(np.mean(at.starts_deg))) + float(at.rng.uniform(-0.5, 0.5))
@@ -119,20 +119,20 @@ def _slack_rope(at: Setting) -> Hidden:
     return _strange(model.SLACK_ROPE, a=stiffness, b=middle - width, c=middle + width, d=damping)
 
 
-def _sprung_bump(at: Setting) -> Hidden:
+def _sprung_bump(at: DrawnCase) -> HiddenEffect:
     return _strange(
         model.SPRUNG_BUMP, a=at.among(small=(40.0, 60.0), medium=(100.0, 150.0), large=(250.0, 400.0))
     )
 
 
-def _rolling_ballast(at: Setting) -> Hidden:
+def _rolling_ballast(at: DrawnCase) -> HiddenEffect:
     torque = at.torque(small=(0.01, 0.015), medium=(0.025, 0.04), large=(0.06, 0.09))
     room_m = at.between(0.03, 0.06)
     return _strange(model.ROLLING_BALLAST, a=torque / (model.GRAVITY_M_PER_S2 * room_m), b=room_m)
 
 
-def _strange(kind: int, **numbers: float) -> Hidden:
-    return Hidden(numbers, {"stranger": float(kind), **numbers})
+def _strange(kind: int, **numbers: float) -> HiddenEffect:
+    return HiddenEffect(numbers, {"stranger": float(kind), **numbers})
 
 
 STRANGERS: Final = (

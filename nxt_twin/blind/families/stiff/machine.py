@@ -12,7 +12,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.families.compiled import as_record
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.numbers import Numbers
-from nxt_twin.blind.families.setting import Hidden, Hideable, Setting
+from nxt_twin.blind.families.setting import DrawnCase, HiddenEffect, Hideable
 from nxt_twin.blind.families.stiff import rates as own
 
 RELATIVE: Final = 1e-4
@@ -106,30 +106,30 @@ class Stiff(Machine):
             self._held = self._motor.stop_side * pushed > 0.0
 
 
-def _ageing_friction(at: Setting) -> Hidden:
+def _ageing_friction(at: DrawnCase) -> HiddenEffect:
     torque = at.torque(small=(3e-3, 5e-3), medium=(8e-3, 12e-3), large=(18e-3, 28e-3))
     return _strange(own.AGEING_FRICTION, a=torque, b=at.between(0.3, 1.5))
 
 
-def _eddy_brake(at: Setting) -> Hidden:
+def _eddy_brake(at: DrawnCase) -> HiddenEffect:
     torque = at.torque(small=(0.02, 0.03), medium=(0.05, 0.08), large=(0.12, 0.2))
     fastest = at.motor.supply_v / at.motor.torque_constant_nm_per_a
     return _strange(own.EDDY_BRAKE, a=torque, b=fastest * at.between(0.1, 0.25))
 
 
-def _tired_magnet(at: Setting) -> Hidden:
+def _tired_magnet(at: DrawnCase) -> HiddenEffect:
     fall = at.among(small=(0.06, 0.09), medium=(0.14, 0.2), large=(0.28, 0.4))
     fastest = at.motor.supply_v / at.motor.torque_constant_nm_per_a
     return _strange(own.TIRED_MAGNET, a=fall, b=at.between(0.4, 2.0), c=0.8 * fastest)
 
 
-def _crank(at: Setting) -> Hidden:
+def _crank(at: DrawnCase) -> HiddenEffect:
     share = at.among(small=(0.15, 0.22), medium=(0.35, 0.5), large=(0.65, 0.85))
     return _strange(own.CRANK, a=share, b=at.pick(1.0, 2.0, 3.0), d=at.phase())
 
 
-def _strange(kind: int, **numbers: float) -> Hidden:
-    return Hidden(numbers, {"stranger": float(kind), **numbers})
+def _strange(kind: int, **numbers: float) -> HiddenEffect:
+    return HiddenEffect(numbers, {"stranger": float(kind), **numbers})
 
 
 STRANGERS: Final = (

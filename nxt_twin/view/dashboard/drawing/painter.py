@@ -14,7 +14,7 @@ from nxt_twin.physics.library import name_of
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, EventKind, Tick
 from nxt_twin.view.dashboard.cloud import Cloud, CloudPicture
-from nxt_twin.view.dashboard.columns import INNOVATION, NIS, READING, TORQUE, Table, Tabulator, turn_of
+from nxt_twin.view.dashboard.columns import INNOVATION, NIS, READING, TORQUE, DrawnTable, Tabulator, turn_of
 from nxt_twin.view.dashboard.drawing import colours, robot
 from nxt_twin.view.dashboard.drawing.layout import TIMELINE, blueprint
 
@@ -177,7 +177,7 @@ class Painter:
             self._stream.log("/story", story)
 
 
-def _scalars(table: Table) -> Any:  # noqa: ANN401 - rerun's
+def _scalars(table: DrawnTable) -> Any:  # noqa: ANN401 - rerun's
     columns = rr.Scalars.columns(scalars=table.values.ravel())
     width = table.values.shape[1]
     return columns if width == 1 else columns.partition([width] * table.time_s.size)

@@ -21,7 +21,7 @@ _GHOST_HALF_M: Final = (0.06, 0.05, 0.04)
 _FLUSH_S: Final = 30.0
 
 
-class Solid(Protocol):
+class DrawnSolid(Protocol):
     """A shape in its body's frame; `nxt_twin.world.assembly.Shape` is one."""
 
     @property
@@ -55,7 +55,7 @@ class Solid(Protocol):
         ...
 
 
-class Way(Protocol):
+class BodyPath(Protocol):
     """A body and how it moved; `nxt_twin.world.motion.Moved` is one."""
 
     @property
@@ -64,7 +64,7 @@ class Way(Protocol):
         ...
 
     @property
-    def shapes(self) -> Sequence[Solid]:
+    def shapes(self) -> Sequence[DrawnSolid]:
         """What it is made of."""
         ...
 
@@ -120,7 +120,7 @@ class WorldView:
         )
         self._stream.log("/world/floor", mesh, static=True)
 
-    def bodies(self, time_s: FloatArray, bodies: Sequence[Way]) -> None:
+    def bodies(self, time_s: FloatArray, bodies: Sequence[BodyPath]) -> None:
         """Every body's solids, and where its frame was at each time, shape (samples,)."""
         for body in bodies:
             path = f"/world/{body.name.replace(' ', '_')}"
@@ -164,7 +164,7 @@ class WorldView:
         strip = np.column_stack([places_m, np.full(len(places_m), _ABOVE_M)])
         self._stream.log(path, self._rr.LineStrips3D([strip], colors=[colour], radii=0.003), static=True)
 
-    def _drawn(self, solid: Solid) -> list[Any]:
+    def _drawn(self, solid: DrawnSolid) -> list[Any]:
         from scipy.spatial.transform import Rotation
 
         rr = self._rr
