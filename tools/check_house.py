@@ -27,7 +27,16 @@ _CHECKS = re.compile(r"assert|^check|raises$|fail$")
 
 def main() -> int:
     """Print every finding; 1 if there is one."""
-    found = [*_product(), *_twice(), *_circles(), *_locks(), *_user_paths(), *_tests(), *pages(ROOT), *words(ROOT)]
+    found = [
+        *_product(),
+        *_twice(),
+        *_circles(),
+        *_locks(),
+        *_user_paths(),
+        *_tests(),
+        *pages(ROOT),
+        *words(ROOT),
+    ]
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 

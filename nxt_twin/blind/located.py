@@ -25,7 +25,7 @@ class LocatedOnset:
 
 @final
 @dataclass(frozen=True)
-class Place:
+class OnsetPlace:
     """What a diagnosis says of where, as far as it is judged.
 
     Attributes:
@@ -78,18 +78,18 @@ class Located:
         return self.onset.low_s <= self.event.time_s <= self.onset.high_s
 
 
-NOWHERE: Final = Place(None, None, None, ())
+NOWHERE: Final = OnsetPlace(None, None, None, ())
 UNPLACED: Final = Located(None, None, None, None, None, None)
 
 
-def parse_place(mismatch: Mapping[str, Any]) -> Place:
+def parse_place(mismatch: Mapping[str, Any]) -> OnsetPlace:
     """Take from a diagnosis's mismatch what is judged; what is left out is not judged.
 
     Raises:
         KeyError, TypeError, ValueError: if a key is missing or of another type.
     """
     sources = mismatch.get("sources", ())
-    return Place(
+    return OnsetPlace(
         equation=mismatch.get("equation"),
         loudest=max(sources, key=lambda one: float(one["strength"]))["equation"] if sources else None,
         least_p=min(float(one["p_value"]) for one in sources) if sources else None,
@@ -100,7 +100,7 @@ def parse_place(mismatch: Mapping[str, Any]) -> Place:
     )
 
 
-def locate(answer: Mapping[str, Any], place: Place) -> Located:
+def locate(answer: Mapping[str, Any], place: OnsetPlace) -> Located:
     """Compare what is said of where with the answer."""
     effects = answer["effects"]
     truth = _equation(effects[0]) if len(effects) == 1 else None

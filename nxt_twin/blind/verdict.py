@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, final
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
-from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, Place, locate, parse_place
+from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, OnsetPlace, locate, parse_place
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.share import NORMAL_95
 from nxt_twin.errors import CaseError
@@ -123,7 +123,7 @@ class Given:
     refit: Mapping[str, float]
     fit_ratio: float | None
     improved: float | None
-    place: Place
+    place: OnsetPlace
     probability: Mapping[str, float] = field(default_factory=dict)
 
 

@@ -18,7 +18,7 @@ from nxt_twin.cli.output import fail
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 
 if TYPE_CHECKING:
-    from nxt_twin.fleet.run import Tally
+    from nxt_twin.fleet.run import FleetTally
 
 fleet = typer.Typer(no_args_is_help=True, help="Many recordings of many units.")
 
@@ -54,12 +54,12 @@ def diagnose(
     """
     from nxt_twin.fleet.parcel import Options
     from nxt_twin.fleet.run import diagnose_fleet
-    from nxt_twin.fleet.table import Table
+    from nxt_twin.fleet.table import FleetTable
     from nxt_twin.fleet.workers.place import Cluster, Processes
 
     options = Options(seed, tolerated(tolerance))
     place = Cluster(cluster) if cluster else Processes(jobs)
-    with Table(out) as table, _bar() as tell:
+    with FleetTable(out) as table, _bar() as tell:
         tally = diagnose_fleet(places, table, options, place, tell)
     print(
         f"{tally.sessions} sessions: {tally.diagnosed} diagnosed, {tally.kept} kept from before, "
@@ -71,7 +71,7 @@ def diagnose(
 
 
 @contextmanager
-def _bar() -> Iterator[Callable[[Tally], None]]:
+def _bar() -> Iterator[Callable[[FleetTally], None]]:
     """Show on standard error how far it is: a bar on a terminal, a line for each tenth elsewhere."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -80,7 +80,7 @@ def _bar() -> Iterator[Callable[[Tally], None]]:
     with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("fleet", total=None)
 
-        def tell(tally: Tally) -> None:
+        def tell(tally: FleetTally) -> None:
             failed = f", {tally.failed} failed" if tally.failed else ""
             bar.update(task, total=tally.sessions, completed=tally.ended, description=f"fleet{failed}")
             if bar.disable and tally.sessions >= _FEWEST_TOLD and tally.ended % (tally.sessions // 10) == 0:

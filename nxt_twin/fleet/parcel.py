@@ -8,7 +8,7 @@ from hashlib import blake2b
 from typing import Any, Final, final
 
 from nxt_twin.fleet.finding.labels import Labels
-from nxt_twin.fleet.finding.sessions import Session
+from nxt_twin.fleet.finding.sessions import LoggedSession
 from nxt_twin.fleet.version import engine_version
 
 _KEY_BYTES: Final = 16
@@ -55,7 +55,7 @@ class Parcel:
     engine: str
 
 
-def parcel_of(session: Session, options: Options) -> Parcel:
+def parcel_of(session: LoggedSession, options: Options) -> Parcel:
     """Read a session's files.
 
     Raises:

@@ -10,17 +10,17 @@ from typing import final
 from nxt_twin.fleet.finding.sessions import counted, sessions
 from nxt_twin.fleet.parcel import Options, Parcel, parcel_of
 from nxt_twin.fleet.row import FailureKind, Row, completed, failed
-from nxt_twin.fleet.table import Table
+from nxt_twin.fleet.table import FleetTable
 from nxt_twin.fleet.version import engine_version
 from nxt_twin.fleet.work import diagnosed
 from nxt_twin.fleet.workers.each import each
-from nxt_twin.fleet.workers.outcome import Failure, Outcome
+from nxt_twin.fleet.workers.outcome import CaseOutcome, Failure
 from nxt_twin.fleet.workers.place import Place
 
 
 @final
 @dataclass(frozen=True)
-class Tally:
+class FleetTally:
     """How far a fleet is.
 
     Attributes:
@@ -43,11 +43,11 @@ class Tally:
 
 def diagnose_fleet(
     places: Sequence[str],
-    table: Table,
+    table: FleetTable,
     options: Options,
     place: Place,
-    progress: Callable[[Tally], None] = lambda _: None,
-) -> Tally:
+    progress: Callable[[FleetTally], None] = lambda _: None,
+) -> FleetTally:
     """Diagnose every session that has no row yet.
 
     Args:
@@ -60,13 +60,13 @@ def diagnose_fleet(
     Raises:
         FleetError: there is nothing to diagnose, or nobody to do it; no recording's failure raises.
     """
-    return _Run(table, options, progress, Tally(counted(places))).over(places, place)
+    return _Run(table, options, progress, FleetTally(counted(places))).over(places, place)
 
 
 @final
 class _Run:
     def __init__(
-        self, table: Table, options: Options, progress: Callable[[Tally], None], tally: Tally
+        self, table: FleetTable, options: Options, progress: Callable[[FleetTally], None], tally: FleetTally
     ) -> None:
         self._table = table
         self._options = options
@@ -74,7 +74,7 @@ class _Run:
         self._tally = tally
         self._done = table.done()
 
-    def over(self, places: Sequence[str], place: Place) -> Tally:
+    def over(self, places: Sequence[str], place: Place) -> FleetTally:
         """Do all, and say how it went."""
         with closing(each(diagnosed, self._waiting(places), place)) as outcomes:  # type: ignore[type-var]
             for outcome in outcomes:
@@ -103,12 +103,12 @@ class _Run:
         else:
             self._tell(replace(tally, diagnosed=tally.diagnosed + 1))
 
-    def _tell(self, tally: Tally) -> None:
+    def _tell(self, tally: FleetTally) -> None:
         self._tally = tally
         self._progress(tally)
 
 
-def _row(outcome: Outcome[Parcel, Row]) -> Row:
+def _row(outcome: CaseOutcome[Parcel, Row]) -> Row:
     if outcome.result is not None:
         return outcome.result
     parcel, failure = outcome.task, outcome.failure or Failure("raised", "no answer")

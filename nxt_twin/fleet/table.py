@@ -21,7 +21,7 @@ _ROWS_AT_ONCE: Final = 1000
 
 
 @final
-class Table:
+class FleetTable:
     """Rows by unit and session. A row that was added stays, whatever ends the program; use it in a `with` block.
 
     Args:
@@ -41,7 +41,7 @@ class Table:
         _lock(self._file, self._journal)
         self._cut_torn_end()
 
-    def __enter__(self) -> Table:
+    def __enter__(self) -> FleetTable:
         return self
 
     def __exit__(self, *_: object) -> None:

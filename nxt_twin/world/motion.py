@@ -19,7 +19,7 @@ EVERY_MS: Final = 40
 
 @final
 @dataclass(frozen=True)
-class BodyMotion:
+class RigidMotion:
     """A rigid body's way.
 
     Attributes:
@@ -66,7 +66,7 @@ class Motion:
         """For each sample the ways of the last echoes, shape (rays, 2, 3)."""
         return self._rays
 
-    def bodies(self) -> list[BodyMotion]:
+    def bodies(self) -> list[RigidMotion]:
         """Every rigid body, the robot's first."""
         arena = self._arena
         named = [(f"robot/{link.name}", link.shapes) for link in arena.assembly.links]
@@ -76,7 +76,7 @@ class Motion:
         ]
         frames = np.array(self._frames).reshape(len(self._times), len(named), 7)
         return [
-            BodyMotion(name, shapes, frames[:, n, :3], frames[:, n, 3:])
+            RigidMotion(name, shapes, frames[:, n, :3], frames[:, n, 3:])
             for n, (name, shapes) in enumerate(named)
             if shapes
         ]

@@ -5,7 +5,7 @@ from fleet_samples import write_motor, write_poison
 
 from nxt_twin.fleet.parcel import Options
 from nxt_twin.fleet.run import diagnose_fleet
-from nxt_twin.fleet.table import Table
+from nxt_twin.fleet.table import FleetTable
 from nxt_twin.fleet.workers.place import Here
 
 
@@ -18,6 +18,6 @@ def done_fleet(tmp_path_factory):
     write_motor(root / "batch=B1" / "unit=plain" / "run.parquet", seed=2)
     write_poison(root / "batch=B2" / "unit=poisoned" / "session=2026-03-02" / "run.csv")
     path = folder / "fleet.parquet"
-    with Table(path) as table:
+    with FleetTable(path) as table:
         tally = diagnose_fleet([str(root)], table, Options(), Here())
     return SimpleNamespace(root=root, path=path, tally=tally)

@@ -41,7 +41,7 @@ _FORCES: Final = f"names {len(EXPRESSED)} effects; none of timing, encoder, seco
 PEERS: Final[tuple[RivalMethod, ...]] = (
     RivalMethod("sindy", f"PySINDy on the discrepancy, threshold by held-out half seconds; {_FORCES}", _naming(sindy)),
     RivalMethod("lisdd", f"regimes, a sample-split F test, false discoveries controlled; {_FORCES}", _naming(lisdd)),
-    RivalMethod("freed", f"everything freed at once, 95 % intervals; {_FORCES}; never answers unexplained", _naming(freed)),
+    RivalMethod("freed", f"all terms freed at once, 95 % intervals; {_FORCES}; never unexplained", _naming(freed)),
     RivalMethod("ctsm", "likelihood ratio of process noise; names nothing, says that the torque balance is wrong",
          lambda case: None if lacks_something(case) else ()),
 )  # fmt: skip

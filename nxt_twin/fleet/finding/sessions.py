@@ -21,7 +21,7 @@ _YAML: Final = (".yaml", ".yml")
 
 @final
 @dataclass(frozen=True)
-class Session:
+class LoggedSession:
     """One case: a unit's recordings of one occasion.
 
     Attributes:
@@ -41,7 +41,7 @@ class Session:
     keys: dict[str, Any]
 
 
-def sessions(places: Sequence[str]) -> Iterator[Session]:
+def sessions(places: Sequence[str]) -> Iterator[LoggedSession]:
     """Each session in the order of its place, folder and name.
 
     Args:
@@ -104,14 +104,14 @@ class _Tree:
 
     def session(
         self, labels: Labels, folder: Folder, files: dict[str, str], tables: Sequence[str]
-    ) -> Session:
+    ) -> LoggedSession:
         """A session; of a single table the source is that table."""
         source = files[tables[0]] if len(tables) == 1 else folder.path
         keys = self.file.case_keys() if tables else {}
-        return Session(labels, self.store, self.store.name(source), files, tuple(tables), keys)
+        return LoggedSession(labels, self.store, self.store.name(source), files, tuple(tables), keys)
 
 
-def _below(tree: _Tree, root: Root) -> Iterator[Session]:
+def _below(tree: _Tree, root: Root) -> Iterator[LoggedSession]:
     if tree.store.is_file(root.path):
         path = PurePosixPath(root.path)
         tables = [path.name] if _is_table(path.name, mapped=tree.file.mapping is not None) else []
@@ -128,7 +128,7 @@ def _below(tree: _Tree, root: Root) -> Iterator[Session]:
             yield from _tables(tree, folder)
 
 
-def _case(tree: _Tree, top: Folder) -> Session:
+def _case(tree: _Tree, top: Folder) -> LoggedSession:
     files = {
         str(PurePosixPath(folder.path, name).relative_to(top.path)): str(PurePosixPath(folder.path, name))
         for folder in tree.store.walk(top.path)
@@ -143,7 +143,7 @@ def _own_name(path: str) -> str:
     return PurePosixPath(path).name or Path.cwd().name
 
 
-def _tables(tree: _Tree, folder: Folder) -> Iterator[Session]:
+def _tables(tree: _Tree, folder: Folder) -> Iterator[LoggedSession]:
     """The sessions of a folder's tables: one of them all, or one of each."""
     tables = [name for name in folder.files if _is_table(name, mapped=tree.file.mapping is not None)]
     parts = tree.parts(folder.path)
@@ -156,7 +156,7 @@ def _tables(tree: _Tree, folder: Folder) -> Iterator[Session]:
         yield tree.session(labels_of(parts, tree.file.folders), folder, files, tables)
 
 
-def _single(tree: _Tree, folder: Folder, tables: Sequence[str]) -> Iterator[Session]:
+def _single(tree: _Tree, folder: Folder, tables: Sequence[str]) -> Iterator[LoggedSession]:
     """Each table as a session, with its sidecar and the files that sidecars name."""
     stems = {PurePosixPath(name).stem for name in folder.files if not name.endswith(_YAML)}
     shared = [

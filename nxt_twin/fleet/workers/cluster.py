@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any, Final
 
 from nxt_twin.fleet.errors import FleetError
-from nxt_twin.fleet.workers.outcome import Failure, Outcome, ResultT, TaskT, died, raised
+from nxt_twin.fleet.workers.outcome import CaseOutcome, Failure, ResultT, TaskT, died, raised
 
 _CONNECT_S: Final = 10.0
 _WAITING_EACH: Final = 2
@@ -21,7 +21,7 @@ _SETTINGS: Final = {"distributed.admin.large-graph-warning-threshold": "1GB"}
 
 def on_cluster(
     work: Callable[[TaskT], ResultT], tasks: Iterable[TaskT], address: str
-) -> Iterator[Outcome[TaskT, ResultT]]:
+) -> Iterator[CaseOutcome[TaskT, ResultT]]:
     """Yield the outcome of `work(task)` for each task, in the order in which they end.
 
     Raises:
@@ -48,7 +48,7 @@ def on_cluster(
         for future in ended:
             task = running.pop(future.key)
             error = future.exception()
-            yield Outcome(task, None if error else future.result(), _failure(error) if error else None)
+            yield CaseOutcome(task, None if error else future.result(), _failure(error) if error else None)
             future.release()
             fill()
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from nxt_twin.fleet.workers.outcome import Outcome, ResultT, TaskT, raised
+from nxt_twin.fleet.workers.outcome import CaseOutcome, ResultT, TaskT, raised
 from nxt_twin.fleet.workers.place import Cluster, Place, Processes
 from nxt_twin.fleet.workers.processes import in_processes
 
 
 def each(
     work: Callable[[TaskT], ResultT], tasks: Iterable[TaskT], place: Place
-) -> Iterator[Outcome[TaskT, ResultT]]:
+) -> Iterator[CaseOutcome[TaskT, ResultT]]:
     """Yield the outcome of `work(task)` for each task, as they come.
 
     Tasks are taken only as workers become free, so that many of them cost no memory. Close the iterator to stop
@@ -35,8 +35,8 @@ def each(
     return (_done(work, task) for task in tasks)
 
 
-def _done(work: Callable[[TaskT], ResultT], task: TaskT) -> Outcome[TaskT, ResultT]:
+def _done(work: Callable[[TaskT], ResultT], task: TaskT) -> CaseOutcome[TaskT, ResultT]:
     try:
-        return Outcome(task, work(task))
+        return CaseOutcome(task, work(task))
     except Exception as error:
-        return Outcome(task, None, raised(error))
+        return CaseOutcome(task, None, raised(error))

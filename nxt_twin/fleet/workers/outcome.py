@@ -28,7 +28,7 @@ class Failure:
 
 @final
 @dataclass(frozen=True)
-class Outcome(Generic[TaskT, ResultT]):
+class CaseOutcome(Generic[TaskT, ResultT]):
     """A task with its result, or with why there is none.
 
     Attributes:

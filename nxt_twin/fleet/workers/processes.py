@@ -12,8 +12,8 @@ from typing import Any, Final, Generic, cast, final
 
 from nxt_twin.fleet.workers.outcome import (
     MOST_DEATHS,
+    CaseOutcome,
     Failure,
-    Outcome,
     ResultT,
     TaskT,
     died,
@@ -26,7 +26,7 @@ _CONTEXT: Final = get_context("spawn")
 
 def in_processes(
     work: Callable[[TaskT], ResultT], tasks: Iterable[TaskT], count: int
-) -> Iterator[Outcome[TaskT, ResultT]]:
+) -> Iterator[CaseOutcome[TaskT, ResultT]]:
     """Yield the outcome of `work(task)` for each task, in the order in which they end, from `count` processes.
 
     A task whose process died is given to another one, until `MOST_DEATHS` have died over it.
@@ -63,7 +63,7 @@ class _Crew(Generic[TaskT, ResultT]):
                 pipe.send(task)
         return bool(self._at_work)
 
-    def ended(self) -> Iterator[Outcome[TaskT, ResultT]]:
+    def ended(self) -> Iterator[CaseOutcome[TaskT, ResultT]]:
         """Wait for somebody, and yield what became of the tasks that have ended."""
         for pipe in wait(list(self._at_work)):
             worker, task, deaths = self._at_work.pop(cast("Connection", pipe))
@@ -74,10 +74,10 @@ class _Crew(Generic[TaskT, ResultT]):
                 if deaths + 1 < MOST_DEATHS:
                     self._again.append((task, deaths + 1))
                 else:
-                    yield Outcome(task, None, died())
+                    yield CaseOutcome(task, None, died())
                 continue
             self._idle.append(worker)
-            yield Outcome(task, result, failure)
+            yield CaseOutcome(task, result, failure)
 
     def close(self) -> None:
         """End all, whatever they do."""
