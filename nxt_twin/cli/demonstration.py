@@ -98,6 +98,7 @@ def _held(
         plants,
         program=excitation(tuple(plants)),
         adopt=True,
+        experiment=True,
         out=recording,
         pace=pace_of(url),
         enough=ending.enough,

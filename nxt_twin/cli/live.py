@@ -69,6 +69,7 @@ def live(
         sensors=slots,
         program=commanded,
         adopt=adopt,
+        experiment=program == _BUILT_IN,
         out=out,
         pace=pace_of(found),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
@@ -20,6 +20,7 @@ from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording
 from nxt_twin.twin.adopt import AtOnce
+from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.replayed import replay_sitting, sensors_of
 from nxt_twin.twin.sensor_twin import SensorTwin
 
@@ -65,7 +66,7 @@ def replay_beside(recording: Path, asked: ReplayArguments, showing: Showing) -> 
         )
     channels = [SensorTwin(slot, kind).column for slot, kind in sensors_of(played).items()]
     told = audience(watched, channels, showing)
-    beside: Executor = ThreadPoolExecutor(1, "diagnosis") if asked.speed > 0.0 else AtOnce()
+    beside: Executor = diagnosing() if asked.speed > 0.0 else AtOnce()
     sitting, duration_s = replay_sitting(
         played, dict.fromkeys(watched, plant), clock, told.sink(), beside if asked.adopt else None
     )

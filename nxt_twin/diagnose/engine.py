@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -58,6 +59,7 @@ def diagnose(
     seed: int = 0,
     tolerance: float | None = None,
     without: frozenset[str] = frozenset(),
+    leaning: Mapping[str, float] | None = None,
     progress: Progress = lambda _: None,
 ) -> Answer:
     """Say what physics `case`'s baseline leaves out, if any.
@@ -68,12 +70,14 @@ def diagnose(
             the encoder or the roughness of its readings.
         seed: of the random shifts behind the regimes' p-values; nothing else is random.
         without: ids of effects that are not tried, to see what a diagnosis says of physics that it does not know.
+        leaning: what speaks beforehand for effects, nats by id, as a live session has it. It ranks effects that gain
+            nearly alike; what an effect has to gain stays as it is.
         progress: told in words what is being done.
 
     Raises:
         NxtTwinError: the case cannot be diagnosed; its text says why.
     """
-    problem = replace(problem_for(case, tolerance), without=without)
+    problem = replace(problem_for(case, tolerance), without=without, leaning=leaning or {})
     with Simulator(problem.plant.layout) as simulator:
         found = searched(simulator, problem, progress)
         progress("judging on what was held out")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
@@ -11,9 +12,11 @@ from typing import Any, TypeVar, final
 from nxt_twin.diagnose.diagnosis import Diagnosis, Moved
 from nxt_twin.diagnose.engine import Answer, diagnose
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.physics.effects.electrical import BATTERY_SAG
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.columns import Port, tacho_column
+from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.gain import Gain, gain
 from nxt_twin.twin.records import Event
@@ -23,6 +26,8 @@ T = TypeVar("T")
 ENOUGH_S = 12.0
 _TRIES = 4
 _WORTHWHILE = 0.7
+_SURE = 0.8
+_TIE_NATS = 3.0
 _BATTERY = "internal_resistance_ohm"
 
 
@@ -37,6 +42,8 @@ class Finished:
         answer: what to take over; None where there is nothing.
         why_not: why there is nothing.
         gain: what its plant gains over the model in use; None where there is no answer.
+        weak_battery: the probability that the battery gives way notably more than was taken for granted.
+        experiment: what to run, so that the next diagnosis can tell more; None where nothing is to be run.
     """
 
     port: Port
@@ -44,6 +51,8 @@ class Finished:
     answer: Answer | None
     why_not: str
     gain: Gain | None = None
+    weak_battery: float = 0.0
+    experiment: MotorProgram | None = None
 
 
 @final
@@ -69,59 +78,86 @@ class Adopter:
     Args:
         executor: where the diagnosis runs, beside the session.
         enough_s: how much must have been seen since the onset.
+        experimenting: whether the session can run what a diagnosis asks for, before it takes over what is in doubt.
 
     Attributes:
         diagnoses: what was found, in order, with the motor it is about.
     """
 
-    def __init__(self, executor: Executor, enough_s: float = ENOUGH_S) -> None:
+    def __init__(
+        self, executor: Executor, enough_s: float = ENOUGH_S, *, experimenting: bool = False
+    ) -> None:
         self._executor = executor
         self._enough_s = enough_s
-        self._running: tuple[Port, float, Future[tuple[Answer, Gain]]] | None = None
+        self._experimenting = experimenting
+        self._doubted: set[Port] = set()
+        self._running: tuple[Port, float, Mapping[str, float], Future[tuple[Answer, Gain]]] | None = None
         self._tries: dict[Port, int] = {}
         self.diagnoses: list[tuple[Port, Diagnosis]] = []
 
-    def wants(self, port: Port, seen_s: float) -> bool:
+    def wants(self, port: Port, seen_s: float, *, asked: bool = False) -> bool:
         """Whether it is time to diagnose a motor that has been off its model for so long.
 
-        Each further try waits for twice as much.
+        Each further try waits for twice as much, or until what the last one asked for was run (`asked`).
         """
         tries = self._tries.get(port, 0)
-        return self._running is None and tries < _TRIES and seen_s >= self._enough_s * 2.0**tries
+        enough = asked or seen_s >= self._enough_s * 2.0**tries
+        return self._running is None and tries < _TRIES and enough
 
-    def start(self, port: Port, plant: Plant, recording: Recording) -> None:
-        """Diagnose a motor, from a recording of it, against the model that it has."""
+    def start(
+        self, port: Port, plant: Plant, recording: Recording, weighed: Mapping[str, float] | None = None
+    ) -> None:
+        """Diagnose a motor, from a recording of it, against the model that it has.
+
+        `weighed` is how probable each effect has come out while the motor was watched.
+        """
         self._tries[port] = self._tries.get(port, 0) + 1
         case = Case("live", Path(), plant.to_config(), (recording,), (), port)
         began_s = float(recording.time_s[0])
-        self._running = (port, began_s, self._executor.submit(_diagnosed, case, plant, port))
+        leaning = leaning_to(weighed or {})
+        future = self._executor.submit(_diagnosed, case, plant, port, leaning)
+        self._running = (port, began_s, leaning, future)
 
     def finished(self) -> Finished | None:
         """What came of the diagnosis, once, when it is over."""
-        if self._running is None or not self._running[2].done():
+        if self._running is None or not self._running[-1].done():
             return None
-        port, began_s, future = self._running
+        port, began_s, leaning, future = self._running
         self._running = None
         error = future.exception()
         if error is not None:
             return Finished(port, began_s, None, _why(error))
         answer, gained = future.result()
         self.diagnoses.append((port, answer.diagnosis))
-        if not _better(answer.diagnosis):
-            return Finished(port, began_s, None, "no known effect explains the divergence so far")
-        if not (answer.diagnosis.effects or gained.worthwhile):
-            errors = _errors(gained)
-            return Finished(port, began_s, None, f"re-fitted parameters do not improve the model ({errors})")
-        self._tries[port] = 0 if answer.diagnosis.effects else self._tries[port]
-        return Finished(port, began_s, answer, "", gained)
+        weak = weak_battery(answer.diagnosis, leaning.get(BATTERY_SAG.id, 0.0))
+        named = bool(answer.diagnosis.effects) or weak >= _SURE
+        why_not = _why_not(answer.diagnosis, gained, named=named)
+        experiment = self._asked_for(port, answer.diagnosis, found=not why_not)
+        if experiment is not None:
+            why_not = why_not or _doubt(answer.diagnosis)
+        if why_not:
+            return Finished(port, began_s, None, why_not, experiment=experiment)
+        self._tries[port] = 0 if named else self._tries[port]
+        self._doubted.discard(port)
+        return Finished(port, began_s, answer, "", gained, weak)
+
+    def _asked_for(self, port: Port, diagnosis: Diagnosis, *, found: bool) -> MotorProgram | None:
+        """What to run before the next diagnosis: always where nothing was found, once where it is in doubt."""
+        if not self._experimenting or diagnosis.next_experiment is None:
+            return None
+        if found and (port in self._doubted or is_earned(diagnosis)):
+            return None
+        if found:
+            self._doubted.add(port)
+        return diagnosis.next_experiment.program
 
     def close(self) -> None:
         """Wait for nothing more."""
         self._executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _diagnosed(case: Case, plant: Plant, port: Port) -> tuple[Answer, Gain]:
-    answer = diagnose(case)
+def _diagnosed(case: Case, plant: Plant, port: Port, leaning: Mapping[str, float]) -> tuple[Answer, Gain]:
+    answer = diagnose(case, leaning=leaning)
     return answer, gain(plant, answer.plant, case.recordings[0], port)
 
 
@@ -132,11 +168,34 @@ def _why(error: BaseException) -> str:
     return f"the diagnosis failed by an error in nxt-twin ({type(error).__name__}: {error})"
 
 
-def _better(diagnosis: Diagnosis) -> bool:
-    """Whether what was found is worth taking over."""
-    if diagnosis.verdict != "unexplained":
-        return True
-    return bool(diagnosis.effects) and diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
+def _why_not(diagnosis: Diagnosis, gained: Gain, *, named: bool) -> str:
+    """Why what was found is not worth taking over; empty where it is."""
+    if diagnosis.verdict == "unexplained":
+        nearer = diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
+        return "" if diagnosis.effects and nearer else "no known effect explains the divergence so far"
+    if named or gained.worthwhile:
+        return ""
+    return f"re-fitted parameters do not improve the model ({_errors(gained)})"
+
+
+def is_earned(diagnosis: Diagnosis) -> bool:
+    """Whether what was found is all that is missing, and each name sure; or nothing is missing."""
+    return diagnosis.verdict != "unexplained" and all(one.probability >= _SURE for one in diagnosis.effects)
+
+
+def leaning_to(weighed: Mapping[str, float]) -> dict[str, float]:
+    """What the weighed effects add to a diagnosis, nats by id.
+
+    They have seen the readings that are diagnosed, and know few effects. So they break ties, and no more.
+    """
+    return {name: _TIE_NATS for name, probability in weighed.items() if probability >= _SURE}
+
+
+def _doubt(diagnosis: Diagnosis) -> str:
+    """What keeps the found names from being taken over yet."""
+    names = ", ".join(f"{one.name} (probability {one.probability:.2f})" for one in diagnosis.effects)
+    more = "" if diagnosis.verdict != "unexplained" else " and more that no known effect explains"
+    return f"the diagnosis finds {names}{more}, which is not sure"
 
 
 def battery_is_another(refit: Mapping[str, Moved]) -> bool:
@@ -151,32 +210,54 @@ def battery_is_another(refit: Mapping[str, Moved]) -> bool:
     return not low <= moved.before <= high
 
 
-def told(port: Port, time_s: float, answer: Answer, gained: Gain) -> list[Event]:
+def weak_battery(diagnosis: Diagnosis, leaning_nats: float = 0.0) -> float:
+    """The probability that the battery gives way notably more than a session takes for granted.
+
+    The plant file does not have its resistance. So that is missing physics, though a diagnosis finds it as a number
+    that was off. It is 0 beside effects that were found, and where something is left unexplained.
+
+    Args:
+        diagnosis: of a plant with the resistance that is taken for granted.
+        leaning_nats: what the weighed effects add.
+    """
+    moved = diagnosis.refit.get(_BATTERY)
+    if diagnosis.effects or diagnosis.verdict == "unexplained" or moved is None or moved.std <= 0.0:
+        return 0.0
+    beyond = (moved.after - moved.before - BATTERY_SAG.notable) / moved.std
+    surely = 0.5 * math.erfc(-beyond / math.sqrt(2.0))
+    weight = surely * math.exp(leaning_nats)
+    return weight / (weight + 1.0 - surely)
+
+
+def told(finished: Finished, diagnosis: Diagnosis, time_s: float) -> list[Event]:
     """What a diagnosis that was taken over says, as events."""
-    diagnosis, channel = answer.diagnosis, tacho_column(port)
+    port, channel = finished.port, tacho_column(finished.port)
     where = f"port {port.upper()}:"
+    sure = {effect.name: effect.probability for effect in diagnosis.effects}
+    if finished.weak_battery >= _SURE:
+        sure[BATTERY_SAG.name] = finished.weak_battery
     named = [
         Event(
             time_s,
             "effect_named",
-            f"{where} the diagnosis finds {effect.name} (probability {effect.probability:.2f})",
+            f"{where} the diagnosis finds {name} (probability {probability:.2f})",
             port,
             channel,
-            strength=effect.probability,
+            strength=probability,
         )
-        for effect in diagnosis.effects
+        for name, probability in sure.items()
     ]
-    names = tuple(effect.name for effect in diagnosis.effects)
     what = (
-        f"the model now has {', '.join(names)}"
-        if names
+        f"the model now has {', '.join(sure)}"
+        if sure
         else "the model's parameters were off and are re-fitted"
     )
     if diagnosis.verdict == "unexplained":
         what += "; more is missing, and no known effect explains it"
+    gained = "" if finished.gain is None else f" ({_errors(finished.gain)})"
     return [
         *named,
-        Event(time_s, "adopted", f"{where} {what} ({_errors(gained)})", port, channel, effects=names),
+        Event(time_s, "adopted", f"{where} {what}{gained}", port, channel, effects=tuple(sure)),
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, final
 
 import numpy as np
@@ -68,6 +68,7 @@ class Batch:
         if any(plant.layout != plan for plant in plants) or _LOAD not in plan.index:
             mend = "give each port a dc_motor"
             raise PlantError("live twins need motors of one kind", where="plants", mend=mend)
+        self._plan = plan
         self._kernel = kernel(plan)
         vectors = [plant.vectors() for plant in plants]
         self.values = np.array([values for values, _ in vectors])
@@ -102,11 +103,28 @@ class Batch:
         """Take the rows' load from `values`, where it is a parameter that was changed."""
         self._own_load[rows] = self.values[rows, self._load]
 
-    def set_in_force(self, port: Port, duty: float, mode: int) -> None:
-        """A port's bridge has been doing this for a while."""
+    def go_on_from(self, other: Batch) -> None:
+        """Have done on each port's bridge what is done in another batch, and do what is still due there."""
+        theirs = {line.port: line for line in reversed(other._rows_of)}
         for line, rows in self._rows_of.items():
-            if line.port == port:
-                self._duty[rows], self._mode[rows] = duty, mode
+            self._duty[rows], self._mode[rows] = other.in_force(line.port)
+            later_s = line.delay_s - theirs[line.port].delay_s
+            due = other._due[theirs[line.port]]
+            self._due[line].extend((at_s + later_s, hold) for at_s, hold in due)
+
+    def lasted(self, row: int) -> dict[int, float]:
+        """States of a row's effects that outlast a start anew, by column: how warm a winding is."""
+        columns = enumerate(
+            (state in effect.lasting and bool(self._active[row, number]))
+            for number, effect in enumerate(self._plan.effects)
+            for state in effect.states
+        )
+        return {CURRENT + 1 + n: float(self.state[row, CURRENT + 1 + n]) for n, lasts in columns if lasts}
+
+    def set_lasting(self, rows: slice, states: Mapping[int, float]) -> None:
+        """Give rows such states."""
+        for column, value in states.items():
+            self.state[rows, column] = value
 
     def in_force(self, port: Port) -> tuple[float, int]:
         """Duty and mode of a port's bridge now, on its first row."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any, TypeVar, final
 
 T = TypeVar("T")
+
+_PATIENT = 5
 
 
 @final
@@ -37,3 +41,14 @@ class Beside(Executor):
 
         threading.Thread(target=work, name=self._name, daemon=True).start()
         return future
+
+
+def diagnosing() -> Beside:
+    """Where a session diagnoses: beside it, and with what polling leaves of the processor."""
+    return Beside("diagnosis", _step_back)
+
+
+def _step_back() -> None:
+    """Let the session go first; threads that this one starts inherit it."""
+    if sys.platform == "linux":  # where a thread has a priority of its own
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _PATIENT)

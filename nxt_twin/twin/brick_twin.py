@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
@@ -15,11 +15,12 @@ from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
 from nxt_twin.twin.motor import MotorTwin, ReadingEvidence
 from nxt_twin.twin.records import MotorBelief
 from nxt_twin.twin.settings import MotorNoise, Watch
-from nxt_twin.twin.supply import Company, Supply
+from nxt_twin.twin.supply import Company, Drain, Supply
 
 _SUPPLY_STEP_S = 0.005
 """How long the battery's voltage is held while the motors' current changes."""
 _SAG = Slot("battery_sag", "internal")
+_DRAIN = Slot("battery_drain", "drain")
 _CELLS_OHM = 0.35
 """Six alkaline cells and the contacts between them; where a motor's plant has a sag of its own, it is 0."""
 
@@ -66,7 +67,7 @@ class BrickTwin:
         self._cells_ohm = _CELLS_OHM if self.options.cells_ohm is None else self.options.cells_ohm
         self._held: dict[Port, Hold] = dict.fromkeys(plants, Hold(0.0, 0.0, COAST))
         self._company = {port: Company() for port in plants}
-        self._supply = self._new_supply()
+        self._supply = Supply(_given_v(plants.values()), self._resistance_ohm())
         self._motors = self._new_motors()
         self._batch = self._new_batch(now_s, now_s)
 
@@ -96,6 +97,10 @@ class BrickTwin:
     def supply_v(self) -> float:
         """The battery's voltage without load, as estimated, V."""
         return self._supply.open_v
+
+    def supply_at(self, from_s: float) -> float:
+        """The battery's voltage without load at a moment, by what was read since, V."""
+        return self._supply.at(from_s)
 
     def motor(self, port: Port) -> MotorTwin:
         """One motor's filters."""
@@ -152,7 +157,7 @@ class BrickTwin:
 
     def read_battery(self, terminal_v: float) -> None:
         """Take a reading of the battery."""
-        self._supply.read(terminal_v, self._drawn_a())
+        self._supply.read(terminal_v, self._drawn_a(), self.now_s)
 
     def place(self, port: Port, count: int) -> None:
         """Begin anew at a count: the brick was away, and may have been switched off."""
@@ -170,11 +175,20 @@ class BrickTwin:
         """What is believed of a motor now."""
         return self._motors[port].state(self._batch, *self._commands[port])
 
-    def adopt(self, port: Port, plant: Plant, began_s: float, *, told_of_battery: bool = True) -> None:
+    def adopt(
+        self,
+        port: Port,
+        plant: Plant,
+        began_s: float,
+        held: Sequence[tuple[float, Hold]] = (),
+        *,
+        told_of_battery: bool = True,
+    ) -> None:
         """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
 
         A battery's resistance that the motor's own model did not have before is that of all motors' battery, as it
-        looks from this one, and is left as it was unless the model is `told_of_battery`.
+        looks from this one, and is left as it was unless the model is `told_of_battery`. What has changed slowly since
+        then, such as how warm its winding is, follows from what its bridge `held`.
         """
         motors, batch = self._motors, self._batch
         if _SAG.owner in plant.active and _SAG.owner not in self._plants[port].active:
@@ -182,22 +196,32 @@ class BrickTwin:
                 self._cells_ohm = plant.values[_SAG] / self._company[port].times
             plant = plant.without({_SAG.owner})
         self._plants[port] = plant
-        self._supply = self._new_supply(self._supply.open_v)
+        self._supply = self._supply.behind(self._resistance_ohm(), _drain_of(plant, began_s))
         self._motors = self._new_motors()
         self._batch = self._new_batch(batch.now_s, began_s)
+        self._batch.go_on_from(batch)
+        lasted = {each: batch.lasted(motor.row) for each, motor in motors.items() if each != port}
+        lasted[port] = self._lasted(plant, began_s, held)
         for each, motor in self._motors.items():
-            duty, mode = batch.in_force(each)
-            self._batch.set_in_force(each, duty, mode)
             motor.follow(motors[each], batch, self._batch)
+            self._batch.set_lasting(motor.every_row, lasted[each])
+
+    def _lasted(self, plant: Plant, began_s: float, held: Sequence[tuple[float, Hold]]) -> dict[int, float]:
+        """Where the slow states of a model have got to, by a free run of it."""
+        batch = Batch([plant], ["a"], _delays_s([plant]), self.options.noise.torque_time_s, began_s, began_s)
+        if batch.lasted(0):
+            for at_s, hold in held:
+                batch.command("a", at_s, (hold,))
+            batch.advance(self.now_s, self._supply.open_v)
+        return batch.lasted(0)
 
     def _drawn_a(self) -> float:
         return sum(self._batch.drawn_a(motor.row) for motor in self._motors.values())
 
-    def _new_supply(self, assumed_v: float | None = None) -> Supply:
-        plants = self._plants.values()
-        sagging = any("battery_sag" in plant.active for plant in plants)
-        given_v = max(plant.values[Slot(BASE_OWNER, "supply_v")] for plant in plants)
-        return Supply(given_v if assumed_v is None else assumed_v, 0.0 if sagging else self._cells_ohm)
+    def _resistance_ohm(self) -> float:
+        """What all motors draw together passes through it; none where a motor's own plant has it."""
+        sagging = any(_SAG.owner in plant.active for plant in self._plants.values())
+        return 0.0 if sagging else self._cells_ohm
 
     def _new_motors(self) -> dict[Port, MotorTwin]:
         options, row, motors = self.options, 0, {}
@@ -214,6 +238,14 @@ class BrickTwin:
             plants += motor.rows
             ports += [port] * len(motor.rows)
         return Batch(plants, ports, _delays_s(plants), self.options.noise.torque_time_s, now_s, began_s)
+
+
+def _drain_of(plant: Plant, began_s: float) -> Drain:
+    return Drain(plant.values.get(_DRAIN, 0.0), began_s)
+
+
+def _given_v(plants: Iterable[Plant]) -> float:
+    return max(plant.values[Slot(BASE_OWNER, "supply_v")] for plant in plants)
 
 
 def _delays_s(plants: Sequence[Plant]) -> list[float]:

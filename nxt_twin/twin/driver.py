@@ -73,6 +73,40 @@ class ProgramDriver:
         return {port: _COAST if port in self._ended else told for port in self.ports}
 
 
+@final
+class Detour:
+    """Drives as another driver does, apart from programs that are run once in between.
+
+    Args:
+        usual: what drives otherwise.
+    """
+
+    def __init__(self, usual: Driver) -> None:
+        self._usual = usual
+        self._other: ProgramDriver | None = None
+        self._from_s = 0.0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """The motors that it commands."""
+        return self._usual.ports
+
+    def run(self, program: MotorProgram, from_s: float) -> float:
+        """Run a program once, from a moment on, while motors that it does not drive coast; when it will be over."""
+        self._other, self._from_s = ProgramDriver(program), from_s
+        return from_s + self._other.duration_s
+
+    def at(self, time_s: float, counts: Mapping[Port, int]) -> Mapping[Port, Told]:
+        """What should be in force now."""
+        if self._other is None:
+            return self._usual.at(time_s, counts)
+        since_s = time_s - self._from_s
+        if since_s >= self._other.duration_s:
+            self._other = None
+            return self._usual.at(time_s, counts)
+        return {**dict.fromkeys(self.ports, _COAST), **self._other.at(since_s, counts)}
+
+
 def excitation(ports: tuple[Port, ...]) -> MotorProgram:
     """What shows most of a motor in half a minute: steps both ways, slow ramps through zero, coasting, rests."""
     steps = [50, -70, 30, -40, 90, -90, 20, -25, 65]

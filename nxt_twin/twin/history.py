@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol, final
 
 import numpy as np
@@ -28,7 +28,6 @@ class _Held(NamedTuple):
 class _Counted(NamedTuple):
     time_s: float
     tacho_deg: float
-    supply_v: float
 
 
 @final
@@ -52,10 +51,18 @@ class History:
             self._held.pop()
         self._held.extend(_Held(at_s + hold.after_s, 100.0 * hold.duty, hold.mode) for hold in holds)
 
-    def count(self, taken_s: float, count: int, supply_v: float) -> None:
+    def count(self, taken_s: float, count: int) -> None:
         """A count was taken."""
         if not self._counted or taken_s > self._counted[-1].time_s:
-            self._counted.append(_Counted(taken_s, float(count), supply_v))
+            self._counted.append(_Counted(taken_s, float(count)))
+
+    def held(self, from_s: float) -> list[tuple[float, Hold]]:
+        """What the bridge did from a moment on, and since when."""
+        before = [row for row in self._held if row.time_s <= from_s][-1:]
+        since = [row for row in self._held if row.time_s > from_s]
+        return [
+            (max(row.time_s, from_s), Hold(0.0, row.power_pct / 100.0, row.mode)) for row in (*before, *since)
+        ]
 
     def part(self, at_s: float) -> None:
         """Something happened at a moment that is not known well: what follows is better not tied to what was before."""
@@ -83,10 +90,11 @@ class History:
         ends = [first_s, *(at_s for at_s in self._parted if first_s < at_s < last_s), last_s]
         return max(itertools.pairwise(ends), key=lambda part: part[1] - part[0])
 
-    def recording(self, from_s: float) -> Recording:
+    def recording(self, from_s: float, open_v: Callable[[float], float]) -> Recording:
         """What was kept from `from_s` on, or its longest part if that is more than half of it.
 
-        Duties are those of the bridge, so not always whole percents.
+        Duties are those of the bridge, so not always whole percents. The battery's column has the voltage without
+        load, which `open_v` gives for the moment at which the recording begins: a drain is left to be found.
         """
         (low_s, high_s), (first_s, last_s) = self._longest(from_s), self._span(from_s)
         if high_s - low_s < 0.5 * (last_s - first_s):
@@ -100,18 +108,18 @@ class History:
         held = [row for row in self._held if first_s < row.time_s <= last_s]
         # Where both fall together the count comes first: it was read before the command could act.
         rows = [
-            (*in_force, _NONE, _NONE),
-            *((row.time_s, _NONE, _NONE, row.tacho_deg, row.supply_v) for row in counted),
-            *((*row, _NONE, _NONE) for row in held),
+            (*in_force, _NONE),
+            *((row.time_s, _NONE, _NONE, row.tacho_deg) for row in counted),
+            *((*row, _NONE) for row in held),
         ]
         rows[1:] = sorted(rows[1:], key=lambda row: row[0])
-        time_s, power_pct, mode, tacho_deg, supply_v = np.array(rows).T
+        time_s, power_pct, mode, tacho_deg = np.array(rows).T
         columns = {
             TIME: time_s,
             power_column(self._port): power_pct,
             mode_column(self._port): mode,
             tacho_column(self._port): tacho_deg,
-            BATTERY: supply_v,
+            BATTERY: np.where(np.isfinite(tacho_deg), open_v(first_s), _NONE),
         }
         return Recording("live", columns)
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,9 +14,9 @@ from nxt_twin.recording.columns import Port, Slot
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.adopt import Adopter
-from nxt_twin.twin.beside import Beside
+from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.brick_twin import BrickTwin
-from nxt_twin.twin.driver import ProgramDriver
+from nxt_twin.twin.driver import Detour, ProgramDriver
 from nxt_twin.twin.logbook import columns_of
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
@@ -27,8 +24,6 @@ from nxt_twin.twin.records import Sink
 from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
 from nxt_twin.twin.session import Parts
 from nxt_twin.twin.settings import Pace
-
-_PATIENT = 5
 
 
 @final
@@ -41,6 +36,7 @@ class LiveOptions:
         sensors: what is plugged in, by slot.
         program: what the motors are commanded, again and again; None only watches what others command.
         adopt: whether a divergence is diagnosed, and what is found is taken over.
+        experiment: whether the motors may run what a diagnosis asks for, in between.
         out: where the session is recorded, .csv or .parquet; None records nothing.
         pace: when, between request and reply, the brick acts.
         enough: says when the session may end before its time.
@@ -50,6 +46,7 @@ class LiveOptions:
     sensors: Mapping[Slot, SensorKind] = field(default_factory=dict)
     program: MotorProgram | None = None
     adopt: bool = False
+    experiment: bool = False
     out: Path | None = None
     pace: Pace = field(default_factory=Pace)
     enough: Callable[[], bool] = lambda: False
@@ -77,6 +74,8 @@ def live_sitting(options: LiveOptions, open_brick: Callable[[], Brick], clock: C
     recorder = None
     if options.out is not None:
         recorder = RecordingWriter(options.out, columns_of(tuple(options.plants), options.sensors))
+    detour = None if options.program is None else Detour(ProgramDriver(options.program))
+    experiment = detour.run if detour is not None and options.experiment else None
     parts = Parts(
         open_brick=open_brick,
         clock=clock,
@@ -84,18 +83,13 @@ def live_sitting(options: LiveOptions, open_brick: Callable[[], Brick], clock: C
         sink=sink,
         plan=Plan(sensors=options.sensors),
         pace=options.pace,
-        driver=None if options.program is None else ProgramDriver(options.program),
+        driver=detour,
         recorder=recorder,
-        adopter=Adopter(Beside("diagnosis", _step_back)) if options.adopt else None,
+        adopter=Adopter(diagnosing(), experimenting=experiment is not None) if options.adopt else None,
+        experiment=experiment,
         enough=options.enough,
     )
     sitting = Sitting(parts)
     if recorder is not None:
         recorder.keep_lags(sitting.session.row_lags)
     return sitting
-
-
-def _step_back() -> None:
-    """Let a diagnosis have what polling leaves of the processor; threads that it starts inherit this."""
-    if sys.platform == "linux":  # where a thread has a priority of its own
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _PATIENT)

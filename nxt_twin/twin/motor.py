@@ -114,6 +114,11 @@ class MotorTwin:
         return self._tracking.rows.start
 
     @property
+    def every_row(self) -> slice:
+        """Its rows of the batch."""
+        return slice(self._strands[0].rows.start, self._strands[-1].rows.stop)
+
+    @property
     def placed(self) -> bool:
         """Whether it knows where the motor is."""
         return self._placed

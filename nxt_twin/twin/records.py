@@ -22,6 +22,7 @@ EventKind = Literal[
     "effect_named",
     "adopted",
     "undiagnosed",
+    "gathering",
     "stalled",
     "stopped",
 ]

@@ -41,9 +41,9 @@ def rehearse(
         for port, history in histories.items():
             tacho_deg = int(actors.state(port).angle_deg // 1)
             twin.read_tacho(port, now_s, tacho_deg, 1e-3)
-            history.count(now_s, tacho_deg, twin.supply_v)
+            history.count(now_s, tacho_deg)
             history.command(now_s, twin.command(port, power_pct, "drive", now_s, 1e-3))
             actors.command(port, power_pct, "drive", now_s)
     if adopting:
         port, history = next(iter(histories.items()))
-        Adopter(AtOnce()).start(port, twin.plant_as_run(port), history.recording(0.0))
+        Adopter(AtOnce()).start(port, twin.plant_as_run(port), history.recording(0.0, twin.supply_at))

@@ -10,6 +10,7 @@ from typing import final
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
+from nxt_twin.diagnose.engine import Answer
 from nxt_twin.recording.columns import (
     BATTERY,
     DRIVE_MODES,
@@ -21,7 +22,9 @@ from nxt_twin.recording.columns import (
     tacho_column,
 )
 from nxt_twin.recording.lags import KnownLags, RowLags
-from nxt_twin.twin.adopt import Adopter, battery_is_another, told
+from nxt_twin.recording.program import MotorProgram
+from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
+from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
@@ -62,6 +65,7 @@ class Parts:
         driver: commands the motors; None leaves that to somebody else, and the brick's word is taken for it.
         recorder: keeps the session.
         adopter: takes over what a diagnosis finds.
+        experiment: runs a program once from a moment on, and says when it will be over; None runs none.
         enough: says when it may end before its time.
         lags: by how much readings and commands are off their stamps, of a recording that is played again.
     """
@@ -75,6 +79,7 @@ class Parts:
     driver: Driver | None = None
     recorder: Recorder | None = None
     adopter: Adopter | None = None
+    experiment: Callable[[MotorProgram, float], float] | None = None
     enough: Callable[[], bool] = lambda: False
     lags: KnownLags = field(default_factory=KnownLags)
 
@@ -114,6 +119,8 @@ class Session:
         self._battery_low = False
         self._misses = 0
         self._timing = Timing(parts.pace)
+        self._gathered_s: dict[Port, float] = {}
+        self._apart = Apart()
         self._stall_told_s = -_STALL_TOLD_EVERY_S
         self.stalls = Stalls()
         self.row_lags = RowLags()
@@ -243,7 +250,7 @@ class Session:
         evidence = self._twin.read_tacho(port, at_s, count, std_s)
         self._counts[port] = count
         if not taken.late:
-            self._history[port].count(at_s, count, self._twin.supply_v)
+            self._history[port].count(at_s, count)
         self._watch(port, at_s, evidence, power_pct)
         row[tacho_column(port)] = float(count)
         return evidence.innovation
@@ -332,7 +339,7 @@ class Session:
             self._twin.place(port, reply.value.tacho_deg)
             self._counts[port] = reply.value.tacho_deg
             self.monitors[port].forget(taken.at_s)
-            self._history[port].clear()
+            self._begin_anew(port)
         self._tell("link_back", "the link is back; the model starts at the counts just read")
 
     def _alone(self, duration_s: float, seconds: float | None) -> None:
@@ -349,24 +356,52 @@ class Session:
         if adopter is None:
             return
         for port, monitor in self.monitors.items():
-            history, since_s = self._history[port], monitor.since_s
-            if monitor.diverging and adopter.wants(port, history.seconds_since(since_s)):
-                recording = history.recording(since_s - _BEFORE_ONSET_S)
-                adopter.start(port, self._twin.plant_as_run(port), recording)
+            if monitor.diverging and self.now_s >= self._gathered_s.get(port, 0.0):
+                self._diagnose(adopter, port, self._apart.since(port, monitor.since_s, self.now_s))
         finished = adopter.finished()
         if finished is None:
             return
-        port, now_s = finished.port, self.now_s
-        if finished.answer is None or finished.gain is None:
-            words = f"port {port.upper()}: {finished.why_not}; the twin keeps its model"
-            self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=self.monitors[port].since_s))
+        if finished.answer is None:
+            self._go_on(finished)
+        else:
+            self._take_over(finished, finished.answer)
+
+    def _diagnose(self, adopter: Adopter, port: Port, since_s: float) -> None:
+        history = self._history[port]
+        if adopter.wants(port, history.seconds_since(since_s), asked=port in self._gathered_s):
+            self._gathered_s.pop(port, None)
+            recording = history.recording(since_s - _BEFORE_ONSET_S, self._twin.supply_at)
+            adopter.start(
+                port, self._twin.plant_as_run(port), recording, self._twin.motor(port).probabilities
+            )
+
+    def _go_on(self, finished: Finished) -> None:
+        """With the model that there is, and with what the diagnosis asks for, if that can be run."""
+        port, now_s, onset_s = finished.port, self.now_s, self.monitors[finished.port].since_s
+        where, experiment = f"port {port.upper()}:", finished.experiment
+        if experiment is None or self._parts.experiment is None:
+            words = f"{where} {finished.why_not}; the twin keeps its model"
+            self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=onset_s))
             return
-        told_of_battery = battery_is_another(finished.answer.diagnosis.refit)
-        self._twin.adopt(port, finished.answer.plant, finished.began_s, told_of_battery=told_of_battery)
+        self._gathered_s[port] = self._parts.experiment(experiment, now_s)
+        lasts_s = self._gathered_s[port] - now_s
+        words = f"{where} {finished.why_not}; the motor now runs '{experiment.name}' for {lasts_s:.0f} s to tell more"
+        self._sink.event(Event(now_s, "gathering", words, port, onset_s=onset_s))
+
+    def _take_over(self, finished: Finished, answer: Answer) -> None:
+        port, now_s, told_of_battery = finished.port, self.now_s, battery_is_another(answer.diagnosis.refit)
+        held = self._history[port].held(finished.began_s)
+        self._twin.adopt(port, answer.plant, finished.began_s, held, told_of_battery=told_of_battery)
         self.monitors[port].forget(now_s, proving=True)
-        self._history[port].clear()
-        for event in told(port, now_s, finished.answer, finished.gain):
+        if answer.diagnosis.effects:  # some change with time, which counts from where that recording began
+            self._begin_anew(port)
+        for event in told(finished, answer.diagnosis, now_s):
             self._sink.event(event)
+
+    def _begin_anew(self, port: Port) -> None:
+        """What was seen of a motor is not to be compared with what comes."""
+        self._history[port].clear()
+        self._apart.forget(port)
 
     def _tell(self, kind: EventKind, words: str) -> None:
         self._sink.event(Event(self.now_s, kind, words))

@@ -5,10 +5,36 @@ from __future__ import annotations
 import math
 import statistics
 from collections import deque
-from typing import final
+from dataclasses import dataclass
+from typing import NamedTuple, final
 
-_READINGS = 9
+_LATELY = 9
+_KEPT = 100
 _MEMORY_S = 30.0
+
+
+class _Reading(NamedTuple):
+    drawn_a: float
+    terminal_v: float
+    at_s: float
+
+
+@final
+@dataclass(frozen=True)
+class Drain:
+    """An open-circuit voltage that falls in time, as a motor's model has it.
+
+    Attributes:
+        v_per_s: by so much.
+        began_s: since then.
+    """
+
+    v_per_s: float = 0.0
+    began_s: float = 0.0
+
+    def by(self, at_s: float) -> float:
+        """How much is gone, V."""
+        return self.v_per_s * (at_s - self.began_s)
 
 
 @final
@@ -18,12 +44,14 @@ class Supply:
     Args:
         assumed_v: until the first reading.
         resistance_ohm: of battery and contacts; what all motors draw together passes through it.
+        drain: that a model has already; the voltage is then what there was at its beginning.
     """
 
-    def __init__(self, assumed_v: float, resistance_ohm: float) -> None:
+    def __init__(self, assumed_v: float, resistance_ohm: float, drain: Drain | None = None) -> None:
         self._open_v = assumed_v
         self._resistance_ohm = resistance_ohm
-        self._readings: deque[float] = deque(maxlen=_READINGS)
+        self._drain = drain or Drain()
+        self._readings: deque[_Reading] = deque(maxlen=_KEPT)
 
     @property
     def open_v(self) -> float:
@@ -34,10 +62,33 @@ class Supply:
         """The voltage at the terminals while so much is drawn, V."""
         return max(self._open_v - self._resistance_ohm * max(drawn_a, 0.0), 0.0)
 
-    def read(self, terminal_v: float, drawn_a: float) -> None:
-        """Take a reading of the terminals; the median of the last few is believed."""
-        self._readings.append(terminal_v + self._resistance_ohm * max(drawn_a, 0.0))
-        self._open_v = statistics.median(self._readings)
+    def read(self, terminal_v: float, drawn_a: float, at_s: float = 0.0) -> None:
+        """Take a reading of the terminals; the last few are believed, those under the least current."""
+        self._readings.append(_Reading(max(drawn_a, 0.0), terminal_v, at_s))
+        self._open_v = self._believed(list(self._readings)[: -_LATELY - 1 : -1])
+
+    def behind(self, resistance_ohm: float, drain: Drain | None = None) -> Supply:
+        """The battery by the readings so far, with another resistance and drain."""
+        other = Supply(self._open_v, resistance_ohm, drain)
+        for drawn_a, terminal_v, at_s in self._readings:
+            other.read(terminal_v, drawn_a, at_s)
+        return other
+
+    def at(self, from_s: float) -> float:
+        """The voltage without load at a moment, by all readings since then, V."""
+        since = [reading for reading in self._readings if reading.at_s >= from_s]
+        return (self._believed(since) if since else self._open_v) - self._drain.by(from_s)
+
+    def _believed(self, readings: list[_Reading]) -> float:
+        """The median of the quieter half: where the resistance is another, its error grows with the current.
+
+        Of readings that are as quiet, the first in the list count.
+        """
+        quiet = sorted(readings, key=lambda reading: reading.drawn_a)[: (len(readings) + 1) // 2]
+        return statistics.median(
+            terminal_v + self._resistance_ohm * drawn_a + self._drain.by(at_s)
+            for drawn_a, terminal_v, at_s in quiet
+        )
 
 
 @final

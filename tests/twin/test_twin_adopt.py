@@ -5,16 +5,27 @@ from types import SimpleNamespace
 
 import pytest
 from twin_feed import nxt_motor
-from twin_rig import Rig, run, world_with
+from twin_rig import Rig, run, steady, world_with
 
-from nxt_twin.diagnose.diagnosis import Moved
+from nxt_twin.diagnose.diagnosis import Moved, NextExperiment
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import plant_from_config
-from nxt_twin.twin.adopt import Adopter, AtOnce, battery_is_another
+from nxt_twin.twin.adopt import (
+    Adopter,
+    AtOnce,
+    Finished,
+    battery_is_another,
+    leaning_to,
+    told,
+    weak_battery,
+)
+from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
+from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
-from nxt_twin.twin.gain import gain
+from nxt_twin.twin.driver import Detour, ProgramDriver
+from nxt_twin.twin.gain import Gain, gain
 from nxt_twin.twin.records import Event
 from nxt_twin.twin.verdict import Seen, verdict
 
@@ -53,7 +64,7 @@ class _Failing:
     ("error", "words"),
     [
         (DiagnosisError("too little moves"), "too little moves"),
-        (ZeroDivisionError("by nothing"), "an error of this program (ZeroDivisionError: by nothing)"),
+        (ZeroDivisionError("by nothing"), "an error in nxt-twin (ZeroDivisionError: by nothing)"),
     ],
 )
 def test_a_diagnosis_that_fails_leaves_model_and_session_alone(tmp_path, error, words):
@@ -126,6 +137,28 @@ def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
     assert after.speed_deg_per_s == pytest.approx(before.speed_deg_per_s, rel=1e-9)
 
 
+def test_a_winding_is_as_warm_as_it_was_when_its_model_is_replaced():
+    """What was adopted counts from where the diagnosed recording began: by then the winding is warm already."""
+    warm = nxt_motor().with_effect("winding_heating", {"rise": 5.0, "thermal_time": 20.0})
+    given, plain = BrickTwin({"a": warm, "b": warm}), BrickTwin({"a": nxt_motor(), "b": warm})
+    for twin in (given, plain):
+        for port in "ab":
+            twin.read_tacho(port, 0.0, 0)
+            twin.command(port, 90, "brake" if port == "b" else "drive", 0.0)
+        twin.move(4.0)
+    plain.adopt("a", warm, 0.0, [(0.0, Hold(0.0, 0.9, 0))])
+    for twin in (given, plain):
+        twin.move(4.5)
+    assert plain.state("a").speed_deg_per_s == pytest.approx(given.state("a").speed_deg_per_s, rel=2e-3)
+    fresh = BrickTwin({"a": nxt_motor()})
+    fresh.read_tacho("a", 0.0, 0)
+    fresh.command("a", 90, "drive", 0.0)
+    fresh.move(4.0)
+    fresh.adopt("a", warm, 4.0)
+    fresh.move(4.5)
+    assert fresh.state("a").speed_deg_per_s > 1.01 * given.state("a").speed_deg_per_s
+
+
 def test_a_session_in_which_all_held_says_so():
     assert verdict([], [], SEEN).outcome == "holds"
 
@@ -133,9 +166,17 @@ def test_a_session_in_which_all_held_says_so():
 @pytest.mark.parametrize(
     ("seen", "outcome", "words"),
     [
-        (Seen(0, 30.0, 0.0), "unseen", "nothing was seen: the brick answered no poll"),
-        (Seen(40, 30.0, 25.0), "unseen", "too little was seen: the link was lost for 25.0 of 30.0 s"),
-        (Seen(400, 30.0, 5.0), "holds", "holds where it was seen; the link was lost for 5.0 of 30.0 s"),
+        (Seen(0, 30.0, 0.0), "unseen", "the brick answered no poll"),
+        (
+            Seen(40, 30.0, 25.0),
+            "unseen",
+            "the link was lost for 25.0 of 30.0 s, so this session does not judge",
+        ),
+        (
+            Seen(400, 30.0, 5.0),
+            "holds",
+            "holds wherever the brick answered; the link was lost for 5.0 of 30.0 s",
+        ),
     ],
 )
 def test_where_little_was_seen_nothing_is_claimed(seen, outcome, words):
@@ -158,14 +199,17 @@ def test_the_headline_names_every_effect_that_was_taken_over():
 
 
 class _Answering:
-    """Answers every diagnosis with a re-fit of the plant to another resistance."""
+    """Answers every diagnosis with a re-fit of the plant to another resistance, and with what it is told to."""
 
-    def __init__(self, resistance_ohm):
+    def __init__(self, resistance_ohm, **said):
         self._resistance_ohm = resistance_ohm
+        self._said = {"effects": (), "verdict": "adequate", "refit": {}, "next_experiment": None, **said}
+        self.leanings = []
 
-    def submit(self, _, case, plant, port):
+    def submit(self, _, case, plant, port, leaning):
+        self.leanings.append(leaning)
         config = plant.to_config() | {"resistance_ohm": self._resistance_ohm}
-        diagnosis = SimpleNamespace(effects=(), verdict="adequate", refit={})
+        diagnosis = SimpleNamespace(**self._said)
         answer = SimpleNamespace(diagnosis=diagnosis, plant=plant_from_config(config, "power_pct"))
         return AtOnce().submit(lambda: (answer, gain(plant, answer.plant, case.recordings[0], port)))
 
@@ -180,6 +224,65 @@ def test_a_refit_is_taken_over_only_if_it_gains_something(tmp_path, resistance_o
     assert ("adopted" in outcome.kinds()) == adopted
     if not adopted:
         assert "re-fitted parameters do not improve the model" in outcome.first("undiagnosed").words
+
+
+def _asking(name):
+    return NextExperiment("these do not tell", "", program=steady(40, 3.0).model_copy(update={"name": name}))
+
+
+def test_what_is_in_doubt_is_told_apart_by_the_next_experiment_before_it_is_taken_over(tmp_path):
+    rig = Rig(world_with(tmp_path, resistance_ohm=9.9))
+    doubted = SimpleNamespace(id="stiction", name="sticking", probability=0.6)
+    answering = _Answering(9.9, effects=(doubted,), verdict="explained", next_experiment=_asking("apart"))
+    driver = Detour(ProgramDriver(steady(-60, 30.0)))
+    adopter = Adopter(answering, enough_s=2.0, experimenting=True)
+    outcome = run(rig, 8.0, driver=driver, adopter=adopter, experiment=driver.run)
+    gathering, adopted = outcome.first("gathering"), outcome.first("adopted")
+    assert "sticking (probability 0.60)" in gathering.words
+    assert "runs 'apart' for 3 s" in gathering.words
+    assert adopted.time_s == pytest.approx(gathering.time_s + 3.0, abs=0.1)
+    powers = {row["a_power_pct"] for row in outcome.rows if 0.1 < row["time_s"] - gathering.time_s < 2.9}
+    assert powers == {40.0}
+    assert {"divergence", "gathering"}.isdisjoint(outcome.kinds()[outcome.kinds().index("adopted") :])
+
+
+def test_a_session_that_may_not_drive_takes_over_what_is_in_doubt(tmp_path):
+    rig = Rig(world_with(tmp_path, resistance_ohm=9.9))
+    doubted = SimpleNamespace(id="stiction", name="sticking", probability=0.6)
+    answering = _Answering(9.9, effects=(doubted,), verdict="explained", next_experiment=_asking("apart"))
+    kinds = run(rig, 5.0, adopter=Adopter(answering, enough_s=2.0)).kinds()
+    assert "adopted" in kinds
+    assert "gathering" not in kinds
+
+
+def test_what_was_weighed_is_handed_to_the_diagnosis(tmp_path):
+    rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": 0.05}}))
+    answering = _Answering(7.6)
+    run(rig, 5.0, candidates=DEFAULT_CANDIDATES, adopter=Adopter(answering, enough_s=3.0))
+    assert answering.leanings[0].keys() == {"constant_load"}
+    assert leaning_to({"stiction": 0.6, "unknown": 0.4}) == {}
+
+
+@pytest.mark.parametrize(
+    ("std", "leaning_nats", "named"),
+    [(0.2, 0.0, True), (2.0, 0.0, False), (2.0, 3.0, True), (2.0, 0.5, False)],
+)
+def test_a_battery_far_weaker_than_is_taken_for_granted_has_a_name(std, leaning_nats, named):
+    moved = Moved(before=0.35, after=1.5, std=std, unit="Ω")
+    diagnosis = SimpleNamespace(effects=(), refit={"internal_resistance_ohm": moved}, verdict="adequate")
+    weak = weak_battery(diagnosis, leaning_nats)
+    *_, adopted = told(Finished("a", 0.0, None, "", Gain(4.4, 0.7), weak), diagnosis, 20.0)
+    assert adopted.effects == (("battery sag",) if named else ())
+    assert adopted.words.endswith("(free-run error 4.4 deg before, 0.7 deg after)")
+
+
+def test_a_short_peace_does_not_end_a_divergence():
+    apart = Apart()
+    assert apart.since("a", 5.0, 6.0) == 5.0
+    assert apart.since("a", 20.0, 22.0) == 5.0
+    assert apart.since("a", 60.0, 61.0) == 60.0
+    apart.forget("a")
+    assert apart.since("a", 62.0, 63.0) == 62.0
 
 
 def test_what_the_others_draw_is_not_taken_for_a_weak_battery():

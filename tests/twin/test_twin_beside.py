@@ -10,9 +10,9 @@ from nxt_twin.twin.beside import Beside
 
 ENDLESS = """
 import threading
-from nxt_twin.twin.beside import Beside
+from nxt_twin.twin.beside import diagnosing
 begun = threading.Event()
-Beside("endless").submit(lambda: (begun.set(), threading.Event().wait()))
+diagnosing().submit(lambda: (begun.set(), threading.Event().wait()))
 begun.wait()
 print("over")
 """

@@ -9,6 +9,7 @@ from twin_feed import nxt_motor
 
 from nxt_twin.physics.layout import Slot
 from nxt_twin.twin.batch import Batch
+from nxt_twin.twin.bridge import Hold
 from nxt_twin.twin.candidates import Candidate
 from nxt_twin.twin.estimator import Drift, Estimator, Weigher
 from nxt_twin.twin.strand import Strand, place_matters
@@ -64,7 +65,7 @@ def test_a_motor_without_dry_friction_is_filtered_as_in_closed_form():
     strand = Strand(Candidate("nothing", plain), 0, torque_std, torque_s)
     rows = strand.rows.stop
     batch = Batch([plain] * rows, ["a"] * rows, [0.0] * rows, torque_s)
-    batch.set_in_force("a", 0.0, 3)  # brake: linear, no supply in it
+    batch.command("a", 0.0, (Hold(0.0, 0.0, 3),))  # brake: linear, no supply in it
     strand.place(batch, 0.2, 3.0, (1e-4, 0.01))
     oracle = ClosedForm([0.2, 3.0, 0.0], np.diag([1e-4, 0.01, torque_std**2]))
     rng = np.random.default_rng(1)
@@ -124,7 +125,7 @@ def test_neighbours_at_another_angle_are_left_out_only_where_they_would_move_ali
     middle = {parameter.symbol: parameter.starts[0] * parameter.si for parameter in effect.parameters}
     plant = nxt_motor().with_effect(effect.id, middle)
     batch = Batch([plant, plant], ["a", "a"], [0.0, 0.0], 0.15)
-    batch.set_in_force("a", 0.5, 0)
+    batch.command("a", 0.0, (Hold(0.0, 0.5, 0),))
     batch.state[:, 0] = 0.0, 0.6
     batch.advance(0.3, 8.0)
     moved = batch.state[:, 0] - (0.0, 0.6)
@@ -141,7 +142,7 @@ def test_an_angle_that_matters_is_in_the_transition():
     sprung = nxt_motor().without({"coulomb_friction"}).with_effect("spring_load", slots)
     strand = Strand(Candidate("nothing", sprung), 0, 1e-6, 0.15)
     batch = Batch([sprung] * 7, ["a"] * 7, [0.0] * 7, 0.15)
-    batch.set_in_force("a", 0.0, 2)  # coasting
+    batch.command("a", 0.0, (Hold(0.0, 0.0, 2),))  # coasting
     strand.place(batch, 0.2, 0.0, (1e-4, 1e-4))
     batch.advance(0.05, 8.0)
     strand.reap(batch, 0.05)

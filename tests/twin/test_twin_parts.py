@@ -19,7 +19,7 @@ from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import Watch
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.standstill import Standstill
-from nxt_twin.twin.supply import Supply
+from nxt_twin.twin.supply import Drain, Supply
 from nxt_twin.twin.tally import LOW_SPEED, Regimes, Tally
 
 
@@ -53,6 +53,33 @@ def test_a_new_command_replaces_what_was_still_to_come():
     batch.command("a", 0.1, (Hold(0.0, 0.3, 0),))
     batch.advance(0.4, 8.0)
     assert batch.in_force("a") == (0.3, 0)
+
+
+def test_what_is_due_is_done_by_whatever_replaces_a_batch():
+    """A command that was sent, and did not reach the motor yet, is not lost when a model is adopted."""
+    plant = nxt_motor()
+    batch = Batch([plant, plant], ["a", "a"], [0.02, 0.0], 0.1)
+    batch.command("a", 0.0, (Hold(0.0, 0.7, 0),))
+    batch.advance(0.1, 8.0)
+    batch.command("a", 0.11, (Hold(0.0, -0.7, 0), Hold(0.05, 0.0, 2)))
+    other = Batch([plant, plant], ["a", "a"], [0.0, 0.03], 0.1, now_s=0.1)
+    other.go_on_from(batch)
+    assert other.in_force("a") == (0.7, 0)
+    other.advance(0.12, 8.0)
+    assert other.in_force("a") == (-0.7, 0)
+    assert other.state[0, 1] < other.state[1, 1]  # the second takes it up later
+    other.advance(0.17, 8.0)
+    assert other.in_force("a") == (0.0, 2)
+
+
+def test_a_drain_that_a_model_has_is_not_read_off_the_battery_once_more():
+    supply = Supply(8.0, 0.0)
+    for n in range(20):
+        supply.read(8.0 - 0.02 * n, 0.0, float(n))
+    assert supply.at(10.0) == pytest.approx(7.8, abs=0.06)
+    drained = supply.behind(0.0, Drain(0.02, 5.0))
+    assert drained.open_v == pytest.approx(7.9)
+    assert drained.at(10.0) == pytest.approx(7.8)
 
 
 def test_a_bench_is_no_motor():
@@ -156,6 +183,16 @@ def test_the_supply_is_what_the_battery_gives_without_load():
     assert supply.under(2.0) == pytest.approx(7.0)
 
 
+def test_a_softer_battery_than_is_assumed_is_read_while_little_is_drawn():
+    supply = Supply(8.0, 0.5)
+    for drawn_a in (0.0, 0.4, 0.8, 0.0, 0.8, 0.4):
+        supply.read(8.0 - 2.5 * drawn_a, drawn_a)
+    assert supply.open_v == pytest.approx(8.0)
+    other = supply.behind(2.5)
+    assert other.open_v == pytest.approx(8.0)
+    assert other.under(0.4) == pytest.approx(7.0)
+
+
 def test_evidence_adds_up_and_is_forgotten():
     tally = Tally()
     tally.add(-1.0, 1.0, 5.0, -0.01, LOW_SPEED)
@@ -183,8 +220,9 @@ def test_history_gives_a_recording_with_what_the_bridge_did():
     history.command(1.0, (Hold(0.0, 0.25, 1), Hold(0.2, 0.0, 2)))
     history.command(1.1, (Hold(0.0, -0.3, 0),))
     for n in range(200):
-        history.count(0.02 * n, n, 8.0)
-    recording = history.recording(0.0)
+        history.count(0.02 * n, n)
+    recording = history.recording(0.0, lambda from_s: 8.0 - 0.1 * from_s)
+    assert np.unique(recording.columns["battery_v"][np.isfinite(recording.columns["b_tacho_deg"])]) == 7.8
     assert recording.time_s[0] == pytest.approx(2.0)  # only the last hundred counts were kept
     assert recording.columns["b_power_pct"][0] == pytest.approx(-30.0)
     assert np.isfinite(recording.columns["b_tacho_deg"]).sum() == 100

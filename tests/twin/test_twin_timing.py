@@ -77,15 +77,15 @@ def test_what_follows_a_badly_dated_command_is_not_tied_to_what_was_before():
     history = History("a")
     history.command(0.0, (Hold(0.0, 0.5, DRIVE),))
     for n in range(1001):
-        history.count(0.01 * n, n, 8.0)
+        history.count(0.01 * n, n)
     assert history.seconds_since(0.0) == pytest.approx(10.0)
     history.part(2.5)
     assert history.seconds_since(0.0) == pytest.approx(7.5)
-    assert history.recording(0.0).time_s[0] == pytest.approx(2.5)
+    assert history.recording(0.0, lambda _: 8.0).time_s[0] == pytest.approx(2.5)
     for at_s in (4.0, 5.5, 7.0, 8.5):
         history.part(at_s)
     assert history.seconds_since(0.0) == pytest.approx(5.0)  # in many parts: half of it counts
-    assert history.recording(0.0).time_s[0] == pytest.approx(0.0)
+    assert history.recording(0.0, lambda _: 8.0).time_s[0] == pytest.approx(0.0)
 
 
 def test_a_host_that_stalls_is_said_to_and_is_no_divergence():

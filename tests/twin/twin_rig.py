@@ -111,7 +111,7 @@ def run(rig, seconds, *, ports=("a",), program=None, sensors=None, plant=None, c
     """Watch a rig for so many virtual seconds."""
     memory, rows = Memory(10**6), Rows()
     twin = BrickTwin(dict.fromkeys(ports, plant or nxt_motor()), TwinOptions(candidates=candidates))
-    driver = None if program == "none" else ProgramDriver(program or excitation(ports))
+    usual = None if program == "none" else ProgramDriver(program or excitation(ports))
     extra = parts.pop("sinks", [])
     session = Session(
         Parts(
@@ -121,7 +121,7 @@ def run(rig, seconds, *, ports=("a",), program=None, sensors=None, plant=None, c
             sink=Several([memory, *extra]),
             plan=Plan(sensors=sensors or {}),
             pace=PACES["bt" if rig.profile == "bluetooth" else "usb"],
-            driver=driver,
+            driver=parts.pop("driver", usual),
             recorder=rows,
             **parts,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
@@ -70,6 +70,7 @@ class Problem:
         stalls: where the host or the link stood still, in words, by recording.
         stalled_share: the largest share of a recording's time that went by so.
         without: ids of effects that no search may try, as if nobody knew them.
+        leaning: what speaks beforehand for effects, nats by id, where somebody has watched the motor already.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Problem:
     stalls: Mapping[str, str]
     stalled_share: float
     without: frozenset[str] = frozenset()
+    leaning: Mapping[str, float] = field(default_factory=dict)
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""

@@ -242,7 +242,7 @@ class _Search:
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
-        behind = weigh(trial, best).total + _belief(effect) - _belief(other)
+        behind = weigh(trial, best).total + self._leaning(effect) - self._leaning(other)
         return Rival(other, behind, trial, free_run_ratio(best, trial) >= _RIVAL_RATIO)
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
@@ -277,7 +277,7 @@ class _Search:
         self, effect: Effect, weight: Weight, trial: Structure, best: Structure
     ) -> tuple[bool, bool, float]:
         worth_it = self._worth_it(effect, weight, best)
-        return worth_it, worth_it and self._lasts(weight, best, trial), weight.total + _belief(effect)
+        return worth_it, worth_it and self._lasts(weight, best, trial), weight.total + self._leaning(effect)
 
     def _leaders(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
@@ -349,6 +349,10 @@ class _Search:
         if plant.active == self._baseline.plant.active:
             return self._baseline
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
+
+    def _leaning(self, effect: Effect) -> float:
+        """What speaks for an effect before these readings do, nats."""
+        return _belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fitter.problem
