@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nxt_twin.cli.output import fail
+from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 
 if TYPE_CHECKING:
@@ -45,6 +45,10 @@ def diagnose(
     jobs: Annotated[int, typer.Option(min=1, help="Processes of this machine that share the work.")] = (
         os.cpu_count() or 1
     ),
+    report: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a page on the whole table into this folder.")
+    ] = None,
+    json: JsonOption = None,
     seed: Annotated[int, typer.Option(help="Of the random shifts behind p-values.")] = 0,
     tolerance: ToleranceOption = None,
 ) -> None:
@@ -61,13 +65,33 @@ def diagnose(
     place = Cluster(cluster) if cluster else Processes(jobs)
     with FleetTable(out) as table, _bar() as tell:
         tally = diagnose_fleet(places, table, options, place, tell)
-    print(
+    said = (
         f"{tally.sessions} sessions: {tally.diagnosed} diagnosed, {tally.kept} kept from before, "
         f"{tally.failed} failed; table {out}"
     )
+    print(said, file=sys.stderr if json == "-" else sys.stdout)
+    _tell_findings(out, json, report)
     if tally.failed == tally.sessions:
         fail(f"no session could be diagnosed (column error of {out} says why)")
         raise typer.Exit(1)
+
+
+def _tell_findings(table: Path, json: str | None, report: Path | None) -> None:
+    """Write what the whole table says, where it is asked for."""
+    if json is None and report is None:
+        return
+    from nxt_twin.fleet.findings.found import findings_in
+    from nxt_twin.fleet.findings.to_json import to_json
+
+    findings = findings_in(table)
+    if json:
+        emit_json(json, to_json(findings, str(table)))
+    if report:
+        from nxt_twin.view.fleet_page import sentence, write_fleet_page
+
+        page = write_fleet_page(findings, report, str(table))
+        if json != "-":
+            print(f"{sentence(findings)}\n  report: {page}")
 
 
 @contextmanager

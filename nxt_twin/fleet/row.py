@@ -20,6 +20,7 @@ TRANSIENT: Final[tuple[FailureKind, ...]] = ("worker", "reading")
 _ESTIMATE: Final = (
     ("value", pa.float64()),
     ("std", pa.float64()),
+    ("own_std", pa.float64()),
     ("low_95", pa.float64()),
     ("high_95", pa.float64()),
     ("unit", pa.string()),
@@ -116,10 +117,18 @@ def _estimate(one: Estimate | Moved, value: float) -> Row:
     return {
         "value": _finite(value),
         "std": _finite(one.std),
+        "own_std": _finite(_own_std(one, value)),
         "low_95": _finite(low),
         "high_95": _finite(high),
         "unit": one.unit,
     }
+
+
+def _own_std(one: Estimate | Moved, value: float) -> float:
+    """The standard deviation without the doubt of the anchors, which all sessions share."""
+    if one.ratio is None or not one.ratio.value:
+        return one.std
+    return min(one.std, abs(value * one.ratio.std / one.ratio.value))
 
 
 def _finite(value: float | None) -> float | None:

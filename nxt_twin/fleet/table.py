@@ -112,7 +112,7 @@ def _check(path: Path) -> None:
         schema = pa.parquet.read_schema(path)
     except (pa.ArrowException, OSError):
         raise FleetError("is no readable Parquet file", where=str(path), mend=mend) from None
-    if schema.names != SCHEMA.names:
+    if not schema.equals(SCHEMA):
         raise FleetError("is no table of this program's fleets", where=str(path), mend=mend)
 
 

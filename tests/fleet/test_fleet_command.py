@@ -27,6 +27,15 @@ def test_a_fleet_without_an_answer_is_a_failure_with_its_table(tmp_path):
     assert not table.with_name("fleet.parquet.journal").exists()
 
 
+def test_the_findings_of_the_whole_table_are_a_page_and_json(done_fleet, tmp_path):
+    table = shutil.copy(done_fleet.path, tmp_path / "fleet.parquet")
+    outcome = run("fleet", "diagnose", done_fleet.root, "--out", table, "--json", "-", "--report", tmp_path)
+    told = outcome.json()
+    assert [lack["effect"] for lack in told["lacks"]] == ["constant_load"]
+    assert [each["unit"] for each in told["failed"]] == ["poisoned"]
+    assert "loaded" in (tmp_path / "fleet.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     ("module", "arguments", "what"),
     [
