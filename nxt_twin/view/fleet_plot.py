@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.fleet.findings.values import Drift, Findings, Parameter
+from nxt_twin.fleet.findings.values import Findings, FleetParameter, UnitDrift
 from nxt_twin.view import palette
 from nxt_twin.view.wording import spelled_out
 
@@ -29,7 +29,7 @@ def parameters_figure(findings: Findings) -> Figure:
     return figure
 
 
-def drifts_figure(drifts: Sequence[Drift], units: dict[str, str]) -> Figure:
+def drifts_figure(drifts: Sequence[UnitDrift], units: dict[str, str]) -> Figure:
     """Each drifting parameter over time, with the standard deviations of its fits and its line.
 
     Args:
@@ -52,7 +52,7 @@ def _panels(count: int) -> tuple[Figure, list[Axes]]:
     return figure, [figure.add_subplot(grid[n // _COLUMNS, n % _COLUMNS]) for n in range(count)]
 
 
-def _draw_parameter(axes: Axes, parameter: Parameter, far: FloatArray) -> None:
+def _draw_parameter(axes: Axes, parameter: FleetParameter, far: FloatArray) -> None:
     values = np.array(parameter.values)
     factor, unit = palette.in_reach(values, parameter.unit)
     palette.dress(axes, f"units by {spelled_out(parameter.name)}", ticks=3)
@@ -64,7 +64,7 @@ def _draw_parameter(axes: Axes, parameter: Parameter, far: FloatArray) -> None:
     palette.name_abscissa(axes, unit or " ")
 
 
-def _draw_drift(axes: Axes, drift: Drift, unit: str) -> None:
+def _draw_drift(axes: Axes, drift: UnitDrift, unit: str) -> None:
     at, values, stds = (np.array(each) for each in (drift.at, drift.values, drift.stds))
     factor, unit = palette.in_reach(values, unit)
     name = f"{drift.unit}: {spelled_out(drift.parameter)}"

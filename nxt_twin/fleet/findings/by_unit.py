@@ -11,7 +11,7 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.fleet.findings.columns import Sessions
 from nxt_twin.fleet.findings.control import q_values
 from nxt_twin.fleet.findings.moderated import Lines, lines, two_sided
-from nxt_twin.fleet.findings.values import Drift, Outlier, Parameter
+from nxt_twin.fleet.findings.values import FleetParameter, Outlier, UnitDrift
 
 _FEWEST_UNITS: Final = 5
 _NORMAL_MAD: Final = 1.4826
@@ -53,7 +53,7 @@ def by_unit(sessions: Sessions) -> ByUnit:
     return ByUnit(unit, name, is_dated[unit], own, x, fitted)
 
 
-def drifts(sessions: Sessions, level: float) -> list[Drift]:
+def drifts(sessions: Sessions, level: float) -> list[UnitDrift]:
     """Parameters that change over a unit's sessions, at least three, the surest first."""
     units = by_unit(sessions)
     tested = np.flatnonzero(np.isfinite(units.fitted.slope))
@@ -65,9 +65,9 @@ def drifts(sessions: Sessions, level: float) -> list[Drift]:
     return sorted(listed, key=lambda drift: (drift.q, -abs(drift.slope / drift.slope_std)))
 
 
-def _drift(sessions: Sessions, units: ByUnit, group: int, q: float) -> Drift:
+def _drift(sessions: Sessions, units: ByUnit, group: int, q: float) -> UnitDrift:
     values, of = sessions.parameters, np.flatnonzero(units.own == group)
-    return Drift(
+    return UnitDrift(
         sessions.units[units.unit[group]],
         values.names[units.name[group]],
         float(units.fitted.slope[group]),
@@ -80,7 +80,7 @@ def _drift(sessions: Sessions, units: ByUnit, group: int, q: float) -> Drift:
     )
 
 
-def outliers(sessions: Sessions, level: float) -> tuple[list[Outlier], list[Parameter]]:
+def outliers(sessions: Sessions, level: float) -> tuple[list[Outlier], list[FleetParameter]]:
     """Units whose parameters are far from the fleet's median, the surest first, and all parameters.
 
     A unit's distance is held against the fleet's spread and the unit's own doubt together.
@@ -108,9 +108,9 @@ def outliers(sessions: Sessions, level: float) -> tuple[list[Outlier], list[Para
     return sorted(listed, key=lambda outlier: (outlier.q, outlier.unit)), parameters
 
 
-def _parameter(sessions: Sessions, name: int, means: FloatArray, median: float) -> Parameter:
+def _parameter(sessions: Sessions, name: int, means: FloatArray, median: float) -> FleetParameter:
     values = sessions.parameters
-    return Parameter(values.names[name], values.unit[name], tuple(means.tolist()), median)
+    return FleetParameter(values.names[name], values.unit[name], tuple(means.tolist()), median)
 
 
 def _outlier(sessions: Sessions, units: ByUnit, found: tuple[int, float, float, int], q: float) -> Outlier:

@@ -12,13 +12,13 @@ from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.fleet.findings.columns import Sessions
 from nxt_twin.fleet.findings.control import q_values
 from nxt_twin.fleet.findings.moderated import FIT_DOF, lines, two_sided
-from nxt_twin.fleet.findings.values import LEVEL, UNKNOWN, Lack, Share
+from nxt_twin.fleet.findings.values import LEVEL, UNKNOWN, EffectShare, Lack
 
 _USUAL_ALARM: Final = 0.05
 """False alarm rate of an engine that tells none: that of sensors and robots."""
 
 
-def lacks(sessions: Sessions) -> tuple[list[Lack], list[Share]]:
+def lacks(sessions: Sessions) -> tuple[list[Lack], list[EffectShare]]:
     """Each effect that was found in a unit, the surest first, and the share of units with each effect.
 
     A finding in k of n sessions has a p-value by the engine's own false alarm rate (a binomial tail), and one by its
@@ -85,12 +85,12 @@ def _chance(sessions: Sessions, units: IntArray, found: IntArray, of: IntArray) 
     return np.asarray(stats.binom.sf(found - 1, of, largest[units]), dtype=np.float64)
 
 
-def _shares(found: list[Lack], units: int) -> list[Share]:
+def _shares(found: list[Lack], units: int) -> list[EffectShare]:
     ids = sorted({lack.effect for lack in found})
     shares = []
     for effect in ids:
         own = [lack for lack in found if lack.effect == effect]
         interval = stats.binomtest(len(own), units).proportion_ci(0.95, method="wilson")
         sure = sum(lack.q <= LEVEL for lack in own)
-        shares.append(Share(effect, len(own), sure, units, float(interval.low), float(interval.high)))
+        shares.append(EffectShare(effect, len(own), sure, units, float(interval.low), float(interval.high)))
     return sorted(shares, key=lambda share: -share.found)

@@ -39,7 +39,7 @@ class Lack:
 
 @final
 @dataclass(frozen=True)
-class Share:
+class EffectShare:
     """Of how many units an effect was found in.
 
     Attributes:
@@ -60,7 +60,7 @@ class Share:
 
 @final
 @dataclass(frozen=True)
-class Drift:
+class UnitDrift:
     """A parameter of a unit that changes from session to session.
 
     Attributes:
@@ -138,7 +138,7 @@ class Failed:
 
 @final
 @dataclass(frozen=True)
-class Parameter:
+class FleetParameter:
     """A parameter over the fleet: values of its units, shape (units,), in `unit`, and the median."""
 
     name: str
@@ -162,11 +162,11 @@ class Findings:
     sessions: int
     units: int
     verdicts: dict[str, int]
-    shares: tuple[Share, ...]
+    shares: tuple[EffectShare, ...]
     lacks: tuple[Lack, ...]
     possible: int
-    drifts: tuple[Drift, ...]
+    drifts: tuple[UnitDrift, ...]
     commons: tuple[Common, ...]
     outliers: tuple[Outlier, ...]
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[FleetParameter, ...]
     failed: tuple[Failed, ...]
