@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -17,6 +17,7 @@ check: $(VENV)/ready-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_house.py
+	$(BIN)/python tools/docs_check.py
 
 bench: $(VENV)/ready-run
 	$(BIN)/python -m benchmarks
@@ -47,6 +48,10 @@ mutation: $(VENV)/ready-dev
 docs: $(VENV)/ready-dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	$(BIN)/python tools/site_assets.py build/site
+
+# A dead link; or a verb, an option, a key, an effect or an exit status that no page tells. `make check` asks it too.
+docs-check: $(VENV)/ready-dev
+	$(BIN)/python tools/docs_check.py
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py
