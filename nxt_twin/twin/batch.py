@@ -73,6 +73,7 @@ class Batch:
         vectors = [plant.vectors() for plant in plants]
         self.values = np.array([values for values, _ in vectors])
         self._active = np.array([active for _, active in vectors])
+        self._shifting = [any("reading" in effect.terms for effect in plant.effects) for plant in plants]
         loaded = [effect.id for effect in plan.effects].index(_LOAD.owner)
         self._load = plan.index[_LOAD]
         self.values[~self._active[:, loaded], self._load] = 0.0
@@ -111,6 +112,15 @@ class Batch:
             later_s = line.delay_s - theirs[line.port].delay_s
             due = other._due[theirs[line.port]]
             self._due[line].extend((at_s + later_s, hold) for at_s, hold in due)
+
+    def shift(self, row: int) -> float:
+        """By how much a row's encoder shows another angle than the motor's, rad."""
+        if not self._shifting[row]:
+            return 0.0
+        one = slice(row, row + 1)
+        shown = np.empty((1, 2))
+        self._kernel.read_many(self.values[one], self._active[one], self.state[one], shown)
+        return float(shown[0, 0] - self.state[row, ANGLE])
 
     def lasted(self, row: int) -> dict[int, float]:
         """States of a row's effects that outlast a start anew, by column: how warm a winding is."""

@@ -129,6 +129,9 @@ class MotorTwin:
         variances = (math.radians(self._noise.quantum_deg) ** 2 / 12.0, _SPEED_DOUBT**2)
         for strand in self._strands:
             strand.place(batch, angle, 0.0, variances)
+        if shift := batch.shift(self.row):
+            for strand in self._strands:
+                strand.place(batch, angle - shift, 0.0, variances)
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._weigher = self._new_weigher()
@@ -138,11 +141,14 @@ class MotorTwin:
 
     def follow(self, other: MotorTwin, was: Batch, batch: Batch) -> None:
         """Go on where another twin of the same motor has got to in the batch that there was."""
-        angle, speed = was.state[other.row, ANGLE], was.state[other.row, SPEED]
+        shown, speed = float(was.state[other.row, ANGLE]) + was.shift(other.row), was.state[other.row, SPEED]
+        batch.state[self.row] = 0.0
+        batch.state[self.row, ANGLE] = shown
+        angle = shown - batch.shift(self.row)
         covariance = other._tracking.estimator.covariance
         for strand in self._strands:
             batch.state[strand.rows] = 0.0
-            strand.place(batch, float(angle), float(speed), (covariance[0, 0], covariance[1, 1]))
+            strand.place(batch, angle, float(speed), (covariance[0, 0], covariance[1, 1]))
         self._probable = None
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
@@ -168,7 +174,8 @@ class MotorTwin:
         weighing = bool(self._weighed) and batch.now_s >= self._due_s
         taking = self._strands if weighing else self._strands[:2]
         self._reap(batch, weighing=weighing)
-        reading = math.radians((count + 0.5) * self._noise.quantum_deg)
+        shift = batch.shift(self.row)
+        reading = math.radians((count + 0.5) * self._noise.quantum_deg) - shift
         variance = self._variance(float(self._tracking.mean[1]), taken_std_s)
         compared = self._tracking.compare(reading, variance)
         believed = self._believing.compare(reading, variance)
@@ -187,7 +194,7 @@ class MotorTwin:
         for strand in taking:
             strand.sow(batch)
         innovation = self._innovation(
-            count, compared.predicted, compared.variance, stamp_s, accepted=accepted
+            count, compared.predicted + shift, compared.variance, stamp_s, accepted=accepted
         )
         speed, torque = float(self._tracking.mean[1]), float(self._tracking.mean[2])
         most = self._watch.most_nats

@@ -3,6 +3,7 @@
 from concurrent.futures import Future
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from twin_feed import nxt_motor
 from twin_rig import Rig, run, steady, world_with
@@ -11,6 +12,7 @@ from nxt_twin.diagnose.diagnosis import Moved, NextExperiment
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.stepper import Stepper
 from nxt_twin.twin.adopt import (
     Adopter,
     AtOnce,
@@ -135,6 +137,28 @@ def test_a_twin_goes_on_where_it_is_when_its_model_is_replaced():
     after = twin.state("a")
     assert after.angle_deg == pytest.approx(before.angle_deg, abs=1e-6)
     assert after.speed_deg_per_s == pytest.approx(before.speed_deg_per_s, rel=1e-9)
+
+
+def test_a_twin_knows_that_its_encoder_is_off_its_centre():
+    """The filter compares with what the encoder shows, not with where the motor is."""
+    off = nxt_motor().with_effect("encoder_eccentricity", {"amplitude": 0.1, "cycles": 4.0, "phase": 0.5})
+    options = TwinOptions(candidates=())
+    truth = Stepper([off])
+    knowing, unknowing = BrickTwin({"a": off}, options), BrickTwin({"a": nxt_motor()}, options)
+    squares = {knowing: [], unknowing: []}
+    for twin in squares:
+        twin.command("a", 40, "drive", 0.0)
+    for n in range(1, 201):
+        for _ in range(10):
+            truth.step(np.array([0.4]), np.array([0]), knowing.supply_v, 1e-3)
+        for twin, found in squares.items():
+            shown = int(np.degrees(truth.shown[0]) // 1)
+            found.append(twin.read_tacho("a", 0.01 * n, shown).believed.normalised_square)
+    assert np.mean(squares[knowing]) < 1.5
+    assert np.mean(squares[unknowing]) > 2.0 * np.mean(squares[knowing])
+    unknowing.adopt("a", off, 0.0)
+    after = unknowing.read_tacho("a", 2.01, int(np.degrees(truth.shown[0] + 0.01 * truth.speed[0]) // 1))
+    assert after.innovation.normalised_square < 9.0
 
 
 def test_a_winding_is_as_warm_as_it_was_when_its_model_is_replaced():
