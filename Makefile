@@ -9,7 +9,7 @@ demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
 
 test: $(VENV)/ready-dev
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .

@@ -5,19 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from diagnose_motors import recorded, settled
 from typer.testing import CliRunner
 
-from nxt_twin.blind.case import NOMINAL
 from nxt_twin.cli.app import program
-from nxt_twin.diagnose.diagnosis import Mismatch
+from nxt_twin.diagnose.diagnosis import Mismatch, NextExperiment
+from nxt_twin.diagnose.dispatch import Answered
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.next.inputs import family
 from nxt_twin.diagnose.next.next_experiment import propose
+from nxt_twin.diagnose.next.next_step import _twice_and_half, _with_program
 from nxt_twin.diagnose.search import settling
+from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.files import write_recording
@@ -106,30 +107,39 @@ def test_the_transmission_is_told_by_source_since_the_format_knows_four_equation
     assert mismatch["source"] == "transmission"
 
 
-def written(case, folder):
-    """The case as files."""
-    folder.mkdir()
-    for recording in (*case.recordings, *case.holdout):
-        write_recording(recording, folder / recording.name)
-    content = {
-        "plant": {"kind": "dc_motor", **NOMINAL},
-        "port": "a",
-        "recordings": [recording.name for recording in case.recordings],
-        "holdout": [recording.name for recording in case.holdout],
-    }
-    (folder / "case.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
-    return folder
+@pytest.fixture
+def as_if_diagnosed(loaded, monkeypatch, tmp_path):
+    """Run `diagnose --experiment-out` on a recording, as if its diagnosis ended with this experiment."""
+    case = recorded(71, motor={"constant_torque_nm": 0.004})
+    target = tmp_path / "next" / "program.yaml"
+
+    def command(experiment):
+        answer = Answered(replace(loaded.diagnosis, next_experiment=experiment), loaded.plant.to_config())
+        monkeypatch.setattr("nxt_twin.diagnose.dispatch.diagnose_any", lambda *_, **__: answer)
+        write_recording(case.recordings[0], tmp_path / "r1.csv")
+        arguments = ["diagnose", str(tmp_path / "r1.csv"), "--experiment-out", str(target)]
+        result = CliRunner().invoke(program(), arguments)
+        assert result.exit_code == 0
+        return target, result.stdout
+
+    return problem_for(case), command
 
 
-def test_the_next_experiment_is_written_as_a_program_that_can_be_read(tmp_path):
-    case = recorded(31, motor={"surprise": 8.0, "surprise_a": 2.4, "surprise_b": 0.2, "surprise_c": 0.8})
-    folder = written(case, tmp_path / "case")
-    target = tmp_path / "next.yaml"
-    result = CliRunner().invoke(program(), ["diagnose", str(folder), "--experiment-out", str(target)])
-    assert result.exit_code == 0
-    if target.exists():
-        following = read_program(target)
-        assert following.why
-        assert all(abs(command.power_pct) <= 100 for run in following.runs for command in commands(run))
-    else:
-        assert "no experiment is written" in result.stdout
+def test_the_next_experiment_is_written_as_a_program_that_can_be_read(as_if_diagnosed):
+    problem, command = as_if_diagnosed
+    told = words.experiment_for_unknown()
+    target, _ = command(_with_program(problem, told, "what-repeats", _twice_and_half(problem)))
+    following = read_program(target)
+    assert following.why
+    powers = [abs(each.power_pct) for run in following.runs for each in commands(run)]
+    assert 0 < max(powers) <= 100
+
+
+@pytest.mark.parametrize(
+    ("experiment", "said"),
+    [(None, "no experiment is written"), (NextExperiment("why", "a heavier load"), "told in words")],
+)
+def test_where_no_program_can_be_written_the_reason_is_told(as_if_diagnosed, experiment, said):
+    target, stdout = as_if_diagnosed[1](experiment)
+    assert not target.exists()
+    assert said in stdout

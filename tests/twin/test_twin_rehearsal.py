@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 WATCHED = """
+from pathlib import Path
 from numba.core.dispatcher import Dispatcher
 from twin_rig import EVERY_SENSOR, Rig, run, world_with
 from twin_feed import nxt_motor
@@ -26,16 +27,17 @@ def told(self, signature):
 Dispatcher.compile = told
 adopter = Adopter(AtOnce())
 outcome = run(
-    rig, 26.0, ports=("a", "b"), sensors=EVERY_SENSOR, candidates=DEFAULT_CANDIDATES, adopter=adopter
+    rig, {seconds}, ports=("a", "b"), sensors=EVERY_SENSOR, candidates=DEFAULT_CANDIDATES, adopter=adopter
 )
-assert "adopted" in outcome.kinds(), outcome.kinds()
+assert "adopted" in outcome.kinds() or not {rehearsed}, outcome.kinds()
 print(",".join(sorted(set(late))))
 """
 
 
-@pytest.mark.parametrize("rehearsed", [True, False])
-def test_a_session_that_was_rehearsed_compiles_nothing(tmp_path, rehearsed):
-    program = "from pathlib import Path\n" + WATCHED.format(folder=str(tmp_path), rehearsed=rehearsed)
+@pytest.mark.parametrize(("rehearsed", "seconds"), [(True, 26.0), (False, 2.0)])
+def test_a_session_that_was_rehearsed_compiles_nothing(tmp_path, rehearsed, seconds):
+    """One that was not, however short, shows that the watch sees what is compiled."""
+    program = WATCHED.format(folder=str(tmp_path), rehearsed=rehearsed, seconds=seconds)
     done = subprocess.run(
         [sys.executable, "-c", program],
         cwd=Path(__file__).parent,
@@ -45,4 +47,4 @@ def test_a_session_that_was_rehearsed_compiles_nothing(tmp_path, rehearsed):
     )
     assert done.returncode == 0, done.stderr
     late = set(done.stdout.strip().split(",")) - {""}
-    assert late == (set() if rehearsed else late | {"put", "taken", "stirred", "run_many"})
+    assert late == (set() if rehearsed else late | {"put", "taken", "stirred"})
