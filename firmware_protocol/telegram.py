@@ -7,6 +7,7 @@ Source: LEGO NXT firmware 1.29, c_comm.c cCommInterprete and c_cmd.c cCmdHandleR
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final, Generic, NamedTuple, TypeAlias, TypeVar, cast, final
 
 from firmware_protocol.command import Command, ReplyData
@@ -197,7 +198,12 @@ def decode_answer(command: AnyCommand[ReplyT], telegram: bytes) -> Answer[ReplyT
 
 def blank_reply(command: AnyCommand[ReplyT]) -> ReplyT:
     """The reply of which every byte is 0, as the firmware sends it with many errors."""
-    return unpack_loosely(cast("type[ReplyT]", command.Reply), b"", start=0, end=0)
+    return cast("ReplyT", _blank(command.Reply))
+
+
+@cache
+def _blank(reply: type[ReplyData]) -> ReplyData:
+    return unpack_loosely(reply, b"", start=0, end=0)
 
 
 def _command_of(telegram: bytes) -> tuple[type[Command[Any]], bool]:

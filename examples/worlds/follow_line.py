@@ -7,7 +7,7 @@ import nxt.motor
 import nxt.sensor
 import nxt.sensor.generic
 
-SECONDS, SPEED, GAIN, TURN_MOST = 10.5, 33, 0.18, 36
+SECONDS, SPEED, GAIN, TURN_MOST = 10.0, 30, 0.18, 40
 
 
 def main():

@@ -24,13 +24,14 @@ class LateCommands:
 
     def __init__(self, plants: Sequence[Plant]) -> None:
         self._delays_s = [_delay_s(plant) for plant in plants]
+        self._late = max(self._delays_s) > 0.0
         self._waiting: list[deque[tuple[float, float, int]]] = [deque() for _ in plants]
         self._duty = np.zeros(len(plants))
         self._mode = np.full(len(plants), MODE_COAST, dtype=np.int64)
 
     def at(self, time_s: float, duty: FloatArray, mode: IntArray) -> tuple[FloatArray, IntArray]:
         """Take the commands given at `time_s`, and give those in force then; each of shape (plants,)."""
-        if max(self._delays_s) <= 0.0:
+        if not self._late:
             self._duty[:], self._mode[:] = duty, mode
             return self._duty, self._mode
         for i, delay_s in enumerate(self._delays_s):

@@ -23,17 +23,25 @@ from nxt_twin.world.urdf import urdf
 
 STEP_S: Final = 1e-3
 GRAVITY_M_S2: Final = 9.81
-_ITERATIONS: Final = 60
+_ITERATIONS: Final = 20
+_ITERATIONS_HELD: Final = 60
+"""While all motors stand: with 20 a wheel that friction holds on a slope creeps by 0.3 deg a minute."""
+_STANDING_RAD_S: Final = 0.02
 _RESIDUAL: Final = 1e-10
 """With the default of 1e-7 a motor that is held by friction creeps by a degree a minute."""
 _FASTEST_RAD_S: Final = 1e5
 _SPRING_LAG_S: Final = 0.005
 """A plunger's damping, as the time by which its spring's force leads."""
 _HARD_N: Final = 1e4
-_SEEN: Final = 1
-"""The group of what rays hit."""
+_LOOSE: Final = 1
+"""The group of what moves, apart from a robot's own parts."""
 _OWN: Final = 2
-_ALL: Final = 3
+_FIXED: Final = 4
+"""The group of what never moves. It has no contact with its own kind, which would cost half of a step."""
+_SEEN: Final = _LOOSE | _FIXED
+"""What rays hit."""
+_MOVING: Final = _LOOSE | _OWN
+_ALL: Final = _MOVING | _FIXED
 
 
 @cache
@@ -88,11 +96,13 @@ class Bullet:
         self._links: dict[Body, dict[str, int]] = {}
         self._centres: dict[Body, FloatArray] = {}
         self._driven: tuple[Body, list[int]] = (-1, [])
+        self._friction: list[float] = []
+        self._held = True
         self._springs: list[tuple[Body, int, float, float]] = []
         p.setTimeStep(STEP_S, physicsClientId=self._id)
         p.setGravity(*(GRAVITY_M_S2 * part for part in gravity), physicsClientId=self._id)
         p.setPhysicsEngineParameter(
-            numSolverIterations=_ITERATIONS,
+            numSolverIterations=_ITERATIONS_HELD,
             solverResidualThreshold=_RESIDUAL,
             enableConeFriction=1,
             deterministicOverlappingPairs=1,
@@ -100,7 +110,7 @@ class Bullet:
         )
         plane = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=self._id)
         self.floor: Body = p.createMultiBody(0.0, plane, physicsClientId=self._id)
-        p.setCollisionFilterGroupMask(self.floor, -1, _SEEN, _ALL, physicsClientId=self._id)
+        p.setCollisionFilterGroupMask(self.floor, -1, _FIXED, _MOVING, physicsClientId=self._id)
         p.changeDynamics(
             self.floor,
             -1,
@@ -140,8 +150,9 @@ class Bullet:
             names.append(p.getJointInfo(body, joint, physicsClientId=self._id)[12].decode())
         self._links[body] = {name: number - 1 for number, name in enumerate(names)}
         self._centres[body] = np.array(assembly.links[0].centre_m)
+        group = _OWN if own else _FIXED if assembly.fixed and len(assembly.links) == 1 else _LOOSE
         for link in assembly.links:
-            self._prepare(body, link, own=own)
+            self._prepare(body, link, group)
         for gear in assembly.gears:
             self._mesh(body, gear)
         # In a call of their own: with any of these PyBullet takes everything else for the base's.
@@ -155,7 +166,7 @@ class Bullet:
         )
         return body
 
-    def _prepare(self, body: Body, link: RigidLink, *, own: bool) -> None:
+    def _prepare(self, body: Body, link: RigidLink, group: int) -> None:
         p, number = self._p, self._links[body][link.name]
         p.changeDynamics(
             body,
@@ -168,7 +179,8 @@ class Bullet:
             jointDamping=0.0,
             physicsClientId=self._id,
         )
-        p.setCollisionFilterGroupMask(body, number, _OWN if own else _SEEN, _ALL, physicsClientId=self._id)
+        meets = _MOVING if group == _FIXED else _ALL
+        p.setCollisionFilterGroupMask(body, number, group, meets, physicsClientId=self._id)
         if number >= 0 and link.joint is not None and link.joint.kind != "fixed":
             p.setJointMotorControl2(body, number, p.VELOCITY_CONTROL, force=0.0, physicsClientId=self._id)
 
@@ -184,21 +196,30 @@ class Bullet:
     def drive(self, body: Body, links: list[str]) -> None:
         """Name the joints that `joints` gives and `exert` takes, in this order; all others move freely."""
         self._driven = (body, [self._links[body][link] for link in links])
+        self._friction = []
 
     def joints(self, into: FloatArray) -> None:
         """The driven joints' angles (rad) and speeds (rad/s), into an array of shape (joints, 2)."""
         body, numbers = self._driven
-        for row, state in enumerate(self._p.getJointStates(body, numbers, physicsClientId=self._id)):
-            into[row, 0] = state[0]
-            into[row, 1] = state[1]
+        states = self._p.getJointStates(body, numbers, physicsClientId=self._id)
+        into[:] = [state[:2] for state in states]
+        held = all(abs(state[1]) < _STANDING_RAD_S for state in states)
+        if held != self._held:
+            self._held = held
+            iterations = _ITERATIONS_HELD if held else _ITERATIONS
+            self._p.setPhysicsEngineParameter(numSolverIterations=iterations, physicsClientId=self._id)
 
     def exert(self, exerted: FloatArray) -> None:
         """Torque (N·m) in the next step, and the torque to which dry friction holds; shape (joints, 2)."""
         p, (body, numbers) = self._p, self._driven
-        for number, (torque, friction) in zip(numbers, exerted.tolist(), strict=True):
-            p.setJointMotorControl2(body, number, p.TORQUE_CONTROL, force=torque, physicsClientId=self._id)
-            p.setJointMotorControl2(
-                body, number, p.VELOCITY_CONTROL, targetVelocity=0.0, force=friction, physicsClientId=self._id
+        if not numbers:
+            return
+        torque, friction = exerted.T.tolist()
+        p.setJointMotorControlArray(body, numbers, p.TORQUE_CONTROL, forces=torque, physicsClientId=self._id)
+        if friction != self._friction:  # unlike a torque, it stays in force
+            self._friction = friction
+            p.setJointMotorControlArray(
+                body, numbers, p.VELOCITY_CONTROL, forces=friction, physicsClientId=self._id
             )
 
     def spring(self, body: Body, link: str, preload_n: float, stiffness_n_per_m: float) -> None:

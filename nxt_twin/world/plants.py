@@ -30,16 +30,16 @@ class WorldPlants:
     ) -> None:
         self._engine = engine
         self._after = after
-        self._driven = np.array(driven, dtype=np.int64)
-        self._free = np.array([i for i in range(len(plants)) if i not in driven], dtype=np.int64)
-        self._drives = JointDrives([plants[i] for i in driven])
-        self._stepper = Stepper([plants[i] for i in self._free]) if self._free.size else None
+        self._driven, self._free = _slices(driven, len(plants))
+        free = plants[self._free]
+        self._drives = JointDrives(plants[self._driven])
+        self._stepper = Stepper(free, ready=False) if free else None
         self._joint = np.zeros((len(driven), 2))
         self._angle, self._shown, self._current = (np.zeros(len(plants)) for _ in range(3))
 
     def drives_joint(self, index: int) -> bool:
         """Whether the motor of that index (0 to 2) is on the robot."""
-        return index in self._driven
+        return index in range(*self._driven.indices(len(self._angle)))
 
     @property
     def angle(self) -> FloatArray:
@@ -71,3 +71,15 @@ class WorldPlants:
             self._angle[self._free], self._shown[self._free] = self._stepper.angle, self._stepper.shown
             self._current[self._free] = self._stepper.current
         self._after()
+
+
+def _slices(driven: Sequence[int], count: int) -> tuple[slice, slice]:
+    """Some of up to three motors, in order, and the others."""
+    free = [index for index in range(count) if index not in driven]
+    return _slice(driven), _slice(free)
+
+
+def _slice(indices: Sequence[int]) -> slice:
+    if not indices:
+        return slice(0, 0)
+    return slice(indices[0], indices[-1] + 1, max(1, (indices[-1] - indices[0]) // max(1, len(indices) - 1)))

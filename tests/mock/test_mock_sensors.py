@@ -178,3 +178,28 @@ def test_a_world_can_show_sensors_a_course():
     rig.run(2000)
     assert 55 <= near_60 <= 68
     assert read_register(rig, 0x42) == b"\x14"
+
+
+class Counted:
+    """A value over time that counts how often it is taken."""
+
+    def __init__(self):
+        self.taken = 0
+
+    def at(self, time_s):
+        self.taken += 1
+        return 500.0 + 10.0 * (time_s > 1.0)
+
+
+@pytest.mark.parametrize(("mode", "rarely"), [(SensorMode.RAW, True), (SensorMode.TRANSITION_COUNT, False)])
+def test_the_converter_takes_a_reading_when_it_is_asked_for_and_each_one_to_count(rig, mode, rarely):
+    shown = Counted()
+    rig.body.sensors[2].raw = shown
+    rig.set_sensor(2, SensorType.SWITCH, mode)
+    rig.run(500)
+    before = shown.taken
+    rig.run(400)
+    assert (shown.taken - before < 3) is rarely
+    first = rig.sensor(2).raw
+    rig.run(400)
+    assert (first, rig.sensor(2).raw) == (500, 510)

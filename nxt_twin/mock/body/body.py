@@ -47,10 +47,9 @@ class Body:
         """Set a bridge."""
         self.motors.set(port, speed, brake=brake)
 
-    def analog(self) -> Sequence[int]:
-        """The four sockets' readings."""
-        time_s = self.time_s
-        return [sensor.reading(time_s) for sensor in self.sensors]
+    def analog(self, port: int) -> int:
+        """A socket's reading."""
+        return self.sensors[port].reading(self.time_s)
 
     def set_sensor_type(self, port: int, sensor_type: int) -> None:
         """Feed and light a socket."""

@@ -52,6 +52,7 @@ class MotorBank:
         self._duty = np.zeros(count)
         self._mode = np.full(count, MODE_COAST, dtype=np.int64)
         self._set = [(0, False)] * count
+        self._connected = np.zeros(count)
 
     @property
     def plants(self) -> Plants:
@@ -69,13 +70,14 @@ class MotorBank:
             self._mode[port] = MODE_DRIVE if brake else MODE_FLOAT
         else:
             self._mode[port] = MODE_BRAKE if brake else MODE_COAST
+        # A floating winding conducts only while it is connected: its mean current is all that the battery gives.
+        floating = self._mode[port] == MODE_FLOAT
+        self._connected[port] = np.sign(self._duty[port]) if floating else self._duty[port]
 
     def step(self, supply_v: float, duration_s: float) -> float:
         """Advance, and give the current that the motors draw from the supply, A."""
         self._plants.step(self._duty, self._mode, supply_v, duration_s)
-        # A floating winding conducts only while it is connected: its mean current is all that the battery gives.
-        connected = np.where(self._mode == MODE_FLOAT, np.sign(self._duty), self._duty)
-        return float(connected.dot(self._plants.current))
+        return float(self._connected.dot(self._plants.current))
 
     def counts(self) -> list[int]:
         """The encoders' counts since power-on."""

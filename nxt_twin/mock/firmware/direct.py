@@ -346,7 +346,7 @@ class DirectCommands:
         return self._outputs.ports[port]
 
     def _input(self, port: int, blank: ReplyData | None = None) -> InputPort:
-        return self._inputs.ports[self._digital_port(port, blank)]
+        return self._inputs.look(self._digital_port(port, blank))
 
     def _digital_port(self, port: int, blank: ReplyData | None = None) -> int:
         if port >= limits.INPUT_PORT_COUNT:

@@ -30,8 +30,8 @@ class Hardware(Protocol):
         """
         ...
 
-    def analog(self) -> Sequence[int]:
-        """The four sockets' voltages as 10-bit readings; 1023 where nothing pulls down."""
+    def analog(self, port: int) -> int:
+        """A socket's voltage now, as a 10-bit reading; 1023 where nothing pulls down."""
         ...
 
     def set_sensor_type(self, port: int, sensor_type: int) -> None:

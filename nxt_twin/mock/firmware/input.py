@@ -116,6 +116,12 @@ class InputPort:
         self.ad_raw = self.sensor_raw = self.sensor_value = 0
         self.boolean = False
 
+    @property
+    def forgetful(self) -> bool:
+        """Nothing here depends on any reading but the last one: those before need not be taken."""
+        settled = self._settled >= 0 and not self.invalid_data and self.sensor_type == self._type_in_force
+        return settled and not self.sensor_mode & _SLOPE_MASK
+
     def tick(self, raw: int) -> bool:
         """One pass with the converter's reading; True if the sensor type has just changed."""
         if not self.invalid_data and raw == self._settled and self.sensor_type == self._type_in_force:
@@ -164,7 +170,8 @@ class InputPort:
         self._convert(reading, truth=truth)
         self.boolean = truth
         counting = self.sensor_mode & _MODE_MASK in _COUNTING
-        self._settled = -1 if counting or changing else raw
+        sloped = self.sensor_mode & _SLOPE_MASK
+        self._settled = -1 if counting or (sloped and changing) else raw
 
     def _truth(self, reading: int) -> bool:
         slope = self.sensor_mode & _SLOPE_MASK
@@ -245,17 +252,35 @@ class InputModule(Module):
         self.ports = tuple(InputPort() for _ in range(limits.INPUT_PORT_COUNT))
         self._colors = bytes(limits.IO_MAP_SIZES[ModuleId.INPUT] - 20 * limits.INPUT_PORT_COUNT)
         self._hardware = hardware
-        self._readings = hardware.analog()
+        self._readings = [hardware.analog(port) for port in range(limits.INPUT_PORT_COUNT)]
+        self._stale = [False] * limits.INPUT_PORT_COUNT
         self._converter_turn = False
 
     def tick(self) -> None:
-        """One pass; new readings come from the co-processor every other one."""
+        """One pass; new readings come from the co-processor every other one.
+
+        Most sensors are read far less often than that. A reading that only the next one would replace is not taken.
+        """
         self._converter_turn = not self._converter_turn
         if not self._converter_turn:
-            self._readings = self._hardware.analog()
+            self._stale = [True] * limits.INPUT_PORT_COUNT
         for index, port in enumerate(self.ports):
-            if port.tick(self._readings[index]):
-                self._hardware.set_sensor_type(index, port.sensor_type)
+            if not port.forgetful:
+                self._pass(index, port)
+
+    def _pass(self, index: int, port: InputPort) -> None:
+        if self._stale[index]:
+            self._stale[index] = False
+            self._readings[index] = self._hardware.analog(index)
+        if port.tick(self._readings[index]):
+            self._hardware.set_sensor_type(index, port.sensor_type)
+
+    def look(self, index: int) -> InputPort:
+        """A port for somebody who reads it: with the converter's last reading."""
+        port = self.ports[index]
+        if self._stale[index] and port.forgetful:
+            self._pass(index, port)
+        return port
 
     def reset(self) -> None:
         """What the start and stop of a program do: no sensors, all values 0."""
@@ -264,7 +289,7 @@ class InputModule(Module):
 
     def export(self) -> bytes:
         """The IO map."""
-        return encode_io_map(InputMap(tuple(port.export() for port in self.ports), self._colors))
+        return encode_io_map(InputMap(tuple(self.look(i).export() for i in range(len(self.ports))), self._colors))
 
     def adopt(self, data: bytes) -> None:
         """Take over the IO map."""
