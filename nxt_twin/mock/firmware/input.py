@@ -289,7 +289,9 @@ class InputModule(Module):
 
     def export(self) -> bytes:
         """The IO map."""
-        return encode_io_map(InputMap(tuple(self.look(i).export() for i in range(len(self.ports))), self._colors))
+        return encode_io_map(
+            InputMap(tuple(self.look(i).export() for i in range(len(self.ports))), self._colors)
+        )
 
     def adopt(self, data: bytes) -> None:
         """Take over the IO map."""
