@@ -1,4 +1,4 @@
-"""What `make check` asks of words: docs/writing.md, on the pages that follow it already."""
+"""What `make check` asks of words: docs/writing.md, on every page, public docstring and sentence for a person."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+from house_code import docstrings, spoken
+
 MOST_WORDS: Final = 25
 
-PAGES: Final = (
-    "README.md", "CONTRIBUTING.md", "docs/api.md", "docs/dashboard.md", "docs/glossary.md", "docs/stability.md",
-    "docs/decisions", "docs/connect.md", "docs/record.md", "docs/protocol.md", "docs/paper.md", "docs/testing.md",
-    "docs/formats.md", "docs/robots.md", "docs/proof.md", "docs/world.md", "docs/sensors.md", "docs/mock.md",
-    "docs/experiments.md", "docs/live.md", "docs/writing.md", "docs/export.md", "docs/reliability.md",
-    "docs/diagnosis.md", "docs/fleet.md",
-)  # fmt: skip
-"""A page that is rewritten joins; a folder stands for its pages."""
+PAGES: Final = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "examples")
+"""A folder stands for every page below it."""
 
 _FORBIDDEN: Final = {
     r"\bfore(?:tell|tells|told)\b": "predict",
@@ -28,28 +24,35 @@ _FORBIDDEN: Final = {
 }
 _NO_PROSE: Final = re.compile(r"^(?: {4}|\||#|```|!\[|\s*$)")
 _LINK: Final = re.compile(r"\[([^\]]*)\]\([^)]*\)")
-_CODE: Final = re.compile(r"`[^`]*`")
+_CODE: Final = re.compile(r"`+[^`]*`+")
 _END: Final = re.compile(r"(?<=[.!?:;])\s+(?=[A-Z`*(\"])")
 
 
 def words(root: Path) -> Iterator[str]:
     """Sentences that are too long, and words that another word is meant for, with place and mend."""
-    for page in _pages(root):
-        place = page.relative_to(root).as_posix()
-        for number, paragraph in _paragraphs(page.read_text(encoding="utf-8")):
-            for sentence in _END.split(paragraph):
-                count = len(re.findall(r"[\w'’-]+", sentence))
-                if count > MOST_WORDS:
-                    yield f"{place}:{number}: a sentence of {count} words, more than {MOST_WORDS}: {sentence[:60]}…"
-            for pattern, instead in _FORBIDDEN.items():
-                if found := re.search(pattern, paragraph):
-                    yield f"{place}:{number}: '{found.group().strip()}': write {instead}"
+    for place, paragraph in (*_of_pages(root), *docstrings(root), *spoken(root)):
+        yield from (f"{place}: {fault}" for fault in faults(paragraph))
 
 
-def _pages(root: Path) -> Iterator[Path]:
+def faults(paragraph: str) -> Iterator[str]:
+    """Each fault of a paragraph, with its mend."""
+    plain = _plain(paragraph)
+    for sentence in _END.split(plain):
+        count = len(re.findall(r"[\w'’-]+", sentence))
+        if count > MOST_WORDS:
+            yield f"a sentence of {count} words, more than {MOST_WORDS}: {sentence}"
+    for pattern, instead in _FORBIDDEN.items():
+        if found := re.search(pattern, plain):
+            yield f"'{found.group().strip()}': write {instead}"
+
+
+def _of_pages(root: Path) -> Iterator[tuple[str, str]]:
     for name in PAGES:
         path = root / name
-        yield from sorted(path.glob("*.md")) if path.is_dir() else [path]
+        for page in sorted(path.rglob("*.md")) if path.is_dir() else [path]:
+            place = page.relative_to(root).as_posix()
+            for number, paragraph in _paragraphs(page.read_text(encoding="utf-8")):
+                yield f"{place}:{number}", paragraph
 
 
 def _paragraphs(text: str) -> Iterator[tuple[int, str]]:
@@ -61,7 +64,7 @@ def _paragraphs(text: str) -> Iterator[tuple[int, str]]:
         prose = not fenced and not _NO_PROSE.match(line)
         item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
         if kept and (item or not prose):
-            yield began, _plain(" ".join(kept))
+            yield began, " ".join(kept)
             kept = []
         if prose:
             began = began if kept else number

@@ -26,7 +26,7 @@ from nxt_twin.recording.recording import Recording
 @final
 @dataclass(frozen=True)
 class SimulatedChannel:
-    """What a plant does under the commands of one port, or of a mapped recording.
+    """The prediction of one output channel, for a port's commands or a mapped recording.
 
     Attributes:
         channel: the column.

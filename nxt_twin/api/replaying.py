@@ -24,7 +24,7 @@ _ALL: Final = 10_000_000
 @final
 @dataclass(frozen=True, repr=False)
 class Replayed:
-    """What the twin expected of each reading of a channel, and what it said.
+    """The twin's prediction of each reading of a channel, beside the reading.
 
     Attributes:
         channel: the column, such as `a_tacho_deg`.

@@ -27,7 +27,7 @@ _PICTURES_PER_S, _VIDEO_PER_S = 10, 20
 @final
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be kept of a run; None is not wanted.
+    """The files that a run writes; None writes none.
 
     Attributes:
         trace: the robot's course as a recording.

@@ -28,10 +28,9 @@ from nxt_twin.brick.policy import PACKET_POLICY, Policy
 class Brick:
     """A brick at the end of a link: one method a command, by theme.
 
-    A context manager. Leaving it, by whatever way, lets the motors coast if any was engaged through it, and
-    closes the link; so does the end of the interpreter (an exception or Ctrl-C that nobody caught). On a lost
-    link this cannot reach the brick, and the firmware does not stop motors by itself: give those that can
-    hit something a tacho limit.
+    A context manager. On leaving, the motors that it engaged coast, and the link closes. The end of the
+    interpreter does this too, also after an exception or Ctrl-C that nobody caught. A lost link cannot reach the
+    brick, and the firmware does not stop motors by itself. Give each motor that can hit something a tacho limit.
 
     Args:
         link: the open link, which the brick takes over.
@@ -88,5 +87,5 @@ class Brick:
         return self._exchange.health
 
     def describe(self) -> str:
-        """What a person would call the link."""
+        """The link's name for a person."""
         return self._exchange.describe()

@@ -1,8 +1,8 @@
 """One request and its reply at a time; what is late, broken or missing is told apart and survived.
 
-A brick answers in the order in which it was asked. After a request whose reply did not come, its late reply
-could be taken for that of the next: so the next is preceded by a marker whose reply is like no other (a read
-of as many bytes of an IO map as markers were sent), and whatever comes before the marker's reply is dropped.
+A brick answers requests in their order. If a reply does not come in time, it could later be taken for the reply to
+the next request. A marker therefore goes before the next request: a read of as many bytes of an IO map as markers
+were sent. Its reply is unique, and everything before it is dropped.
 """
 
 from __future__ import annotations
@@ -224,7 +224,7 @@ class Exchange:
             self._link.close()
 
     def describe(self) -> str:
-        """What a person would call the link."""
+        """The link's name for a person."""
         return self._link.describe()
 
     def _too_long(self, telegram: bytes) -> RequestError:

@@ -33,5 +33,5 @@ class Link(Protocol):
         ...
 
     def describe(self) -> str:
-        """What a person would call this link: the URL, and what is special about it."""
+        """The link's name for a person: the URL, and any special property."""
         ...

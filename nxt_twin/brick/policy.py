@@ -11,7 +11,7 @@ from firmware_protocol import bluetooth, usb
 @final
 @dataclass(frozen=True)
 class Policy:
-    """What an `Exchange` goes by.
+    """The rules of an `Exchange`: timeouts and retries.
 
     Attributes:
         reply_timeout_s: how long a reply may take.

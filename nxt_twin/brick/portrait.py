@@ -78,7 +78,7 @@ class Portrait:
 
 
 def driven(brick: Brick) -> dict[str, int]:
-    """The power of each motor that turns or would, by its port ``A``, ``B`` or ``C``; raises what its commands do."""
+    """The power (%) of each driven motor, by its port ``A``, ``B`` or ``C``; errors as with its commands."""
     motors = [_motor(brick, port) for port in OutputPort if port is not OutputPort.ALL]
     return {motor.port: motor.power_pct for motor in motors if motor.running and motor.power_pct}
 

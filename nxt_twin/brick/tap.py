@@ -61,7 +61,7 @@ class TapEvent:
 @final
 @dataclass(frozen=True)
 class Tap:
-    """What a tap recorded.
+    """The recording of a tap.
 
     Attributes:
         link: what the link called itself.
@@ -168,7 +168,7 @@ class ReplayLink:
         self._left.clear()
 
     def describe(self) -> str:
-        """What was recorded."""
+        """The recording."""
         return f"replay of {self._link}"
 
     def _next(self) -> TapEvent:
@@ -178,7 +178,7 @@ class ReplayLink:
 
 
 def read_tap(lines: Iterable[str]) -> Tap:
-    """What a tap recorded; a last line that a crash cut off is left out.
+    """The recording of a tap; a last line that a crash cut off is left out.
 
     Args:
         lines: the file's lines.

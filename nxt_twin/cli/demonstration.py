@@ -39,7 +39,7 @@ _LEAVING_S = 5.0
 @final
 @dataclass(frozen=True)
 class DemoArguments:
-    """What the command line asks of the demo.
+    """The command line's arguments for the demo.
 
     Attributes:
         out: folder for its files.

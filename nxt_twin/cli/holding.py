@@ -24,15 +24,15 @@ LIVE_SCHEMA = "nxt-twin/live/1"
 def hold(
     url: str, options: LiveOptions, seconds: float | None, showing: Showing, also: Sequence[Sink] = ()
 ) -> tuple[Outcome, dict[str, Any]]:
-    """Hold a session with the brick at `url`, with somebody else told of it (`also`).
+    """Hold a session with the brick at `url`, and conclude it; the sinks `also` get its polls and events too.
 
     Returns:
-        What it came to, and its JSON.
+        The outcome, and its JSON.
 
     Raises:
-        typer.BadParameter: the URL is none.
-        typer.Exit: there was no poll.
-        NxtTwinError: whatever kept it from being held.
+        typer.BadParameter: the URL is wrong.
+        typer.Exit: the brick answered no poll.
+        NxtTwinError: the link, the model or the recorder failed.
     """
     get_ready(options.plants, adopting=options.adopt)
     clock = SystemClock()

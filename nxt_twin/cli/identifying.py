@@ -37,7 +37,7 @@ from nxt_twin.twin.settings import pace_of
 @final
 @dataclass(frozen=True)
 class IdentifyArguments:
-    """What the command line asks of an identification.
+    """The command line's arguments for an identification.
 
     Attributes:
         experiment: a name or a YAML file.

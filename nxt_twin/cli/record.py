@@ -30,7 +30,7 @@ _TOLD_EVERY_S = 0.5
 
 @final
 class RecordedRun(TypedDict):
-    """What was recorded: the file, if there is one, how many rows, how long."""
+    """The file of a recording, if there is one, its rows, and its length."""
 
     file: str | None
     rows: int

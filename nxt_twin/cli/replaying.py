@@ -30,7 +30,7 @@ _DEFAULT_PLANT: Final = "nxt_motor"
 @final
 @dataclass(frozen=True)
 class ReplayArguments:
-    """What the command line asks of a replay.
+    """The command line's arguments for a replay.
 
     Attributes:
         model: of the motors: a name or a YAML file; None: the sidecar's, or `nxt_motor`.

@@ -12,7 +12,7 @@ View = Literal["spawn", "web", "none"]
 @final
 @dataclass(frozen=True)
 class Showing:
-    """What a person gets to see of a session, and which files.
+    """The output of a session: dashboard, reports and files.
 
     Attributes:
         title: of the session.

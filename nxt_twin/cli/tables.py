@@ -1,4 +1,4 @@
-"""What commands that read tables from elsewhere share: `--mapping` and `--columns`."""
+"""The options of commands that read tables from elsewhere: `--mapping` and `--columns`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ColumnsOption = Annotated[
     typer.Option(
         "--columns",
         metavar="ROLE=COLUMN:UNIT,…",
-        help="What a table's columns are, such as time=ms:ms,power=pwm,angle=ticks:0.088deg.",
+        help="The table's columns, such as time=ms:ms,power=pwm,angle=ticks:0.088deg.",
     ),
 ]
 

@@ -98,8 +98,8 @@ def get_leave(url: str, ports: tuple[Port, ...], *, yes: bool) -> None:
 def tidy_end() -> Iterator[None]:
     """Whoever ends the program, and however politely: an interrupt comes of it, so that the motors are let go.
 
-    A shell starts background jobs with the interrupt ignored, and being told to terminate, a terminal that is closed,
-    a timer or a limit that ends would end Python on the spot.
+    A shell starts background jobs with the interrupt ignored. A terminate signal, a closed terminal, a timer or a limit
+    would end Python at once.
     """
     numbers = [getattr(signal, name) for name in _POLITE if hasattr(signal, name)]
     before = {number: signal.signal(number, signal.default_int_handler) for number in numbers}

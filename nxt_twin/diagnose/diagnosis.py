@@ -1,4 +1,4 @@
-"""What a diagnosis says: one immutable value that report, JSON and twin read."""
+"""A diagnosis: one immutable value that report, JSON and twin read."""
 
 from __future__ import annotations
 

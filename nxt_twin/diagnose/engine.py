@@ -66,8 +66,8 @@ def diagnose(
 
     Args:
         case: the baseline and its recordings.
-        tolerance: error of a simulation that does not matter, SI (rad, m, or per second); without one, half a step of
-            the encoder or the roughness of its readings.
+        tolerance: error of a simulation that does not matter, SI (rad, m, or per second). None takes half a step of
+            the encoder, or the roughness of its readings.
         seed: of the random shifts behind the regimes' p-values; nothing else is random.
         without: ids of effects that are not tried, to see what a diagnosis says of physics that it does not know.
         leaning: what speaks beforehand for effects, nats by id, as a live session has it. It ranks effects that gain

@@ -1,7 +1,7 @@
 """Where an ultrasonic sensor's near range begins and ends: every place for a border is weighed.
 
-A sharp border between two places that were visited is as likely at one point as at any other, so that there is no
-likeliest one, and no curvature to take a doubt from. The sensor's line and noise are taken as fitted.
+A sharp border is equally likely at every point between two visited places. So there is no likeliest point, and no
+curvature that gives a standard deviation. The sensor's line and noise are taken as fitted.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A run's folder: the experiment as it was asked for, its recordings, and what was identified.
 
-The recordings themselves say how far a run has come: one that is complete is `recordings/NAME.csv`; one that is under
-way is `recordings/NAME.csv.part`, written row by row, whose last line may be cut off by a crash.
+The recordings show how far a run has come. A complete one is `recordings/NAME.csv`. One that is under way is
+`recordings/NAME.csv.part`, written row by row; a crash may cut its last line off.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an experiment found: values, how well they are known, and what they rest on."""
+"""The result of an experiment: values, their uncertainty, and the anchors that they rest on."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def normal_value(name: str, value: float, std: float, unit: str, rests_on: str =
 @final
 @dataclass(frozen=True)
 class Identified:
-    """What an experiment found.
+    """The result of an experiment.
 
     Attributes:
         experiment: its kind.

@@ -1,8 +1,11 @@
 """A motor's parameters from steps and coast-downs, and what they rest on.
 
-With encoder and voltage alone the motion is that of dω/dt = (K/RJ)·u - (K²/RJ + B/J)·ω - (T/J)·sign ω while driven, and
-without the first term and K²/RJ while coasting. So K, R·J, B/J and T/J can be told apart, but not R, J, B and T: one
-of them, or an inertia that was added, has to come from elsewhere (an anchor).
+Encoder and voltage alone show this motion of a driven motor:
+
+    dω/dt = (K/RJ)·u - (K²/RJ + B/J)·ω - (T/J)·sign ω
+
+While coasting, the first term and K²/RJ are absent. So the data give K, R·J, B/J and T/J, but not R, J, B and T. One
+of these, or a known added inertia, must come from elsewhere (an anchor).
 """
 
 from __future__ import annotations
@@ -170,7 +173,7 @@ def _doubts(fits: Sequence[Ratios]) -> tuple[str, ...]:
 def ratios_of(experiment: MotorIdentification, recordings: Sequence[Recording]) -> Ratios:
     """Fit a set of runs, and keep of the fit what needs no anchor.
 
-    What the sidecars leave of the link's delay, which shifts commands against readings, is fitted along and left out.
+    The fit also estimates the rest of the link's delay, which shifts commands against readings, and leaves it out.
     """
     config = {
         **load_plant_config(experiment.plant),

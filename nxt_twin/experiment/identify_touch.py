@@ -1,7 +1,7 @@
 """A button's thresholds from press and release cycles: every threshold and scatter is weighed.
 
-A press only tells between which two steps the switch closed; where the scatter is smaller than a step, as with most of
-the paper's sensors, any threshold in between is as likely as any other, and there is no likeliest one to be found.
+A press only shows between which two steps the switch closed. With most of the paper's sensors the scatter is smaller
+than a step. Then all thresholds in between are equally likely, and there is no likeliest one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an experiment is going to do, in words, before anything moves."""
+"""The plan of an experiment in words, before anything moves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nxt_twin.experiment.sweep import Sweep, sweep_of
 
 
 def axes_of(experiment: Experiment) -> tuple[Axis, ...]:
-    """What the experiment moves, in order."""
+    """The axes that the experiment moves, in order."""
     return () if isinstance(experiment, MotorIdentification) else sweep_of(experiment).axes
 
 

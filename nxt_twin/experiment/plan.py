@@ -29,8 +29,7 @@ Samples = Annotated[int, Field(ge=1, le=1000)]
 class Waits(BaseModel):
     """How long to wait.
 
-    An ultrasonic sensor that is read sooner than 50 ms after a move, or after its last reading, may tell of a ping
-    that it sent before.
+    Within 50 ms of a move or of its last reading, an ultrasonic sensor may answer with an earlier ping.
 
     Attributes:
         settle_s: after a move, before the first reading.

@@ -1,9 +1,9 @@
 """How far a motor's fit errs: the same fit on synthetic recordings of the motor that was found.
 
-An encoder's count repeats its rounding while the motor is slow or stands, and a run keeps the lag with which it met the
-bridge's co-processor, so that the errors of neighbouring readings hang together, and a covariance that takes each for
-new is too small. Made-up recordings with the same stamps, commands and counts carry just that. What they feign of an
-unknown torque is taken off the one that was found in the real ones.
+An encoder's count repeats its rounding while the motor is slow or stands. A run keeps the lag at which it met the
+bridge's co-processor. So the errors of neighbouring readings are correlated, and a covariance that takes them as
+independent is too small. Synthetic recordings with these stamps, commands and counts carry this correlation. The
+unknown torque that a fit of them shows is subtracted from the one found in the real recordings.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def _beyond(
 
 
 def _by_inductance(simulator: Simulator, linear: Linear) -> FloatArray:
-    """What the doubt of the given inductance adds, in the variables' scales."""
+    """The part of the uncertainty that the given inductance adds, in the variables' scales."""
     plant = linear.structure.plant
     if _INDUCTANCE not in plant.values:
         return np.zeros((len(linear.variables), len(linear.variables)))

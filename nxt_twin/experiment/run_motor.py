@@ -24,7 +24,7 @@ _MOST_RESTS: Final = 5
 
 
 def recording_name(load: Load, run: Run) -> str:
-    """What the recording of a run under a load is called."""
+    """The name of the recording of a run under a load."""
     return f"{load.name}-{run.name}"
 
 

@@ -18,7 +18,7 @@ from nxt_twin.recording.columns import TIME
 from nxt_twin.twin.settings import Pace
 
 _GAP_S: Final = 1.0
-"""What the stamps leave out between the end of an earlier attempt and where it is gone on with."""
+"""The gap that the stamps skip between an earlier attempt and its continuation."""
 
 
 @final
@@ -42,7 +42,7 @@ Tell = Callable[[Progress], None]
 @final
 @dataclass(frozen=True)
 class Apparatus:
-    """What an experiment needs of the world.
+    """The brick, the clock, the positioners and the person of an experiment.
 
     Attributes:
         brick: the brick, open.

@@ -21,7 +21,7 @@ from nxt_twin.mock.start import Bodies, Change, bare_body, profile_named, switch
 @final
 @dataclass(frozen=True)
 class Served:
-    """What is being served.
+    """A served mock brick.
 
     Attributes:
         name: the brick's name.

@@ -1,4 +1,4 @@
-"""What the paper prints: its tables, and the numbers of its text."""
+"""The paper's tables, and the numbers of its text, as printed."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Write the source of a kernel from the declarations of a layout.
 
-The source is plain Python that numba compiles. All effects of the library are in it, each behind its bit of the
-active mask, so that one compilation serves every combination that a diagnosis tries, a user's effects included.
+The source is plain Python that numba compiles. It holds all effects of the library, each behind its bit of the
+active mask. So one compilation serves every combination that a diagnosis tries, with a user's effects.
 """
 
 from __future__ import annotations

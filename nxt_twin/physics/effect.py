@@ -80,10 +80,10 @@ class Effect:
         fault: a fault of the recording rather than physics of the plant.
         counted: it makes sense only where readings are counts of whole steps.
         neutral: value of the main parameter, in its unit, at which the effect does nothing.
-        notable: size of the main parameter, in its unit at NXT scale, below which motors of one make differ so: it is
-            no physics worth a name. Of two parameters that replace one, half their difference; of one that has to
-            exceed another, the excess.
-        notable_most: likewise the size above which it is none, where a larger one does less.
+        notable: size of the main parameter, in its unit at NXT scale, from which the effect has a name. Motors of one
+            make differ by smaller sizes. Of two parameters that replace one, half their difference; of one that has
+            to exceed another, the excess.
+        notable_most: the size above which the effect has no name, where a larger parameter does less.
     """
 
     id: str

@@ -31,8 +31,8 @@ def regulated(recording: Recording, port: str) -> BoolArray:
 def goal_deg(recording: Recording, port: str) -> FloatArray | None:
     """The goal from each row on, deg; None where the recording holds neither goals nor a regulated speed.
 
-    Under speed regulation the firmware follows a setpoint that moves with the set speed once a period, from where the
-    motor was when the regulation began; at a set speed of 0 it regulates nothing.
+    Under speed regulation the firmware follows a setpoint. It begins at the motor's angle and moves by the set speed
+    once a period. At a set speed of 0 nothing is regulated.
 
     Raises:
         RecordingError: the motor is regulated in some rows and driven by a plain power in others.

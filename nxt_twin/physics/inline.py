@@ -1,9 +1,8 @@
 """Elementary functions that compile to plain arithmetic, for the terms of a kernel's step.
 
-They are no quicker than those of the mathematics library; but a call, even one that is not reached, keeps the whole
-step's quantities out of the processor's registers, whatever acts in it.
-Each is as exact as its docstring says, which is far beyond what a step is, and stands in for the library's nowhere
-else.
+They are no faster than those of the mathematics library. But a call of the library, even one that is not reached, keeps
+all quantities of the step out of the processor's registers. Each docstring states the error, which is far below that
+of a step. Code outside the step uses the library.
 """
 
 from __future__ import annotations

@@ -29,9 +29,9 @@ class JointDrives:
         plants: of one layout. Faults of the recording in them (stale samples) have no meaning here.
 
     Attributes:
-        exerted: what acts in the step to come, shape (plants, 2): the torque (N·m), dry friction apart, and the
-            torque (N·m) up to which dry friction holds or brakes.
-        inertia_kg_m2: what each adds to its joint's body, about the joint's axis, shape (plants,).
+        exerted: torques of the next step, N·m, shape (plants, 2): first without dry friction, then the most that dry
+            friction holds or brakes.
+        inertia_kg_m2: the inertia that each adds to its joint's body, about the joint's axis, shape (plants,).
 
     Raises:
         PlantError: the plants are of different kinds, none is given, or one holds bodies or stops of its own.

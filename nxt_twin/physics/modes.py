@@ -1,4 +1,4 @@
-"""What a command makes of a motor: driven through a bridge, let go, or by a source of its own."""
+"""The modes of a motor: driven through a bridge, let go, or driven by a source of its own."""
 
 from __future__ import annotations
 

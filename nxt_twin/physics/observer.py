@@ -25,7 +25,7 @@ _SLOPE_STD = 2.0  # of a speed read off a few readings, in reading deviations ov
 @final
 @dataclass(frozen=True)
 class Noise:
-    """What is random in a recording.
+    """The noise of a recording.
 
     Attributes:
         reading_std: of the readings, rad or m (or per second), quantisation included.

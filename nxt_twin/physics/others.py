@@ -1,4 +1,4 @@
-"""What a brick's other motors take of the battery that all share, from their own columns of a recording."""
+"""The current that a brick's other motors draw from the shared battery, from their columns of a recording."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _SPEED_RESOLUTION_RAD_S = 0.25  # a change of what is counted below it is not to
 def with_others(signals: Signals, others: Sequence[Signals]) -> Signals:
     """The signals of a motor beside others on the same battery, each with its own stamps.
 
-    A motor draws (share·U - Ke·duty·speed)/R, U the supply: its bridge connects the winding for |duty| of the time, and
-    the current is that of the mean voltage duty·U, or while floating of U. Coasting and braking draw nothing. What is
-    kept are the sums of share and duty·speed, so that U, Ke and R may be those that a fit tries.
+    A motor draws (share·U - Ke·duty·speed)/R at the supply U: its bridge connects the winding for |duty| of the time.
+    The mean voltage is duty·U, or U while floating. Coasting and braking draw nothing. The signals hold the sums of
+    share and of duty·speed, so that a fit may try U, Ke and R.
     """
     driven = [other for other in others if other.command.any()]
     if not driven:

@@ -66,15 +66,15 @@ class Parameter:
         starts: values, in `unit` and at NXT scale, from which a fit begins; the first is the typical one.
         lower, upper: bounds in `unit` at NXT scale.
         spread: standard deviation of the weak prior round the first start, as a fraction of it; inf is none.
-        doubt: the same round a value that a plant file gives.
+        doubt: standard deviation of the prior round a value that a plant file gives, as a fraction of it.
         si: factor from `unit` to SI.
         frozen: an anchor that encoder and voltage cannot identify; a fit leaves it alone.
         tied_to: the symbol of another parameter of the same owner, in fixed proportion to which it moves.
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
         otherwise: value, in `unit`, where a plant file leaves it out; None if it must not.
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
-        law: how far laws of the same name differ about it, one standard deviation as a fraction of the value: what
-            no recording tells of a truth that follows another of them.
+        law: how far published laws of this name differ in it: one standard deviation, as a fraction of the value. No
+            recording shows which of these laws holds.
         least: SI value up to which it is within what the recordings themselves leave open.
         lowest: SI value below which recordings rule it out, where that is above `lower`.
         above: owner and symbol of the parameter that it has to exceed to make a difference.

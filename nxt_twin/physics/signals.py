@@ -1,4 +1,4 @@
-"""What a kernel takes: the commands in force and the readings to predict, in SI units."""
+"""The input of a kernel: the commands in force and the readings to predict, in SI units."""
 
 from __future__ import annotations
 

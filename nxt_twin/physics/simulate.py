@@ -37,12 +37,12 @@ class Job:
 @final
 @dataclass(frozen=True)
 class Result:
-    """What a run gives for each parameter set and sample, shape (sets, samples).
+    """The output of a run for each parameter set and sample, shape (sets, samples).
 
     Attributes:
         predicted: the reading expected before the sample's own correction.
-        weight: what the reading counts (1 without a model of outliers or scatter, 0 where none was read): the
-            probability that it is what it says, times the share of its variance that is ordinary noise.
+        weight: the probability that the reading is no outlier, times the share of its variance that is ordinary
+            noise. It is 1 without a model of outliers or scatter, and 0 where none was read.
         cost: negative log-likelihood of the reading.
     """
 

@@ -4,8 +4,8 @@ A step of `step_s` seconds solves, for the speed at its end,
 
     inertia · (after - before) / step_s = torque - damping · (before + after) / 2 - dry friction
 
-where the drive (motor or applied force) and every term add to `torque` and `damping`, and dry friction is an
-impulse that opposes motion and is clipped so that it stops it at most: sticking is exact.
+The drive (motor or applied force) and every term add to `torque` and `damping`. Dry friction is an impulse against
+the motion, clipped so that at most it stops the motion: sticking is exact.
 """
 
 from __future__ import annotations

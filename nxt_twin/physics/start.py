@@ -20,8 +20,8 @@ class Start:
     Attributes:
         at: whether it does, shape (samples,).
         position, speed: as the encoder would show them, shape (samples,).
-        states: current and extra states of the effects at each start, in the kernel's order, shape (starts, states);
-            empty where nobody knows them, and all is at rest but the motor.
+        states: current and extra states of the effects at each start, in the kernel's order, shape (starts, states).
+            Empty if they are unknown; then all but the motor begins at rest.
     """
 
     at: BoolArray

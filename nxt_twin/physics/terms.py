@@ -1,4 +1,4 @@
-"""What the terms of a layout ask for, by name: shared by the assembler and by the plain-Python reference."""
+"""The quantities that a layout's terms use, by name: shared by the assembler and by the plain-Python reference."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ _Loader: Final[type[yaml.SafeLoader]] = cast(
 
 
 def parse_yaml(text: str) -> object:
-    """What a YAML document says, in plain Python values.
+    """The content of a YAML document, in plain Python values.
 
     Raises:
         yaml.YAMLError: it is none, or has an unsafe tag.

@@ -1,4 +1,4 @@
-"""What the values of a recording must be, and commands held from row to row."""
+"""The checks on a recording's values, and commands held from row to row."""
 
 from __future__ import annotations
 

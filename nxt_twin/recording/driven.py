@@ -1,4 +1,4 @@
-"""What a recording's motors were told at its end."""
+"""The last commands of a recording's motors."""
 
 from __future__ import annotations
 

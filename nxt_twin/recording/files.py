@@ -85,9 +85,9 @@ def read_sidecar(path: Path) -> dict[str, Any]:
 def write_recording(recording: Recording, path: Path, *, anew: bool = False) -> None:
     """Write a recording's columns as CSV or Parquet, by suffix; never leaves half a file behind.
 
-    NaN becomes an empty cell, columns of whole numbers are written as integers, modes as words, and all
-    other numbers with every digit they need to be read back the same. The sidecar is the user's: it is not
-    written, and `kinds` and `output_quantum` of a mapped recording live in its mapping file.
+    NaN becomes an empty cell. Columns of whole numbers become integers, and modes become words. All other
+    numbers get every digit that an exact reading back needs. The sidecar is the user's, and is not written. The
+    `kinds` and `output_quantum` of a mapped recording stand in its mapping file.
 
     Args:
         recording: to be written.

@@ -1,8 +1,8 @@
 """Frames: pieces of a growing file, each with its number, its length and checksums, so that damage is placed.
 
-A frame is `NXTr`, then little-endian u32 each: its number, the payload's length, the payload's CRC-32, and the CRC-32
-of these sixteen bytes; then the payload. So a length is believed only when its checksum is right, and after damage the
-next whole frame can be found.
+A frame is `NXTr`, four little-endian u32 and the payload. The u32 are its number, the payload's length, the payload's
+CRC-32, and the CRC-32 of the sixteen bytes so far. A reader trusts a length only if its checksum is right, and finds
+the next whole frame after damage.
 """
 
 from __future__ import annotations

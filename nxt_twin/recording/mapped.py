@@ -76,8 +76,8 @@ def read_mapped(path: Path, mapping: Mapping) -> Recording:
 def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
     """Read a table from elsewhere as recordings with the columns `time_s`, `input`, `output`, `mode` and `supply_v`.
 
-    All are SI but for a `power_pct` input. Inputs that a row leaves empty are filled in with the one in
-    force, 0 before the first; outputs and supply are NaN where not sampled. A mapping with a `split` gives one
+    All are SI but for a `power_pct` input. A row without an input gets the input in force, 0 before the
+    first. Outputs and supply are NaN where not sampled. A mapping with a `split` gives one
     recording for each value of that column; `FILE#VALUE` is one of them.
 
     Raises:

@@ -26,7 +26,7 @@ _STRICT = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, coerce_nu
 
 @final
 class TableFormat(BaseModel):
-    """The file's format. What is left out is found by the file's content.
+    """The file's format. The file's content gives each key that is left out.
 
     Attributes:
         format: what the file is.

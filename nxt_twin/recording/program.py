@@ -91,7 +91,7 @@ class MotorProgram(BaseModel):
 @final
 @dataclass(frozen=True)
 class Command:
-    """What is commanded from `start_s` after a run's beginning until the next command."""
+    """The command from `start_s` after a run's beginning until the next command."""
 
     start_s: float
     power_pct: int

@@ -25,7 +25,7 @@ OutputKind = Literal[
 @final
 @dataclass(frozen=True)
 class SignalKinds:
-    """What the `input` and `output` columns of a mapped recording are."""
+    """The kinds of the `input` and `output` columns of a mapped recording."""
 
     input: InputKind
     output: OutputKind
@@ -40,8 +40,8 @@ class Recording:
         name: the file's name, or what the maker calls it.
         columns: float64 arrays of equal length by column name (docs/formats.md#recordings). NaN is a cell that was not
             sampled in that row. Modes are held as indices into `columns.DRIVE_MODES`.
-        kinds: for a recording that came in through a mapping file, the kinds of its `input` (SI, except
-            power_pct) and `output` (SI: rad, m, rad/s, m/s); None for a brick's recording.
+        kinds: of a mapped recording's `input` (SI, except power_pct) and `output` (SI: rad, m, rad/s, m/s); None
+            for a brick's recording.
         output_quantum: the smallest step of the output column in its SI unit, 0 where it has none.
         plant: the plant named by the recording's sidecar, if any.
         lags: by how much counts and commands are off the stamps of their rows, as the sidecar tells.

@@ -63,7 +63,7 @@ def read_table_head(path: Path, error: type[NxtTwinError]) -> bytes:
 
 
 def quoted(found: object) -> str:
-    """What was found, as an error message may show it: on one line and not at full length."""
+    """A value as an error message shows it: on one line, and shortened."""
     text = repr(found[: 2 * _QUOTED_CHARACTERS]) if isinstance(found, str) else _BRIEF.repr(found)
     return text if len(text) <= _QUOTED_CHARACTERS else f"{text[:_QUOTED_CHARACTERS]}…"
 

@@ -1,9 +1,9 @@
 """A recording that grows while the brick is polled, and that a crash cannot take away.
 
-Beside the recording NAME there is NAME.stream: a frame a row (`frames`), handed to the system as soon as the row is
-there. So a program that is killed loses none; a power cut may lose what the system has not put on the disk yet, some
-seconds. Waiting for the disk after each row would hold the polls up, so that is done once, at the end, when all becomes
-the recording itself, whole or not at all. The first frame, written twice, names the columns.
+Beside the recording NAME grows NAME.stream, with one frame a row (`frames`). The system gets each frame at once, so a
+killed program loses no row. A power cut may lose the last seconds, which the system has not written yet. Waiting for
+the disk after each row would delay the polls. So the writer waits once, at the end, when the stream becomes the
+recording, whole or not at all. The first frame, written twice, names the columns.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ class RecordingWriter:
 @final
 @dataclass(frozen=True)
 class Recovered:
-    """What was got back of a recording.
+    """A recording restored from its stream.
 
     Attributes:
         recording: of all whole rows.

@@ -1,7 +1,7 @@
 """The ultrasonic sensor's beam: widest at one distance, narrower before and behind it.
 
-Source of the form: section III.C of the source paper, which gives 55 degrees at 438 mm and less on both sides; the
-lines between are an assumption.
+The source paper (section III.C) gives 55 degrees at 438 mm, and less on both sides. The lines between are an
+assumption.
 """
 
 from __future__ import annotations

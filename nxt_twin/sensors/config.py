@@ -40,7 +40,7 @@ class SensorLayout:
 
 
 class Configured:
-    """What the dataclasses of sensors' parameters have in common; each names its layout."""
+    """The base of the dataclasses of sensors' parameters; each names its layout."""
 
     layout: ClassVar[SensorLayout]
 

@@ -1,4 +1,4 @@
-"""What a sensor is expected to read, for filters that compare."""
+"""The expected reading of a sensor, for filters."""
 
 from __future__ import annotations
 

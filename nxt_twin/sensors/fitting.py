@@ -1,8 +1,8 @@
 """Maximum likelihood with standard deviations, for likelihoods that may have edges.
 
-The curvature is taken over steps at which the likelihood falls by about half a nat, that is on the scale of the
-answer's own doubt. On a smooth likelihood this is the observed Fisher information; across a threshold that lies
-somewhere between two readings it gives about half the gap, where a derivative would give nothing.
+The curvature comes from steps at which the log-likelihood falls by about half a nat, the scale of the standard
+deviation. On a smooth likelihood this is the observed Fisher information. Across a threshold between two readings it
+gives about half the gap, where a derivative would give nothing.
 """
 
 from __future__ import annotations

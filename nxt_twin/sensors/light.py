@@ -1,6 +1,6 @@
 """The light sensor: a 10-bit reading along a printed gradient, with room light, saturation and mains flicker.
 
-Source: Gonçalves et al., section III.A: the slope stays the same, room lighting adds an offset. Saturation and
+Source: Gonçalves et al., section III.A: room lighting adds an offset and leaves the slope unchanged. Saturation and
 flicker are ours. A photodiode's room light flickers at twice the mains frequency (100 or 120 Hz).
 Default parameters are the ideal sensor: a straight line and small noise.
 """
@@ -149,7 +149,7 @@ def simulate(parameters: LightParameters, truth: LightTruth, rng: Generator) -> 
 def expected(
     parameters: LightParameters, position_mm: float, time_s: float = 0.0, ambient_raw: float = 0.0
 ) -> Expected:
-    """What the sensor is expected to read, raw, at one place and time."""
+    """The sensor's expected reading, raw, at one place and time."""
     truth = LightTruth(np.array([position_mm]), np.array([time_s]), np.array([ambient_raw]))
     mean = float(np.clip(mean_raw(parameters, truth)[0], 0.0, HIGHEST_RAW))
     return Expected(mean, parameters.noise_raw**2 + 1.0 / 12.0, 0.0)

@@ -1,8 +1,8 @@
 """The sound sensor: loudness in dB or dBA as a 10-bit reading that falls as it gets louder.
 
 The paper leaves it out. A-weighting: IEC 61672-1. The firmware's range (raw 162 is 100 %): LEGO NXT firmware 1.29,
-c_input.h. That percent grows as a compressed power of the sound pressure is an assumption, set so that speech at
-60 dB gives about 20 % and 90 dB gives 100 %, which is what LEGO's guide tells of quiet talk and of shouting.
+c_input.h. One assumption: percent grows as a compressed power of the sound pressure. It is set so that
+speech at 60 dB gives about 20 %, and 90 dB gives 100 %. LEGO's guide gives these figures for quiet talk and shouting.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def simulate(parameters: SoundParameters, truth: SoundTruth, rng: Generator) -> 
 
 
 def expected(parameters: SoundParameters, level_db: float, frequency_hz: float = 1000.0) -> Expected:
-    """What the sensor is expected to read, raw, for one tone."""
+    """The sensor's expected reading, raw, for one tone."""
     truth = SoundTruth(np.array([level_db]), np.array([frequency_hz]))
     mean = float(np.clip(mean_raw(parameters, truth)[0], 0.0, HIGHEST_RAW))
     return Expected(mean, parameters.noise_raw**2 + 1.0 / 12.0, 0.0)

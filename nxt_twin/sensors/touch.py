@@ -146,8 +146,8 @@ def strokes_of(readings: FloatArray, values: FloatArray) -> Strokes:
 def log_likelihood_strokes(parameters: TouchParameters, strokes: Strokes, stroke: Stroke) -> FloatArray:
     """The logarithm of each stroke's probability, nats: that its threshold fell where the readings say.
 
-    Given that it lay beyond where the stroke began. Where a switching happened although the value went the
-    other way (high ≤ low), the threshold lay between the two, if the rig's own value scatters; else only a
+    Given that it lay beyond the stroke's beginning. A switching may happen although the value went the other way
+    (high ≤ low). The threshold then lay between the two if the rig's own value scatters; otherwise only a
     misreading explains it.
     """
     press, release, noise = parameters.thresholds(stroke)
@@ -175,8 +175,7 @@ def log_likelihood(parameters: TouchParameters, readings: FloatArray, truth: Tou
 def simulate(parameters: TouchParameters, truth: TouchTruth, rng: Generator) -> FloatArray:
     """Readings 0 or 1, shape (polls,), drawn from the model; it starts open unless pressed past its threshold.
 
-    Each stroke draws a threshold of its own; one that is passed already is drawn again, as a threshold beyond
-    the value at which the stroke begins.
+    Each stroke draws a threshold of its own. A threshold below the stroke's beginning is drawn again.
     """
     press, release, noise = parameters.thresholds(truth.stroke)
     closed, threshold = False, press + noise * rng.standard_normal()

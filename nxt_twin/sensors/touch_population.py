@@ -1,9 +1,9 @@
 """Touch sensors differ from one to the next: the eight of the paper, and new ones drawn from the same population.
 
 Source: Gonçalves et al., tables III to VI, eight switchings of each of eight sensors. Their own means are used, since
-two printed ones do not agree with their rows. The population is a normal distribution of (√ of the force's
-hysteresis, release force, √ of the travel's hysteresis, release travel), so that no sensor opens above where it
-closes, with the scatter of a sensor's own switchings as its quadratic mean.
+two printed ones do not agree with their rows. The population is a normal distribution of four numbers: √ of the
+force's hysteresis, release force, √ of the travel's hysteresis, release travel. So no sensor opens above its closing
+point. The scatter of a sensor's own switchings is the quadratic mean of the eight.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class TouchPopulation:
 
     Attributes:
         mean: of √(force hysteresis, g), release force (g), √(travel hysteresis, mm), release travel (mm).
-        covariance: of the same, shape (4, 4).
+        covariance: of these four numbers, shape (4, 4).
         force_noise_g, travel_noise_mm: scatter of one sensor's own switchings.
     """
 

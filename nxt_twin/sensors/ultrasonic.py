@@ -1,7 +1,7 @@
 """The ultrasonic sensor: time of flight, whole centimetres, and where that breaks down.
 
 Source of the effects: Gonçalves, Lima, Malheiros, Costa, *Sensor and actuator stochastic modeling of the Lego
-Mindstorms NXT educational kit*, section III.C; of the speed of sound: c = 331.3 m/s · √(1 + T/273.15 °C), dry air.
+Mindstorms NXT educational kit*, section III.C. Speed of sound in dry air: c = 331.3 m/s · √(1 + T/273.15 °C).
 Default parameters are the ideal sensor: true distance, whole centimetres, small noise.
 """
 
@@ -60,7 +60,7 @@ _LARGEST_READING = 254.0
 @final
 @dataclass(frozen=True)
 class UltrasonicTruth:
-    """What was in front of the sensor at each poll; arrays of shape (polls,).
+    """The target of the sensor at each poll; arrays of shape (polls,).
 
     Attributes:
         distance_mm: of the target along the sensor's axis.
@@ -110,8 +110,8 @@ def beam_limit_deg(parameters: UltrasonicParameters, distance_mm: FloatArray) ->
 def mean_mm(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> FloatArray:
     """The distance that an echo gives on average, before rounding and without the near offset, mm.
 
-    Emitter and receiver half a spacing s off the axis see a wall at distance d and incidence φ over a path of
-    2·√(d² + (s·cos φ / 2)²), by the mirror image of the emitter.
+    Emitter and receiver stand half a spacing s off the axis. By the mirror image of the emitter, the path to a wall at
+    distance d and incidence φ and back is `2·√(d² + (s·cos φ / 2)²)`.
     """
     half = 0.5 * parameters.transducer_spacing_mm * np.cos(np.deg2rad(truth.incidence_deg))
     return gain(parameters) * np.sqrt(truth.distance_mm**2 + half**2) + parameters.zero_mm
@@ -252,7 +252,7 @@ def simulate(parameters: UltrasonicParameters, truth: UltrasonicTruth, rng: Gene
 
 
 def expected(parameters: UltrasonicParameters, distance_mm: float, angle_deg: float = 0.0) -> Expected:
-    """What the sensor is expected to read, cm, for one target: cheap enough for a filter's every step."""
+    """The sensor's expected reading, cm, for one target; fast enough for each step of a filter."""
     truth = UltrasonicTruth(np.array([distance_mm]), np.array([angle_deg]))
     mean, variance, p_no_echo = moments(parameters, truth)
     return Expected(float(mean[0]), float(variance[0]), float(p_no_echo[0]))

@@ -1,7 +1,7 @@
 """Doubts of several parameters whose likelihood has corners and ridges: a crowd that walks over all that is likely.
 
-Stretch moves of Goodman and Weare (2010): half of the crowd moves along lines to the other half, so that steps fit
-any ridge by themselves, and the likelihood is worked out for half a crowd at once.
+Stretch moves of Goodman and Weare (2010): half of the crowd moves along lines to the other half. The steps so fit any
+ridge by themselves, and the likelihood is computed for half a crowd at once.
 """
 
 from __future__ import annotations

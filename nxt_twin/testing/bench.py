@@ -82,7 +82,7 @@ class ServedMock:
     Attributes:
         name: the brick's name.
         url: for our own clients, such as ``tcp:127.0.0.1:40001``; framed as on Bluetooth.
-        address: host and port of the same.
+        address: host and port of `url`.
         raw_address: host and port that speak nxt-python's socket backend.
         device: a pseudo-terminal that is what a bound rfcomm device is; None where the system has none.
         body: battery, motors and sensors, to set while it runs.

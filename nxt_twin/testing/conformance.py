@@ -1,7 +1,7 @@
-"""What any brick has to do, whatever it is made of and however it is reached.
+"""Checks that any brick has to pass, real or mock, over any link.
 
-Each check takes an opener, which gives a connected `Brick`, and leaves the brick as it found it: motors turn
-for a moment, one file is made and deleted. Port 4 needs an ultrasonic sensor. Nothing here needs pytest:
+Each check takes an opener, which gives a connected `Brick`. It leaves the brick as it found it: motors turn for a
+moment, and one file is made and deleted. Port 4 needs an ultrasonic sensor. Nothing here needs pytest:
 
     for check in CHECKS:
         check(lambda: nxt_twin.open_brick("usb:"))

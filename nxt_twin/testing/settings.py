@@ -1,4 +1,4 @@
-"""What a test asks of its mock brick: the world around it, the link's delays, faults."""
+"""The settings of a test's mock brick: the world round it, the link's delays, faults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the source paper shows in figures alone - 11, 16 and 17 - as our models of the sensors draw it."""
+"""Figures 11, 16 and 17 of the source paper, as our models of the sensors draw them."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def write_paper_page(reproduction: Reproduction, folder: Path) -> Path:
 
 
 def render_paper_page(reproduction: Reproduction) -> str:
-    """The page's text: self-contained, no scripts; always the same."""
+    """The page's text: self-contained, without scripts, and reproducible."""
     environment = Environment(
         loader=PackageLoader("nxt_twin.view"),
         autoescape=True,

@@ -10,8 +10,8 @@ from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
 def most_telling(diagnosis: Diagnosis) -> list[HeldOutRun]:
     """The held-out runs that can be drawn, in the order of what they tell.
 
-    Where the mismatch is explained, first the run on which the improved model gained most; otherwise the one
-    on which the best model there is errs most.
+    If the mismatch is explained, the run with the largest gain of the improved model comes first. Otherwise the run
+    with the largest error of the best model comes first.
     """
 
     def weight(run: HeldOutRun) -> float:

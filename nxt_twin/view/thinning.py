@@ -70,7 +70,7 @@ def some(candidates: IntArray, count: int) -> IntArray:
 
 
 def scattered(samples: int, count: int) -> IntArray:
-    """At most `count` of the indices below `samples`, drawn at random (always the same) against aliasing."""
+    """At most `count` of the indices below `samples`, drawn at random with a fixed seed, against aliasing."""
     if samples <= count:
         return np.arange(samples, dtype=np.intp)
     return np.sort(np.random.default_rng(0).choice(samples, count, replace=False))
@@ -79,7 +79,7 @@ def scattered(samples: int, count: int) -> IntArray:
 @final
 @dataclass(frozen=True)
 class Trend:
-    """What a cloud does along its abscissa: median and the middle 80 %, shape (bins,), and how much it is.
+    """The shape of a cloud along its abscissa: median and middle 80 %, shape (bins,), and its counts.
 
     `share` is the part of the cloud's variance that the binned mean accounts for, 0…1.
     """

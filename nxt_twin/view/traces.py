@@ -103,7 +103,7 @@ def traces_of(picture: RunPicture) -> list[ModelTrace]:
 
 
 def trusted(run: HeldOutRun) -> FloatArray:
-    """What was measured, NaN where it is stale or missing."""
+    """The measured values, NaN where they are stale or missing."""
     return np.where(run.stale > 0.5, np.nan, finite(run.measured))
 
 

@@ -73,7 +73,7 @@ def spelled_out(name: str) -> str:
 
 
 def quantity(channel: str) -> str:
-    """What a measured column holds, in words: `a_tacho_deg` as `tacho A`."""
+    """The quantity of a measured column in words: `a_tacho_deg` as `tacho A`."""
     port, _, rest = spelled_out(channel).partition(" ")
     if len(port) <= 2 and rest:
         return f"{rest} {port.upper()}"

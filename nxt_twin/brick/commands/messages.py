@@ -11,7 +11,7 @@ from nxt_twin.brick.stamped import Stamped
 
 @final
 class Messages:
-    """What a host and a program tell each other; every method raises what `Exchange.put` does.
+    """Messages between a host and a brick's program; every method raises what `Exchange.put` does.
 
     Mailboxes exist only while a program runs (status NO_ACTIVE_PROGRAM) and keep five messages each.
     """

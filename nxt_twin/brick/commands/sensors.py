@@ -21,7 +21,7 @@ _POLL_PERIOD_S: Final = 0.005
 
 
 class SensorReading(NamedTuple):
-    """What the input module knows of a sensor.
+    """A sensor as the input module holds it.
 
     Attributes:
         port: the sensor port, 0 to 3.

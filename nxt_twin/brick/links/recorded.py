@@ -60,9 +60,9 @@ _MODES: Final[dict[DriveMode, int]] = {
 class RecordedBrick:
     """A link to a brick that was recorded, and what commanded its motors then.
 
-    The first motor that is asked a second time takes it to the next row: it waits until that row's time, by the clock,
-    and all motors answer with that row's counts. So whoever polls all its motors again and again sees every row once.
-    Commands that are sent to it are taken and change nothing. It stands still at its last row.
+    The first motor that is read a second time moves it to the next row. It waits for that row's time by the clock,
+    and then all motors answer with that row's counts. A host that polls all motors in turn sees every row once.
+    It accepts commands, and they change nothing. It stays at its last row.
 
     Args:
         recording: of a brick (docs/formats.md#recordings).
@@ -249,7 +249,7 @@ class RecordedBrick:
 
 @final
 class RecordedCommands:
-    """What the motors of a recorded brick are told, for whoever wants to know it when it happens.
+    """The commands of a recorded brick's motors, each at its own time.
 
     Args:
         brick: in whose rows the commands stand.

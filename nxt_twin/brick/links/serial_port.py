@@ -41,7 +41,7 @@ class SerialStream:
             raise self._lost(error) from error
 
     def read(self, timeout_s: float) -> bytes:
-        """What is there, as soon as anything is; errors as with `ByteStream`."""
+        """The bytes that have arrived, once there are any; errors as with `ByteStream`."""
         port = self._port
         try:
             # Setting a timeout sets the whole port up anew.

@@ -17,8 +17,8 @@ _READ_SIZE: Final = 4096
 class SocketStream:
     """Reads and writes a socket.
 
-    A socket with a timeout asks the system anew at each use whether it is ready, and is set up anew when reads
-    and writes have different ones. This one never waits by itself: a write is a single call, a read two.
+    A socket with a timeout asks the system at each use whether it is ready. Different timeouts for reads and writes
+    cost a further call each time. This one never waits by itself: a write is a single call, a read two.
 
     Args:
         connected: the socket, which the stream takes over.
@@ -44,7 +44,7 @@ class SocketStream:
             raise self._lost(error) from error
 
     def read(self, timeout_s: float) -> bytes:
-        """What is there, as soon as anything is; errors as with `ByteStream`."""
+        """The bytes that have arrived, once there are any; errors as with `ByteStream`."""
         try:
             if not self._wait_to_read(timeout_s):
                 return b""

@@ -32,7 +32,7 @@ class ByteStream(Protocol):
         ...
 
     def read(self, timeout_s: float) -> bytes:
-        """What is there, as soon as anything is; empty when nothing came in time.
+        """The bytes that have arrived, once there are any; empty if none came in time.
 
         Raises:
             LinkLostError: the other end is gone.
@@ -48,8 +48,8 @@ class ByteStream(Protocol):
 class StreamLink:
     """A link over a stream of bytes.
 
-    What can be cut no further, because a length makes no sense or the rest of a telegram does not come, is
-    dropped up to the next silence, so that the stream is in step again for the next request.
+    A length may make no sense, or the rest of a telegram may not come. The link then drops all bytes up to the next
+    silence, and is in step again for the next request.
 
     Args:
         stream: the open stream, which the link takes over.
@@ -89,7 +89,7 @@ class StreamLink:
         self._stream.close()
 
     def describe(self) -> str:
-        """What a person calls this link."""
+        """The link's name for a person."""
         return self._name
 
     def _put_together(self, data: bytes, timeout_s: float) -> None:

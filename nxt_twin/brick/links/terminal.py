@@ -57,7 +57,7 @@ class TerminalStream:
         self._unanswered = True
 
     def read(self, timeout_s: float) -> bytes:
-        """What is there, as soon as anything is; errors as with `ByteStream`."""
+        """The bytes that have arrived, once there are any; errors as with `ByteStream`."""
         try:
             data = b""
             if timeout_s >= _READ_WAITS_S:

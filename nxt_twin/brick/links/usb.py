@@ -46,7 +46,7 @@ _PROBE: Final = question(GetVersions())
 
 
 class Recovery(StrEnum):
-    """What it took to make a brick answer; each includes those before it."""
+    """The measures that made a brick answer; each includes those before it."""
 
     NONE = "nothing"
     DRAIN = "drain"

@@ -91,7 +91,7 @@ def boot_mode_refusal(where: str) -> LinkRefusedError:
 
 
 def usb_refusal(where: str, error: Exception) -> LinkRefusedError:
-    """What a failure of libusb means for a user.
+    """The error for a user that a failure of libusb means.
 
     Args:
         where: the URL or place of the device.

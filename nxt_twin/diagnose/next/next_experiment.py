@@ -1,7 +1,7 @@
 """The recording that would tell two rivals apart, chosen by the evidence that it is expected to give.
 
-Each input of a safe family is simulated with the one rival; the other, corrected by its observer and allowed to
-re-fit as far as the present recordings leave it free, is held against that. The expected log-likelihood ratio,
+Each input of a safe family is simulated with one rival and predicted with the other. The other is corrected by its
+observer, and may re-fit as far as the present recordings leave it free. The expected log-likelihood ratio,
 ½·δᵀ(I + J·C·Jᵀ)⁻¹·δ, is what Hunter and Reiner's (1965) designs maximise, with the re-fit taken out.
 """
 

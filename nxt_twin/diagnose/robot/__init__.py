@@ -1,1 +1,1 @@
-"""What a robot's model leaves out: wheels, track, markers, clock and slip, told from wheels and outside pose."""
+"""Find what a robot's model leaves out: wheels, track, markers, clock and slip, from wheels and an outside pose."""

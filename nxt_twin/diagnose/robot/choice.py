@@ -19,7 +19,7 @@ from nxt_twin.diagnose.robot.fit import FittedGeometry, robust_nats
 from nxt_twin.diagnose.robot.windows import PARAMETERS
 
 NEEDED_NATS: Final = 6.0
-"""What an effect has to gain; each parameter beyond the first asks for one more."""
+"""The gain that an effect needs; each parameter beyond the first asks for one more."""
 
 RIVAL_NATS: Final = 5.0
 """A subset that is behind the best by less cannot be told from it."""
@@ -31,7 +31,7 @@ _MATTERS: Final = np.array([1.5e-3, 5e-4, 2e-3, 5e-4, 5e-4, 0.1])
 @final
 @dataclass(frozen=True)
 class GeometryChoice:
-    """What was chosen.
+    """The chosen effects.
 
     Attributes:
         named: the effects, in the library's order.

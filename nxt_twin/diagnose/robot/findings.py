@@ -24,7 +24,7 @@ _MOST_LAGS: Final = (0.05, 0.95)
 
 
 def found_effects(found: RobotFindings) -> tuple[FoundEffect, ...]:
-    """What is named, the geometry first."""
+    """The named effects, the geometry first."""
     effects = [_of_geometry(effect, found) for effect in found.choice.named]
     if found.final.clock:
         effects.append(_clock(found))

@@ -219,7 +219,7 @@ class _Slopes:
 
 
 def robust_nats(squared: float, clusters: int) -> float:
-    """What a squared distance in standard deviations is worth, where those rest on so many clusters."""
+    """The log-likelihood (nats) of a squared distance in standard deviations, estimated from `clusters` clusters."""
     return 0.5 * clusters * float(np.log1p(squared / max(clusters - 1, 1)))
 
 

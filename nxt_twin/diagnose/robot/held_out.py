@@ -1,4 +1,4 @@
-"""What was not fitted: recordings held out, or each fold of recordings by a fit of the others."""
+"""Held-out predictions: of held-out recordings, or of each fold of recordings by a fit of the others."""
 
 from __future__ import annotations
 

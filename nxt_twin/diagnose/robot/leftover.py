@@ -1,4 +1,4 @@
-"""What the wheels and the geometry leave: errors of short windows, and what they go with."""
+"""The residual of the wheels and the geometry: errors of short windows, and their causes."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ShortErrors:
 @final
 @dataclass(frozen=True)
 class RobotLeft:
-    """What is left along one thing.
+    """The residual along one covariate.
 
     Attributes:
         along: what it goes with.
@@ -145,7 +145,7 @@ def _of_run(
 
 
 def what_is_left(short: ShortErrors) -> list[RobotLeft]:
-    """What the errors go with beyond chance, most first."""
+    """The covariates that the errors depend on beyond chance, most first."""
     if short.run.size < _FEWEST:
         return []
     base = [short.travel_m, short.turn_rad, np.abs(short.travel_m), np.abs(short.turn_rad)]
@@ -157,7 +157,7 @@ def what_is_left(short: ShortErrors) -> list[RobotLeft]:
 
 
 def _covariates(short: ShortErrors) -> Mapping[str, list[FloatArray]]:
-    """What an error may go with; a robot at rest errs in none of them."""
+    """The covariates that an error may depend on; all are zero for a robot at rest."""
     travel, heading = short.travel_m, short.heading_rad
     begin, end = short.ends
     return {

@@ -63,7 +63,7 @@ class PoweredStack:
         return np.asarray(self.angles_rad - self.angles_rad[first] - told)
 
     def free_starts(self, values: FloatArray, window: IntArray) -> tuple[FloatArray, FloatArray]:
-        """What is off, and how it answers to each window's starting speeds, shape (2, rows, 2)."""
+        """The errors, and their slopes by each window's starting speeds, shape (2, rows, 2)."""
         begins = np.diff(window, prepend=-1) != 0
         off = self.off(values, begins, self.speeds)
         answers = [(self.off(values, begins, self.speeds + nudge) - off) / nudge.sum() for nudge in _NUDGE]

@@ -45,7 +45,7 @@ STRUCTURED_TIMES: Final = 2.5
 @final
 @dataclass(frozen=True)
 class PoweredFindings:
-    """What the powers tell.
+    """The findings from the motor powers.
 
     Attributes:
         effects: named, with parameters.

@@ -21,7 +21,7 @@ from nxt_twin.physics.robot.drive import Geometry
 Progress = Callable[[str], None]
 
 CLOCK_NATS: Final = 12.0
-"""What the recordings' own clocks have to gain beyond their share, all together or one recording's alone."""
+"""The gain that the recordings' own clocks need beyond their penalty, together or one alone."""
 
 _SHARE_NATS: Final = 4.0  # of each recording's two numbers
 _LEAST_LAG_S: Final = 8e-3
@@ -34,7 +34,7 @@ _MOVED_SIGMAS: Final = 2.0
 @final
 @dataclass(frozen=True)
 class RobotFindings:
-    """What a search found.
+    """The findings of a search.
 
     Attributes:
         runs: as they were recorded.
@@ -126,7 +126,7 @@ def wheels_at(stack: RunStack, state: DriveState) -> list[tuple[FloatArray, Floa
 
 
 def clock_gain(fitted: FittedGeometry) -> float:
-    """What the recordings' own clocks gain beyond their share, nats: all together, or the best one alone."""
+    """The gain of the recordings' own clocks beyond their penalty, nats: together, or the best one alone."""
     if not fitted.clock:
         return 0.0
     beyond = fitted.lag_nats - _SHARE_NATS

@@ -1,7 +1,7 @@
 """How far a geometry is from the measured pose in windows whose start poses are fitted away.
 
-A window's start pose is free, so that noise of a single measured pose does not turn a whole window, and a turned
-frame of the markers shows as the difference of measured heading and direction of travel.
+A window's start pose is free, so that noise of a single measured pose does not turn a whole window. A turned frame
+of the markers then shows as a difference between measured heading and direction of travel.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _MAD: Final = 1.4826
 @final
 @dataclass(frozen=True)
 class DriveState:
-    """What is fitted.
+    """The fitted numbers.
 
     Attributes:
         geometry: values of `PARAMETERS`, shape (6,).

@@ -1,4 +1,4 @@
-"""What a robot's diagnosis says to a person."""
+"""The sentences of a robot's diagnosis."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _ONE_WAY: Final = 0.1
 _HARDLY_TURNS_RAD: Final = 2.0
 _MOST_NAMED: Final = 4
 _SQUARES: Final = (
-    "drive a square of 1 m five times to the left and five times to the right, with 2 s of rest at each corner; "
-    "then drive 2 m straight forward and back at two headings"
+    "drive a square of 1 m five times to the left and five times to the right, with 2 s of rest at each corner. "
+    "Then drive 2 m straight forward and back at two headings"
 )
 _BY: Final = {
     "mean_wheel_radius_m": ("mean wheel radius", 1e3, "mm"),
@@ -31,7 +31,7 @@ _BY: Final = {
 
 
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
-    """What is wrong, in one sentence."""
+    """The verdict with its figures, in one sentence."""
     unseen = "over whole held-out runs"
     if verdict == "adequate":
         reached = f"{fit.improved:.3g} mm {unseen}"
@@ -182,7 +182,7 @@ def next_path(
             else "a residual remains, and no known effect explains it"
         )
         return NextExperiment(
-            why=why, input=f"{_SQUARES}; repeat this at another speed and at another place on the floor"
+            why=why, input=f"{_SQUARES}. Repeat this at another speed and at another place on the floor"
         )
     if open_questions := _cannot_tell(runs):
         return NextExperiment(why=open_questions[0].rstrip("."), input=_SQUARES)

@@ -44,8 +44,8 @@ class SensorEffect:
         confusable_with: ids of effects that look alike, with what tells them apart.
         replaces: fields of the ideal sensor that mean nothing once the effect is in.
         laws: fields that choose between laws which the readings hardly tell apart; estimates are averaged over them.
-        stepped: its likelihood goes in steps from target to target, so that its estimates are taken from a random walk
-            over all that is likely instead of from the curvature at the top.
+        stepped: its likelihood goes in steps from target to target. Its estimates then come from a random walk over
+            the likely values, and not from the curvature at the maximum.
         prior_nats: what it has to earn beyond its parameters' share, for the places in which it was looked for.
     """
 

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.structure import SensorFitter, SensorStructure
 
 NEEDED_NATS = 6.0
-"""What an effect must gain beyond its parameters' share (half a BIC) to come in, and to stay."""
+"""The gain beyond its parameters' penalty (half a BIC) that an effect needs to come in, and to stay."""
 
 RIVAL_NATS = 6.0
 """Another effect in its place that is behind by less cannot be told from it."""
@@ -42,7 +42,7 @@ class SensorRival:
 @final
 @dataclass(frozen=True)
 class SensorExplanation:
-    """What the search found.
+    """The findings of the search.
 
     Attributes:
         best: the structure, fitted on all that is not held out.

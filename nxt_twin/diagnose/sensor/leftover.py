@@ -1,7 +1,7 @@
 """Is what a structure leaves more than noise, and where does it gather?
 
-The residuals are standard normal scores if the structure is right, so that sums of their bin means and bin
-variances have known distributions; no shuffling is needed.
+The residuals are standard normal scores if the structure is right. Sums of their bin means and bin variances then
+have known distributions, and no shuffling is needed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _FEWEST_WITH_SPREAD = 40
 @final
 @dataclass(frozen=True)
 class Left:
-    """What is left along one covariate.
+    """The residual along one covariate.
 
     Attributes:
         along: the covariate, with `spread of` before it where the scatter varies rather than the mean.
@@ -45,7 +45,7 @@ class Left:
 
 
 def what_is_left(problem: SensorProblem, scores: FloatArray) -> list[Left]:
-    """What is left along every covariate, most first."""
+    """The residual along every covariate, largest first."""
     clipped = np.clip(scores, -_CLIP, _CLIP)
     spread = (clipped**2 - 1.0) / np.sqrt(2.0)
     found = []

@@ -1,4 +1,4 @@
-"""What a light sensor may do beyond a straight line along the gradient.
+"""Effects of a light sensor beyond a straight line along the gradient.
 
 Source of the offset: Gonçalves et al., section III.A.
 """

@@ -42,10 +42,10 @@ class Peak:
 def likeliest_frequencies(parts: Sequence[tuple[FloatArray, FloatArray]]) -> list[Peak]:
     """The strongest peaks from 3 to 130 Hz, and the strongest near each mains frequency.
 
-    What is slower than 3 Hz goes with the motion along the gradient and is no flicker.
+    Changes slower than 3 Hz go with the motion along the gradient and are no flicker.
 
-    Readings at an even pace cannot tell a frequency from its aliases; the ones near the mains' are always among
-    the peaks, so that the likelihood and the reader can choose.
+    Readings at an even pace cannot tell a frequency from its aliases. The peaks always include those near the mains'
+    frequencies, so that the likelihood and the reader can choose.
 
     Args:
         parts: for each run its stamps (s) and errors, shape (readings,) each.

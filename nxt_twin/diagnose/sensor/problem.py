@@ -1,8 +1,8 @@
-"""What the search needs to know of a sensor: its items, its parameters, and how likely each item is.
+"""A sensor for the search: its items, its parameters, and the likelihood of each item.
 
-An item is what is independent of the others given the model: a reading, or a stroke of a touch sensor. The
-values of a structure are one flat mapping from field to number, with what belongs to one run (the room's light,
-the phase of the mains) as further fields named `field@run`.
+Items are independent of one another, given the model: an item is a reading, or a stroke of a touch sensor. The values
+of a structure are one flat mapping from field to number. Numbers of a single run, such as its room light and the
+phase of the mains, are further fields named `field@run`.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class SensorProblem(Protocol):
         """Where their fit begins, and the values of all that is fixed."""
 
     def free(self, effect: SensorEffect) -> Sequence[Free]:
-        """What is fitted once the effect is in."""
+        """The parameters that are fitted with the effect in."""
 
     def starts(self, effect: SensorEffect, values: Values) -> Sequence[Values]:
         """Values of the effect's parameters from which to begin, taken from the data."""

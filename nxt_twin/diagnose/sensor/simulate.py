@@ -1,4 +1,4 @@
-"""What a sensor model expects to read along a rig's recording."""
+"""The readings that a sensor model predicts along a rig's recording."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class SensorFitter:
 
     @cached_property
     def split(self) -> ItemSplit:
-        """What is fitted, what checks, what is held out."""
+        """The items that are fitted, that check, and that are held out."""
         return split_of(self.problem)
 
     def baseline(self) -> SensorStructure:

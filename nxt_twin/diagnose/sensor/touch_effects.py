@@ -1,4 +1,4 @@
-"""What a touch sensor may do beyond switching at one force."""
+"""Effects of a touch sensor beyond switching at one force."""
 
 from __future__ import annotations
 

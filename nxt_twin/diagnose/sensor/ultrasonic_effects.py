@@ -1,4 +1,4 @@
-"""What an ultrasonic sensor may do beyond reading the true distance in whole centimetres.
+"""Effects of an ultrasonic sensor beyond reading the true distance in whole centimetres.
 
 Source of all but the speed of sound: Gonçalves et al., section III.C.
 """

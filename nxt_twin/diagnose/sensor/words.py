@@ -1,4 +1,4 @@
-"""What a sensor's diagnosis says to a person."""
+"""The sentences of a sensor's diagnosis."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from nxt_twin.diagnose.sensor.leftover import Left
 from nxt_twin.diagnose.telling.words import listed
 
 _EXPERIMENTS: Final = {
-    "ultrasonic_sensor": "a flat wall at 0°, from contact to 1.5 m in steps of 1 cm, with 20 readings at each; "
-    "then at 10° and at 30°; note the air temperature",
+    "ultrasonic_sensor": "a flat wall at 0°, from contact to 1.5 m in steps of 1 cm, with 20 readings at each. "
+    "Then at 10° and at 30°. Note the air temperature",
     "light_sensor": "the whole gradient both ways, in a dark and in a lit room; then 10 s at rest at each end",
     "touch_sensor": "ten slow presses and releases in steps of 1 g; then ten more after a minute of rest",
 }

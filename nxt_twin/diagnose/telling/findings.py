@@ -1,4 +1,4 @@
-"""What was found, with its doubt: effects, what they could be confused with, and what came second."""
+"""The findings with their uncertainty: effects, effects that look alike, and alternatives."""
 
 from __future__ import annotations
 

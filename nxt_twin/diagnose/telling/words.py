@@ -1,4 +1,4 @@
-"""What a diagnosis says to a person."""
+"""The sentences of a motor's diagnosis."""
 
 from __future__ import annotations
 
@@ -119,8 +119,8 @@ def experiment_for_unknown() -> NextExperiment:
     """What to record when nothing known accounts for the mismatch."""
     return NextExperiment(
         why="the rest follows the plant's state, and no known effect has its shape",
-        input="one input twice, then at half the size, then from another angle: "
-        "a repeated error is physics, and its dependence on size and angle says which",
+        input="one input twice, then at half the size, then from another angle. A repeated error is physics; "
+        "its dependence on size and angle says which",
     )
 
 

@@ -30,8 +30,8 @@ class ByHand(OneAxis):
 
     Args:
         axis: what the person moves.
-        ask: shows the request and gives the answer: nothing for "it is there", a number for the value that it
-            really has, `q` to end the experiment.
+        ask: shows the request and gives the answer. An empty answer means that the target is there, a number is its
+            true value, and `q` ends the experiment.
         limits: where it may go.
     """
 

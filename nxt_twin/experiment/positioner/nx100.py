@@ -47,7 +47,7 @@ class RobotSetUp:
 class Nx100Robot(OneAxis):
     """A robot that is given linear moves one at a time.
 
-    Before it moves anything it makes sure that the controller is in remote mode, without alarm and error, and
+    Before a move it checks that the controller is in remote mode, without alarm and error. It
     switches servo power on if it is off. All moves keep the pose that it found but for the one coordinate.
 
     Args:

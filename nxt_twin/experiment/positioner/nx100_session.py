@@ -1,7 +1,8 @@
 """The Ethernet server of Yaskawa's NX100 robot controller, as a client: lines of text over TCP port 80.
 
-A session opens with ``CONNECT Robot_access Keep-Alive:-1``; then each request is a line with the command and the
-size of its data, answered by ``OK: COMMAND``, then the data, answered by data, ``0000`` or an error.
+A session opens with ``CONNECT Robot_access Keep-Alive:-1``. Each request is then a line with the command and the size
+of its data. The controller answers ``OK: COMMAND``, and the client sends the data. The last answer is data, ``0000`` or
+an error.
 Sources and what is unverified: docs/experiments.md.
 """
 
@@ -36,7 +37,7 @@ ERROR_WORDS: Final[Mapping[int, str]] = MappingProxyType(
         5200: "a value is out of range",
     }
 )
-"""What the codes of the controller mean, as far as this program has use for them."""
+"""The meaning of the controller's codes, as far as this program uses them."""
 
 
 class Wire(Protocol):
@@ -114,9 +115,11 @@ class Status:
 
 
 def status_of(answer: str) -> Status:
-    """Read the two numbers of RSTATS: the first byte's bit 7 is command remote, bit 3 running; the second's 6
-    servo, 5 error, 4 alarm, 3 to 1 the holds.
-    """  # noqa: D205
+    """Read the two numbers of RSTATS.
+
+    The first byte: bit 7 is command remote, bit 3 running. The second: bit 6 is servo, 5 error, 4 alarm, 3 to 1 holds.
+
+    """
     first, second = (int(part) for part in answer.split(",")[:2])
     return Status(
         command_remote=bool(first & 0x80),
@@ -157,7 +160,7 @@ class Nx100Session:
             raise
 
     def status(self) -> Status:
-        """What the controller is doing.
+        """The controller's state.
 
         Raises:
             PositionerError: it does not answer, or not so.

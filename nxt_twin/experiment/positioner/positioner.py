@@ -45,13 +45,13 @@ UNITS: Final[Mapping[Axis, str]] = MappingProxyType(
 class Positioner(Protocol):
     """Moves one axis of a rig and says where it is.
 
-    Leaving an experiment by whatever way ends with `stop` and `close`; both may be called again and do not raise
-    for a connection that is gone.
+    Every experiment ends with `stop` and `close`, also after an error. Both may be called again, and neither raises
+    for a lost connection.
     """
 
     @property
     def axis(self) -> Axis:
-        """What it moves."""
+        """The axis that it moves."""
         ...
 
     @property
@@ -90,7 +90,7 @@ class OneAxis:
 
     @property
     def axis(self) -> Axis:
-        """What it moves."""
+        """The axis that it moves."""
         return self._axis
 
     @property

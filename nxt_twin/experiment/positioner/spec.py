@@ -1,4 +1,4 @@
-"""What a user writes to say what moves an axis: ``hand``, ``rail:b,mm_per_deg=0.3``, ``nx100:HOST,along=z``."""
+"""How a user specifies a positioner: ``hand``, ``rail:b,mm_per_deg=0.3``, ``nx100:HOST,along=z``."""
 
 from __future__ import annotations
 

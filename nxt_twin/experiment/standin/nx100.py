@@ -225,7 +225,7 @@ class InMemoryWire:
         self._out += self._session.feed(data)
 
     def receive(self, timeout_s: float) -> bytes:
-        """What was answered so far."""
+        """The replies so far."""
         out, self._out = self._out, b""
         if not out and not self.cut and not self._session.closed:
             raise TimeoutError(f"nothing within {timeout_s:g} s")

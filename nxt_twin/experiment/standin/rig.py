@@ -1,7 +1,7 @@
 """A rig round a mock brick: where things stand, what moves them there, and what its sensors make of it.
 
-The sensors here are mechanisms of their own - an echo that is too weak, a button with a snap, a diode - and share no
-code with `nxt_twin.sensors`, which fits what is recorded from them.
+The sensors here are mechanisms: an echo that is too weak, a button with a snap, a diode. They share no
+code with `nxt_twin.sensors`, which fits their recordings.
 """
 
 from __future__ import annotations
@@ -253,7 +253,7 @@ class Transducers:
     chance: float = 0.97
 
     def hear(self, place: float, *, together: bool, distance: float, random: Random) -> float:
-        """What the first sensor reads, cm, with the strip at `place`, with or without the other one's pings."""
+        """The first sensor's reading, cm, with the strip at `place`, with or without the other sensor's pings."""
         listens = self._free(self.receiver, place) >= self.enough
         speaks = together or self._free(self.emitter, place) >= self.enough
         heard = listens and speaks and random.random() < self.chance

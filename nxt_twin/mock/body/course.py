@@ -10,7 +10,7 @@ Between = Literal["step", "line"]
 
 
 class SensorView(Protocol):
-    """What a sensor is shown: a course, or a test rig round the brick."""
+    """The view of a sensor: a course, or a test rig round the brick."""
 
     def at(self, time_s: float) -> float:
         """The value at a time since power-on."""
@@ -19,7 +19,7 @@ class SensorView(Protocol):
 
 @final
 class TargetCourse:
-    """What a sensor is shown.
+    """The view of a sensor over time.
 
     Args:
         points: (time s, value), in order of time; before the first point its value holds, after the last its.

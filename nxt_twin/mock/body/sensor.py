@@ -19,7 +19,7 @@ class Sensor(ABC):
 
     @abstractmethod
     def reading(self, time_s: float) -> int:
-        """What the converter reads, 0 to 1023."""
+        """The converter's reading, 0 to 1023."""
 
     @abstractmethod
     def set_type(self, sensor_type: int) -> None:

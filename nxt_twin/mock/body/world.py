@@ -116,8 +116,8 @@ SensorModel = Annotated[
 class World(_Part):
     """A brick and what is around it, by default as LEGO ships it with free-running motors.
 
-    `motors` holds a plant for each port: the name of one of the tool's plants, the path of a plant file, or
-    the plant's keys inline. `robot` and `scene` are read by `nxt_twin.world`, whose sensors stand in for these.
+    `motors` holds a plant for each port: the name of a built-in plant, the path of a plant file, or the
+    plant's keys. `robot` and `scene` are read by `nxt_twin.world`, whose sensors stand in for these.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=BRICK_NAME_SIZE)] = DEFAULT_NAME

@@ -45,7 +45,7 @@ _SIZES: Final = {
 
 
 class Piece(NamedTuple):
-    """What the firmware takes in one pass: at most a buffer full, and how much of the telegram is to come."""
+    """The bytes that the firmware takes in one pass: at most a buffer full, and how many are still to come."""
 
     data: bytes
     remaining: int
@@ -84,7 +84,7 @@ class Channel:
             self._stream += data
 
     def take(self) -> Piece | None:
-        """What the firmware reads in this pass, if anything."""
+        """The bytes that the firmware reads in this pass, if any."""
         if self._packets:
             data = self._packets.popleft()
             return Piece(data, 0) if data else None

@@ -56,7 +56,7 @@ class Identity:
 
 
 class Power(Enum):
-    """What the brick is doing at all."""
+    """The brick's power state."""
 
     ON = "on"
     OFF = "off"
@@ -159,7 +159,7 @@ class Firmware:
             self._comm.channels[transport].arrive(data)
 
     def transmit(self, transport: Transport) -> list[bytes]:
-        """What the brick has to say since the last time; each item is one packet, or one frame."""
+        """The brick's output since the last call; each item is one packet, or one frame."""
         if self._system.stall_ms:
             return []
         return self._comm.channels[transport].fetch()

@@ -1,4 +1,4 @@
-"""What the firmware finds around it: motors, encoders, sensor sockets, battery."""
+"""The hardware round the firmware: motors, encoders, sensor sockets, battery."""
 
 from __future__ import annotations
 

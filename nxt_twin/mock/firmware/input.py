@@ -111,7 +111,7 @@ class InputPort:
         self._settled = -1
 
     def clear(self) -> None:
-        """What the start and stop of a program do."""
+        """Do what the start and the stop of a program do."""
         self.set_mode(SensorType.NO_SENSOR, SensorMode.RAW)
         self.ad_raw = self.sensor_raw = self.sensor_value = 0
         self.boolean = False
@@ -283,7 +283,7 @@ class InputModule(Module):
         return port
 
     def reset(self) -> None:
-        """What the start and stop of a program do: no sensors, all values 0."""
+        """Do what the start and the stop of a program do: no sensors, all values 0."""
         for port in self.ports:
             port.clear()
 

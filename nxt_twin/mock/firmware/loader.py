@@ -44,7 +44,7 @@ class LoaderRefusal(Exception):  # noqa: N818 - a refusal is what it is
 
 
 class Use(Enum):
-    """What a handle is used for."""
+    """The use of a handle."""
 
     FREE = "free"
     READING = "reading"
@@ -184,7 +184,7 @@ class Loader(Module):
         return data, Status.OK if len(data) == length else Status.END_OF_FILE
 
     def rest(self, number: int) -> bytes:
-        """What is left to read, without reading it."""
+        """The unread bytes of the file; they stay unread."""
         handle = self._handle_for(number, Use.READING)
         return b"" if handle.file is None else bytes(handle.file.data[handle.position :])
 
@@ -238,8 +238,8 @@ class Loader(Module):
     def delete(self, name: str) -> None:
         """Delete a file on which no other handle stands that reads or writes.
 
-        Where a handle stands is a place in the list: one that writes a system file, which is not listed yet, comes to
-        stand on others' files when they are listed.
+        A handle stands at a place in the list. A handle that writes a system file, which is not listed yet, stands on
+        other files once those are listed.
         """
         try:
             number, file = self._find_by_name(name)
@@ -365,7 +365,7 @@ class Loader(Module):
 
 
 def _kept(pattern: str) -> str:
-    """What a handle remembers of a pattern, which is not all of it where it has a wildcard."""
+    """The part of a pattern that a handle keeps; it is incomplete if the pattern has a wildcard."""
     folded = fold_case(pattern)
     if "*.*" in folded:
         return pattern

@@ -142,7 +142,7 @@ class LowSpeedModule(Module):
         return Status.OK
 
     def reset(self) -> None:
-        """What the start and stop of a program do: what was received is forgotten, what is under way ends."""
+        """Do what the start and the stop of a program do: drop received bytes, and end a running transaction."""
         for port, channel in enumerate(self.channels):
             channel.receive_in = channel.receive_out = channel.receive_length = 0
             channel.send_in = channel.send_out = 0

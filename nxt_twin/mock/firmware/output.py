@@ -121,7 +121,7 @@ class OutputModule(Module):
         settings.flags |= _COMMAND_FLAGS
 
     def reset(self) -> None:
-        """What the start and stop of a program do: all motors off, all counters 0."""
+        """Do what the start and the stop of a program do: all motors off, all counters 0."""
         for settings in self.ports:
             settings.mode = settings.speed = settings.sync_turn = 0
             settings.regulation = settings.run_state = 0

@@ -24,7 +24,7 @@ _SYNC: Final = int(RegulationMode.SYNC)
 
 @final
 class Synchronisation:
-    """What the regulator of a pair remembers."""
+    """The state of a pair's regulator."""
 
     __slots__ = ("accumulated_error", "old_error", "turned")
 

@@ -1,4 +1,4 @@
-"""What the serving loop needs of a place where clients come and go."""
+"""A place where clients connect, as the serving loop needs it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class Endpoint(ABC):
     @property
     @abstractmethod
     def url(self) -> str:
-        """What a client pastes to reach it."""
+        """The URL at which a client reaches it."""
 
     @abstractmethod
     def take_in(self) -> None:

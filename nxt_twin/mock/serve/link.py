@@ -69,7 +69,7 @@ class MockLink:
             self._host.release(self._line)
 
     def describe(self) -> str:
-        """What a person would call this link."""
+        """The link's name for a person."""
         return "mock: a brick made of software, in this process"
 
     def _check(self) -> None:

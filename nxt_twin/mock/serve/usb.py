@@ -135,7 +135,7 @@ class ServedUsbDevice:
         self.plugged_in = True
 
     def descriptor(self) -> DeviceDescriptor:
-        """What the device says it is: a brick, or in firmware download mode Atmel's boot program."""
+        """The device's descriptor: a brick, or in firmware download mode Atmel's boot program."""
         booted = self.host.firmware.power is Power.DOWNLOAD
         return DeviceDescriptor(
             bLength=18,

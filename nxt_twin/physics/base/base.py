@@ -1,4 +1,4 @@
-"""What a base model declares."""
+"""The declaration of a base model."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class Base:
 
     The symbols of the drive's arguments are quantities of the step or symbols of `parameters`;
     the first parameter is the inertia. `current_after` gives the winding current (A) at the end of a step, None
-    for a plant without a winding. `drawn_by_others` gives what the other motors on the same supply draw at its
-    open-circuit voltage (A) and by how much less for each volt that it falls (S), None where a supply is no part of it.
-    `control` gives the duty from the goal, None where the command is the duty itself; `delay` names the parameter by
-    which commands act late.
+    for a plant without a winding. `drawn_by_others` gives the other motors' current at
+    the supply's open-circuit voltage (A), and its fall for each volt of sag (S). It is
+    None for a plant without a supply. `control` gives the duty from the goal, None where the command is the duty.
+    `delay` names the parameter by which commands act late.
     """
 
     kind: str

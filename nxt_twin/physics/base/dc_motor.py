@@ -29,12 +29,12 @@ def drive(
     """Torque at zero speed (N·m) and electrical damping (N·m·s/rad) over one step.
 
     The winding current of the step's middle follows from the trapezoidal rule on equation 1,
-    U = Ke·ω + R·i + L·di/dt. The terminal voltage never exceeds the supply (duty is bounded), a `drop` opposes the
-    current and stops at zero current, and a current beyond `limit` is held there.
+    U = Ke·ω + R·i + L·di/dt. The terminal voltage never exceeds the supply, since the duty is bounded. A `drop`
+    opposes the current and ends at zero current. A current beyond `limit` stays at the limit.
 
-    Modes: drive (off phase shorted: mean voltage duty·supply), float (off phase open: the winding conducts for
-    the duty's fraction of the time, and only forwards), coast (open), brake (shorted), and for benches a given
-    voltage or current, which come in as `duty`.
+    Modes: drive (off phase shorted: mean voltage duty·supply), coast (open) and brake (shorted). In float the off phase
+    is open: the winding conducts for the duty's fraction of the time, and only forwards. On a bench, `duty` is a given
+    voltage or current.
     """
     if mode == MODE_CURRENT:
         return torque_constant * min(max(duty, -limit), limit), 0.0

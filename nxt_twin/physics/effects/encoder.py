@@ -1,4 +1,4 @@
-"""What the encoder makes of the angle."""
+"""Effects of the encoder on the measured angle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a servo's loop does beyond proportion and damping."""
+"""Effects of a servo's loop beyond proportion and damping."""
 
 from __future__ import annotations
 

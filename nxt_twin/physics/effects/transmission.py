@@ -1,7 +1,7 @@
 """A load inertia behind play or a shaft that twists.
 
-Both integrate the load by the trapezoidal rule and hand the motor the reaction as a torque and a damping, so that the
-coupling is solved together with the motor's speed and stays stable however stiff it is.
+Both integrate the load by the trapezoidal rule. They give the motor the reaction as a torque and a damping. The step
+so solves the coupling together with the motor's speed, and stays stable at any stiffness.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def measured_path(
     known: tuple[float, float, float],
     at: int = 0,
 ) -> PosePath:
-    """What an outside camera would measure along the run, from one measured pose and the wheels alone.
+    """The poses that an outside camera would measure along a run, from one measured pose and the wheel angles.
 
     Args:
         geometry: the robot, and where on it the pose is measured.

@@ -35,7 +35,7 @@ class Guess(NamedTuple):
 @final
 @dataclass(frozen=True)
 class Guessed:
-    """What a table seems to be.
+    """The guess of a table's meaning.
 
     Attributes:
         profile: the table as it was found.

@@ -51,7 +51,7 @@ def time_unit(column: TableColumn) -> tuple[str, str]:
 
 
 def output_scale(column: TableColumn) -> Scale:
-    """What a reading is."""
+    """The guess of a reading's kind and unit."""
     measures, unit = unit_of(column)
     if measures in OUTPUTS:
         return measures, unit, 1.0, f"its name or unit says {unit}"
@@ -84,7 +84,7 @@ def _ticks(column: TableColumn) -> Scale:
 
 
 def input_scale(column: TableColumn, output: TableColumn) -> Scale:
-    """What a command is."""
+    """The guess of a command's kind and unit."""
     measures, unit = unit_of(column)
     if has(column, "goal") or (split_action(column) and not measures):
         role, own, size, _ = output_scale(output)

@@ -68,7 +68,7 @@ def has(column: TableColumn, subject: str) -> bool:
 
 
 def unit_of(column: TableColumn) -> tuple[str, str]:
-    """What the column's unit measures and the unit itself, as `--columns` writes it; empty where none is stated."""
+    """The quantity of the column's unit and the unit, as `--columns` writes it; empty where none is stated."""
     for stated in (column.stated_unit.lower(), *_endings(column)):
         if stated in _UNITS:
             return _UNITS[stated]

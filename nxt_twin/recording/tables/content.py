@@ -1,4 +1,4 @@
-"""What a table's file is, told by what it holds, never by its name."""
+"""The format of a table's file, by its content and never by its name."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ def read_mat(path: Path, choose: Choose) -> Table:
     """Read the chosen variables of a MAT file; NaN is an empty cell.
 
     Raises:
-        RecordingError: if the file is no MAT file of version 7 or less, or a chosen variable is no vector of
-            real numbers, or they differ in length. `choose` may raise its own.
+        RecordingError: the file is no MAT file of version 7 or less. Or a chosen variable is no vector of real numbers,
+            or the variables differ in length. `choose` may raise its own.
     """
     head = read_table_head(path, RecordingError)
     if any(head.startswith(_HDF5_SIGNATURE, offset) for offset in _HDF5_OFFSETS):

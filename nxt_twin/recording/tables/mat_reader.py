@@ -1,8 +1,8 @@
 """A program of its own that reads one MAT file for `mat`: what ends it by a signal ends nobody else.
 
 It imports nothing of this project. It writes one line of JSON with the shapes of the variables and of the fields of
-structs (`log.speed`, `log.signals[0].values`), reads one with the names that are wanted, and answers each with a line
-and, where it is an array of real numbers, with the array's bytes.
+structs (`log.speed`, `log.signals[0].values`). It then reads one line with the wanted names. For each name it writes a
+line and, for an array of real numbers, the array's bytes.
 """
 
 from __future__ import annotations

@@ -26,12 +26,12 @@ _NANOSECOND_S = 1e-9
 def read_rosbag(path: Path, choose: Choose) -> Table:
     """Read the chosen columns of a bag.
 
-    Columns are `stamp_s` (of the message's header, else when it was logged), `logged_s`, `TOPIC.JOINT.position`,
-    `….velocity` and `….effort` of joint states, `TOPIC.data` of numbers and `TOPIC.data[0]` of lists of them. Rows
+    Columns are `stamp_s` (of the message's header, or the time of logging) and `logged_s`. Joint states give
+    `TOPIC.JOINT.position`, `….velocity` and `….effort`. Numbers give `TOPIC.data`, and lists `TOPIC.data[0]`. Rows
     are in the order of `stamp_s`; a cell is empty in the rows of other topics.
 
     Raises:
-        RecordingError: if the extra `rosbag` is not installed, the file is no bag of ROS 2 in MCAP, or it holds
+        RecordingError: the extra `rosbag` is not installed, or the file is no bag of ROS 2 in MCAP. Or the bag holds
             no joint states and no numbers. `choose` may raise its own.
     """
     read_table_head(path, RecordingError)

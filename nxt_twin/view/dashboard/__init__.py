@@ -1,7 +1,7 @@
 """The live dashboard: a sink that draws a session in rerun's viewer, in the browser, or into a file.
 
-The viewer lives in a process of its own behind a bounded queue, and so does the file: a viewer that is dead, slow or
-missing costs neither the loop nor the file anything.
+The viewer and the file each live in a process of their own behind a bounded queue. A viewer that is dead, slow or
+missing delays neither the loop nor the file.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ _LEAST_LIKELY: Final = 0.05
 @final
 @dataclass(frozen=True)
 class DrawnTable:
-    """What is drawn under one name.
+    """The values that are drawn under one name.
 
     Attributes:
         path: of the entity.

@@ -28,10 +28,9 @@ _LOOK_S: Final = 0.04
 class Feeder:
     """A process of its own, a bounded queue, and a thread that carries from one to the other.
 
-    `put` appends to the queue and returns; where the queue is full, the oldest poll goes, and of events, which have
-    room of their own, the oldest event. The thread turns messages into lines and writes them to the process'
-    standard input, where it may block as long as it likes; each line is short work, so it does not keep the
-    interpreter from the loop either.
+    `put` appends to the queue and returns. A full queue drops its oldest poll; events have room of their own, where the
+    oldest event goes. The thread turns messages into lines and writes them to the process' standard input, where it
+    may block for any time. Each line is short work, so the thread does not keep the interpreter from the loop.
 
     Args:
         command: starts the process; it has to end when its standard input does.

@@ -1,4 +1,4 @@
-"""What a process of the dashboard is to do, as the one argument it is started with."""
+"""The task of a process of the dashboard, as its one argument."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WORKER: Final = "nxt_twin.view.dashboard.worker"
 @final
 @dataclass(frozen=True)
 class DashboardJob:
-    """What the process is to do; travels as its one argument.
+    """The task of the process; travels as its one argument.
 
     Attributes:
         kind: a file, a native viewer, or the web.

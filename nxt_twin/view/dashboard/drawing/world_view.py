@@ -65,7 +65,7 @@ class BodyPath(Protocol):
 
     @property
     def shapes(self) -> Sequence[DrawnSolid]:
-        """What it is made of."""
+        """The solids that it is made of."""
         ...
 
     @property
