@@ -69,7 +69,7 @@ def render_fleet_page(findings: Findings, table: str) -> str:
 
 
 def sentence(findings: Findings) -> str:
-    """What a person has to know first."""
+    """The first sentence of the page, for a person."""
     if not findings.units:
         return f"No session of {findings.sessions} could be diagnosed."
     lacking = len({lack.unit for lack in findings.lacks})
