@@ -24,6 +24,7 @@ from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging.colour import COLOURED
 from nxt_twin.diagnose.judging.evidence import Evidence, gather
 from nxt_twin.diagnose.judging.horizons import Errors
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
@@ -35,7 +36,7 @@ from nxt_twin.diagnose.search.searched import searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
-from nxt_twin.diagnose.telling.notes import notes
+from nxt_twin.diagnose.telling.notes import notes, on_the_load
 from nxt_twin.diagnose.where.mismatch import mismatch_of
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
@@ -79,11 +80,19 @@ def diagnose(
     """
     problem = replace(problem_for(case, tolerance), without=without, leaning=leaning or {})
     with Simulator(problem.plant.layout) as simulator:
-        found = searched(simulator, problem, progress)
-        progress("judging on what was held out")
         rng = np.random.default_rng(seed)
-        evidence = gather(simulator, problem, found, rng)
+        evidence = _evidence(simulator, problem, rng, progress)
+        if verdict_of(evidence.record) == "unexplained" and evidence.colour > COLOURED:
+            progress("single steps are coloured: by windows of simulation alone")
+            evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
         return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written)
+
+
+def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
+    """Search for what the baseline lacks, and gather all that the verdict rests on."""
+    found = searched(simulator, problem, progress)
+    progress("judging on what was held out")
+    return gather(simulator, problem, found, rng)
 
 
 def fit_as_it_stands(case: Case) -> Structure:
@@ -107,6 +116,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     fit = _fit(evidence)
     sizes, excitation = in_sight(simulator, problem, evidence.linear)
     held_out = tuple(_held_out(evidence))
+    refit = refitted(evidence)
     alarms = evidence.false_alarms
     return Diagnosis(
         name=problem.name,
@@ -119,7 +129,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
             {one.id: one.name for one in sizes},
             patchwork=is_patchwork(evidence.record),
         ),
-        refit=refitted(evidence),
+        refit=refit,
         mismatch=mismatch_of(simulator, evidence, verdict, seed),
         effects=effects,
         alternatives=alternatives(simulator, evidence),
@@ -127,6 +137,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=(
             *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
+            *on_the_load(refit),
             *_what_is_written(evidence),
         ),
         held_out=held_out,

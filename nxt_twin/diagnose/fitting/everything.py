@@ -21,6 +21,8 @@ def fit_everything(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
     near = roughly_everything(fitter, plant, noise, rounds=2)
     tuned = with_noise(fitter.problem.objective.everything(), near.noise)
     fitted, _ = fitter.fit_on(tuned, near.plant, EXACT)
+    if fitter.problem.by_windows:
+        return fitter.checked(fitted, near.noise, EXACT)
     likeliest = _likeliest(fitter, near)
     errors = [fitter.simulated_error(one, near.noise) for one in (likeliest, fitted.plant)]
     if errors[0] <= _AS_GOOD * errors[1]:

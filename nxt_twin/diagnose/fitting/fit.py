@@ -150,6 +150,10 @@ class Target:
         evidence = tuple(a * b for a, b in zip(self.evidence, self.pull, strict=True))
         return replace(self, evidence=evidence, pull=(1.0,) * len(self.pull))
 
+    def counting_for_nothing(self) -> Target:
+        """With readings that are run, but are no evidence."""
+        return replace(self, evidence=(0.0,) * len(self.evidence))
+
     def errors(self, number: int, result: Result) -> FloatArray:
         """Errors of a job's predictions in standard deviations, shape (sets, samples)."""
         job = self.jobs[number]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
@@ -71,6 +71,7 @@ class Problem:
         stalled_share: the largest share of a recording's time that went by so.
         without: ids of effects that no search may try, as if nobody knew them.
         leaning: what speaks beforehand for effects, nats by id, where somebody has watched the motor already.
+        by_windows: whether windows of simulation alone set parameters and weigh effects, as single steps are coloured.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Problem:
     stalled_share: float
     without: frozenset[str] = frozenset()
     leaning: Mapping[str, float] = field(default_factory=dict)
+    by_windows: bool = False
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""
@@ -94,7 +96,10 @@ class Problem:
     @property
     def objective(self) -> Target:
         """What a fit sees: each reading predicted from those before it, and simulated."""
-        return self.target.beside(self.simulated)
+        if not self.by_windows:
+            return self.target.beside(self.simulated)
+        windows = replace(self.simulated, pull=(1.0,) * len(self.simulated.jobs))
+        return self.target.counting_for_nothing().beside(windows)
 
     @property
     def check(self) -> tuple[BoolArray, ...]:

@@ -17,6 +17,7 @@ from nxt_twin.diagnose.fitting.residuals import Residuals, residuals
 from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
+from nxt_twin.diagnose.judging.colour import colour
 from nxt_twin.diagnose.judging.detectable import allowed
 from nxt_twin.diagnose.judging.horizons import (
     Errors,
@@ -60,6 +61,7 @@ class Evidence:
         given_errors, baseline_errors, final_errors: of the three plants on what is held out.
         floors: what a plant that lacks nothing would reach there, at each horizon, SI.
         record: what the verdict rests on.
+        colour: how many readings of `after` count as one, over how many of clean recordings do.
     """
 
     problem: Problem
@@ -80,6 +82,7 @@ class Evidence:
     final_errors: Errors
     floors: tuple[float, ...]
     record: Record
+    colour: float
 
     @property
     def written(self) -> Plant:
@@ -101,7 +104,8 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
     )
     linear = linearise(simulator, problem, final)
     clean = clean_cases(linear, rng)
-    clean_left = leftover_nats_of(after, _clean_residuals(linear, rng))
+    clean_readings = _clean_residuals(linear, rng)
+    clean_left = leftover_nats_of(after, clean_readings)
     limit = leftover_threshold(clean_left, STRUCTURED_NATS)
     trials = [trial for effect in allowed(problem, final.plant) for trial in trials_of(effect, problem.scale)]
     alarmed = alarms(simulator, linear, trials, clean)
@@ -130,6 +134,9 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         final_errors=final_errors,
         floors=floors,
         record=_record(problem, searched, left, (baseline_errors, final_errors), floors),
+        colour=float(
+            colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
+        ),
     )
 
 
@@ -165,7 +172,7 @@ def _record(
     return Record(
         named=sum(not effect.plain for effect, _ in found),
         found=bool(found),
-        left_nats=left[0],
+        left_nats=0.0 if problem.by_windows else left[0],
         left_limit_nats=left[1],
         gained_nats=baseline.fitted.cost - final.fitted.cost,
         torque_before=torque_share(problem, baseline),
@@ -187,4 +194,7 @@ def _at_the_floor(errors: Errors, floors: Sequence[float]) -> bool:
 def torque_share(problem: Problem, structure: Structure) -> float:
     """The unknown torque that a structure leaves, as a fraction of one that is ordinary for the plant."""
     inertia = structure.plant.values[Slot(BASE_OWNER, "inertia")]
-    return structure.noise.disturbance_std * inertia / problem.scale.torque
+    torque = structure.noise.disturbance_std * inertia
+    if problem.by_windows:  # single steps say nothing of it: as much as makes windows err as they do
+        torque *= structure.noise.drift
+    return torque / problem.scale.torque

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.moments import moments_gained
-from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.notable import is_notable, is_repeated
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.weight import Weight, free_run_ratio, weigh
 from nxt_twin.physics.effect import Effect
@@ -52,6 +52,7 @@ _FAR_REACH_NATS = 400.0  # for the only rival to show how far behind it is
 _EXCHANGES = 4
 _SOBER = 0.3
 _LEFT_OUT_NATS = 3.0
+_OUR_OWN = "our own"  # the source of a law that nobody published
 _FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
 
 
@@ -208,12 +209,25 @@ class _Search:
             best = weakest[1]
 
     def _is_notable(self, best: Structure, effect_id: str) -> bool:
-        return is_notable(best.plant, best.plant.layout.effect(effect_id), self._fitter.problem.scale)
+        problem, effect = self._fitter.problem, best.plant.layout.effect(effect_id)
+        repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
+        return repeats and is_notable(best.plant, effect, problem.scale)
+
+    def _belief(self, effect: Effect) -> float:
+        """What speaks for an effect beforehand, nats.
+
+        What plant files mostly state is likely missing where left out. Where windows alone decide, and few readings
+        are independent, a curve of our own that stands for many mechanisms is no match for one that is known.
+        """
+        first = effect.parameters[0]
+        stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
+        own = self._fitter.problem.by_windows and effect.source.startswith(_OUR_OWN)
+        return _LEFT_OUT_NATS * (stated - own)
 
     def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
         """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
         back = simpler.plant.active - best.plant.active - self._baseline.plant.active
-        return sum(_belief(best.plant.layout.effect(effect_id)) for effect_id in back)
+        return sum(self._belief(best.plant.layout.effect(effect_id)) for effect_id in back)
 
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best`, the weightiest first."""
@@ -268,7 +282,7 @@ class _Search:
         for effect, trial in settled:
             if best.fitted_cost - trial.fitted_cost > in_reach:
                 trial = self._settled_anew(best, effect, trial)
-            if is_notable(trial.plant, effect, self._fitter.problem.scale):
+            if self._is_notable(trial, effect.id):
                 ranked.append((effect, weigh(best, trial), trial))
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
@@ -321,7 +335,8 @@ class _Search:
 
     def _likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """The same, were there no free runs."""
-        return weight.gain > self._needed(best) + _choice_nats(effect) and weight.borne_out(CHECK_NATS)
+        needed = self._needed(best) + _choice_nats(effect) - min(self._belief(effect), 0.0)
+        return weight.gain > needed and weight.borne_out(CHECK_NATS)
 
     def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
         """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
@@ -352,7 +367,7 @@ class _Search:
 
     def _leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
-        return _belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
+        return self._belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fitter.problem
@@ -373,12 +388,6 @@ def _better(rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
 def _choice_nats(effect: Effect) -> float:
     """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
     return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= _COMB)
-
-
-def _belief(effect: Effect) -> float:
-    """What speaks for an effect beforehand, nats: what plant files mostly state is likely missing where left out."""
-    first = effect.parameters[0]
-    return _LEFT_OUT_NATS if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
 
 
 def _keeps_its_place(weight: Weight, needed: float) -> bool:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 
 _CLEAR = 1.3
 _ABOVE = 1.1
+_PERIODS = 2.0
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 
 
@@ -29,6 +35,19 @@ def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
     return sized and not any(
         _on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:]
     )
+
+
+def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
+    """Whether a recording goes through two periods of an effect that repeats with the angle.
+
+    Within less, what is called periodic may be any function of the angle, such as the torque of an arm.
+    """
+    turns = max((float(np.ptp(one.measured[np.isfinite(one.measured)])) for one in recordings), default=0.0)
+    turns /= 2.0 * math.pi
+    cycles = [
+        plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters if p.name.endswith("per_turn")
+    ]
+    return all(turns * each >= _PERIODS for each in cycles)
 
 
 def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale) -> bool:

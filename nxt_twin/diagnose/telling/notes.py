@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun
+from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun, Moved
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
 from nxt_twin.diagnose.telling.words import listed
@@ -15,6 +15,11 @@ from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.plant import Plant
 
 _BAD_RUN_RATIO = 2.5
+_GRAVITY = "gravity_torque_nm"
+_INERTIA = "inertia_kg_m2"
+_CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
+_ANOTHER = 0.1
+_SURE_STDS = 3.0
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
 
 
@@ -42,10 +47,34 @@ def notes(
             "transport, not of the motor; the errors leave these readings out."
         )
     said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
+    if problem.by_windows:
+        said.append(
+            "Errors of single steps go on from reading to reading, as where readings are held or stamped late. So "
+            "single steps are no evidence here: simulated windows alone set the parameters and chose the effects."
+        )
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
     return tuple(said)
+
+
+def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
+    """A remark where the load is another than the given one: its gravity torque moved, by more than it is in doubt."""
+    gravity = refit.get(_GRAVITY)
+    if gravity is None or not min(gravity.before, gravity.after) > 0.0:
+        return ()
+    apart = abs(gravity.after - gravity.before)
+    if apart < max(_ANOTHER * gravity.before, _SURE_STDS * gravity.std):
+        return ()
+    moved = [
+        f"{name} is {refit[name].after:.3g} {refit[name].unit} (given: {refit[name].before:.3g})"
+        for name in (_GRAVITY, _INERTIA)
+        if name in refit
+    ]
+    constants = [refit[name] for name in _CONSTANTS if name in refit]
+    most = max((abs(one.after / one.before - 1.0) for one in constants), default=0.0)
+    motor = f" The motor's own constants moved by {100.0 * most:.0f} % at most." if constants else ""
+    return (f"The load is another than the given one: {listed(moved)}.{motor}",)
 
 
 def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
