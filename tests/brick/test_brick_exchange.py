@@ -242,3 +242,68 @@ def test_without_a_period_nobody_is_kept_awake():
         talk.clock.sleep(1000.0)
         talk.brick.device.battery_v()
     assert all(sent == bytes((0, GetBatteryLevel.OPCODE)) for sent in talk.link.sent)
+
+
+FOREIGN = b"\x80\x09\x00\x02A\0"
+
+
+def test_what_comes_instead_of_a_reply_does_not_lengthen_the_wait():
+    talk = Talk([0.4, FOREIGN, 0.4, FOREIGN, 0.4, BATTERY])
+    before_s = talk.clock.time_s
+    with pytest.raises(GarbageError, match="GET_BATT_LVL"):
+        talk.brick.device.battery_v()
+    assert talk.clock.time_s - before_s == pytest.approx(1.0, abs=1e-3)
+    assert (talk.brick.health.timeouts, talk.brick.health.foreign) == (1, 2)
+
+
+def test_a_reply_in_the_last_moment_after_a_foreign_telegram_is_taken():
+    talk = Talk([0.4, FOREIGN, 0.59, BATTERY])
+    assert talk.brick.device.battery_v().value > 8
+
+
+def test_late_replies_alone_are_a_timeout_and_no_garbage():
+    talk = Talk([0.4, motor_reply(1, 5)])
+    with pytest.raises(LinkTimeoutError):
+        talk.brick.device.battery_v()
+    assert (talk.brick.health.late, talk.brick.health.foreign) == (1, 0)
+
+
+def test_half_a_telegram_counts_as_a_timeout_wherever_it_comes():
+    talk = Talk([HalfTelegramError("half")], [FOREIGN, HalfTelegramError("half")])
+    for count in (1, 2):
+        with pytest.raises(HalfTelegramError):
+            talk.brick.device.battery_v()
+        assert talk.brick.health.timeouts == count
+
+
+def test_a_brick_is_out_of_step_until_a_marker_has_come_back():
+    """The first marker is lost; the second brings requests and replies together."""
+    clock, markers = VirtualClock(), []
+
+    def script(telegram: bytes):
+        if telegram[1] != 0x94:
+            return [] if not markers else [BATTERY]
+        markers.append(telegram)
+        return [] if len(markers) == 1 else [marker_reply(telegram)]
+
+    brick = Brick(ScriptedLink(clock, script), clock, POLICY)
+    with pytest.raises(LinkTimeoutError):
+        brick.device.battery_v()
+    assert brick.device.battery_v().value > 8
+    assert len(markers) == 2
+    assert markers[0] != markers[1]
+    assert brick.health.resynchronised == 1
+    brick.device.battery_v()
+    assert len(markers) == 2
+
+
+def test_a_brick_is_kept_awake_no_sooner_than_its_period_tells():
+    clock = VirtualClock()
+    link = ScriptedLink(
+        clock, lambda sent: [b"\x02\x0d\x00\xc0\x27\x09\x00"] if sent[1] == 0x0D else [BATTERY]
+    )
+    brick = Brick(link, clock, Policy(keep_alive_period_s=60.0))
+    for wait_s, kept_awake in ((59.0, 0), (1.1, 1), (59.0, 1), (1.1, 2)):
+        clock.sleep(wait_s)
+        brick.device.battery_v()
+        assert link.sent.count(b"\x00\x0d") == kept_awake

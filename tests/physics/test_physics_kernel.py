@@ -5,6 +5,7 @@ import pytest
 from physics_reference import predict
 from physics_samples import NXT, job_with_readings, signals
 
+from nxt_twin.errors import PlantError
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.simulate import Simulator, free_job
@@ -140,3 +141,34 @@ def test_a_stepper_that_is_not_ready_moves_as_one_that_is(effects):
             stepper.step(np.array([duty]), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
         np.testing.assert_array_equal(waiting.shown, ready.shown)
     assert abs(ready.angle[0]) > 0.01
+
+
+def test_a_stepper_takes_plants_of_one_kind():
+    motor = plant_from_config(NXT, "power_pct")
+    for plants in ([], [motor, plant_from_config({"kind": "rigid_body", "inertia": 1e-3}, "torque_nm")]):
+        with pytest.raises(PlantError, match="plants of one kind"):
+            Stepper(plants)
+
+
+def test_each_plant_of_a_stepper_has_its_own_state():
+    stepper = Stepper([plant_from_config(NXT, "power_pct")] * 2, ready=False)
+    for number in range(50):
+        stepper.step(np.array([0.0, 0.5]), np.zeros(2, dtype=np.int64), 8.0, 1e-3)
+        if number == 0:
+            assert stepper.speed[1] > 0.0
+    assert (stepper.angle[0], stepper.speed[0], stepper.current[0]) == (0.0, 0.0, 0.0)
+    assert stepper.speed[1] > 1.0
+    assert stepper.current[1] > 0.05
+    assert 0.0 < stepper.angle[1] < 0.05 * stepper.speed[1]
+    np.testing.assert_array_equal(stepper.shown, stepper.angle)
+
+
+@pytest.mark.parametrize("rests_s", [0.0, 0.2])
+def test_a_late_command_counts_from_when_it_was_given_though_the_plant_rested_before(rests_s):
+    plant = plant_from_config({**NXT, "effects": {"command_delay": {"delay_s": 0.03}}}, "power_pct")
+    stepper = Stepper([plant], ready=False)
+    moved = []
+    for duty in [0.0] * round(1000 * rests_s) + [0.6] * 60:
+        stepper.step(np.array([duty]), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
+        moved.append(stepper.angle[0] != 0.0)
+    assert moved.index(True) == pytest.approx(1000 * rests_s + 30, abs=2)

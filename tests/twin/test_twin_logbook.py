@@ -13,10 +13,13 @@ from nxt_twin.brick.errors import LinkLostError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.start import open_mock_link
 from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.files import read_sidecar
+from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.program import MotorProgram, Run, Segment
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import Logbook, columns_of
-from nxt_twin.twin.polling import Plan
+from nxt_twin.twin.polling import Plan, tell
+from nxt_twin.twin.settings import PACES
 
 SENSORS = {1: "touch", 2: "sound", 3: "light", 4: "ultrasonic"}
 
@@ -121,3 +124,85 @@ def test_a_lost_link_ends_it_with_the_rows_until_then(clock):
         Logbook(brick, clock, ("a",), Plan(period_s=0.01), rows, driver).keep(5.0, lose)
     assert len(rows.rows) == 20
     brick.close()
+
+
+class Steady:
+    """Commands by the clock: each time that it is asked, what the time says, and when it was asked."""
+
+    def __init__(self, *powers, every_s=0.25) -> None:
+        self.ports = ("a",)
+        self.asked_s: list[float] = []
+        self._powers, self._every_s = powers, every_s
+
+    def at(self, time_s, _):
+        self.asked_s.append(time_s)
+        return {"a": (self._powers[min(int(time_s / self._every_s), len(self._powers) - 1)], "drive")}
+
+
+@pytest.fixture
+def commands(monkeypatch):
+    """The power of each command that goes to the brick."""
+    sent: list[int] = []
+
+    def noted(brick, port, power_pct, mode):
+        sent.append(power_pct)
+        return tell(brick, port, power_pct, mode)
+
+    monkeypatch.setattr("nxt_twin.twin.logbook.tell", noted)
+    return sent
+
+
+def test_a_motor_is_commanded_when_the_command_changes_and_never_at_the_end(brick, clock, commands):
+    driver, rows = Steady(40, 40, -30, 40), Rows()
+    beat = Logbook(brick, clock, ("a", "b"), Plan(period_s=0.02), rows, driver).keep(0.9)
+    assert commands == [40, -30, 40]
+    assert max(driver.asked_s) < 0.9
+    assert beat.elapsed_s == pytest.approx(0.9, abs=0.03)
+    assert beat.rows == len(rows.rows)
+    assert set(rows.column("b_power_pct")) == {0.0}
+    assert {DRIVE_MODES[int(mode)] for mode in rows.column("b_mode")} == {"coast"}
+
+
+@pytest.mark.parametrize("period_s", [0.02, 0.05])
+def test_polls_are_a_period_apart_and_the_battery_is_read_when_it_is_due(brick, clock, period_s):
+    rows = Rows()
+    Logbook(brick, clock, ("a",), Plan(battery_every_s=0.5, period_s=period_s), rows).keep(1.9)
+    time_s, battery = rows.column("time_s"), rows.column("battery_v")
+    assert np.diff(time_s) == pytest.approx(period_s, abs=2e-3)
+    assert time_s[np.isfinite(battery)] == pytest.approx([0.0, 0.5, 1.0, 1.5], abs=period_s + 5e-3)
+    assert np.nanmean(battery) == pytest.approx(8.0, abs=1.5)
+
+
+def test_without_an_end_it_goes_on_until_it_is_interrupted(brick, clock):
+    rows, driver = Rows(), Steady(20)
+
+    def interrupt(beat) -> None:
+        if beat.elapsed_s > 0.5:
+            raise KeyboardInterrupt
+
+    logbook = Logbook(brick, clock, ("a",), Plan(period_s=0.02), rows, driver)
+    with pytest.raises(KeyboardInterrupt):
+        logbook.keep(None, interrupt)
+    assert logbook.rows == len(rows.rows) > 20
+    assert rows.column("a_power_pct")[-1] == 20.0
+
+
+def test_without_a_driver_no_motor_is_told_to_coast(brick, clock):
+    brick.motors.drive(0, 50)
+    Logbook(brick, clock, ("a",), Plan(period_s=0.02)).keep(0.1)
+    assert brick.motors.read(0).value.run_state == RunState.RUNNING
+
+
+def test_stamps_have_microseconds_and_what_is_off_them_is_learnt(clock, tmp_path):
+    rows = Rows()
+    with Brick(open_mock_link(clock, profile="usb", seed=3), clock) as brick:
+        clock.sleep(100.0)
+        logbook = Logbook(brick, clock, ("a", "b"), Plan(period_s=0.02), rows, Steady(40, -40), PACES["usb"])
+        logbook.keep(0.8)
+    time_s = rows.column("time_s")
+    assert 0.0 < time_s[0] < 0.05
+    assert np.array_equal(time_s, np.round(time_s, 6))
+    logbook.row_lags.write_beside(tmp_path / "run.csv")
+    told = KnownLags(read_sidecar(tmp_path / "run.csv"))
+    assert 0.05 > told.read_before_s("a")[0] > told.read_before_s("b")[0] > 0.0
+    assert 0.0 < told.acted_after_s("a")[0] < 0.05
