@@ -8,7 +8,9 @@ import pytest
 from diagnose_robot_cases import PLANT, robot_case, square_run
 
 from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
+from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.simulate import expected_pose
+from nxt_twin.diagnose.robot.slip import find_slip
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.errors import DiagnosisError, MissingDataError, PlantError
 from nxt_twin.physics.robot.drive import Geometry, drive_from_config
@@ -189,3 +191,17 @@ def test_the_real_robots_markers_and_clock_are_named_and_unseen_runs_predicted()
     assert whole < 18.0
     assert said.fit.horizons[-1].given == pytest.approx(58.7, abs=0.1)
     assert said.fit.improved < 27.3
+
+
+@pytest.mark.parametrize(("scrub", "lag_s", "back_s"), [(0.05, 0.0, 11.0), (0.05, 0.0, 9.5), (0.02, 0.01, 9.5)])
+def test_tyres_that_scrub_in_a_long_spin_are_no_spell_of_slip(scrub, lag_s, back_s):
+    robot = Geometry(0.028, 1.0, 0.103)
+    time_s = np.arange(0.0, 26.0, 0.02)
+    ahead = np.where((time_s < 7.5) | (time_s > 11.5), 8.0, 0.0)
+    turning = np.where((time_s > 8.0) & (time_s < 11.0), np.where(time_s < back_s, 8.0, -8.0), 0.0)
+    ahead, turning = (np.convolve(rate, np.full(7, 1.0 / 7.0), "same") for rate in (ahead, turning))
+    counted = [np.radians(np.floor(np.degrees(0.02 * np.cumsum(ahead + way * turning)))) for way in (-1, 1)]
+    rolled = [0.02 * np.cumsum(ahead + way * (1.0 - scrub) * turning) for way in (-1, 1)]
+    late = [np.interp(time_s - lag_s, time_s, angle) for angle in rolled]
+    run = RobotRun("run.csv", "run", time_s, *counted, axle_path(robot, *late))
+    assert all(spell.ratio < 0.1 for spell in find_slip([run], robot, [tuple(counted)]))

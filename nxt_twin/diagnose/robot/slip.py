@@ -19,8 +19,13 @@ _WINDOW_S: Final = 1.0
 _FINE_S: Final = 0.4
 _SIGMAS: Final = 7.0
 _LEAST_RATIO: Final = 0.06
+_MOST_RATIO: Final = 1.2
+"""A wheel loses at most all that it turned, errors of measurement apart."""
 _LEAST_LOST_M: Final = 2e-3
 _KEPT: Final = 0.6
+_MARGIN_S: Final = 0.2
+_ONE_WAY: Final = 0.4
+"""Of a spell's travel, what has to be left after turning back: about a reversal, a lag looks like slip."""
 _REACH_S: Final = 4.0
 _ALIKE: Final = 0.15
 _MAD: Final = 1.4826
@@ -109,6 +114,11 @@ class _Wheel:
     lost_m: FloatArray
     scale: float = 1e-4
 
+    @property
+    def path_m(self) -> FloatArray:
+        """The travel, whichever way the wheel turns, summed from row to row."""
+        return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.turned_m)))])
+
     def over(self, values: FloatArray, length_s: float) -> tuple[FloatArray, FloatArray]:
         """Where windows of a length begin, and what `values` gain in each."""
         begin = np.flatnonzero(self.time_s <= self.time_s[-1] - length_s)
@@ -136,8 +146,9 @@ def _of_wheel(wheel: _Wheel) -> list[SlipSpell]:
     if start_s.size == 0:
         return []
     _, made = wheel.over(wheel.turned_m, _WINDOW_S)
+    _, path = wheel.over(wheel.path_m, _WINDOW_S)  # where the wheel turns back, a lag looks like a loss
     gone = gone * np.sign(made)
-    suspect = (gone > _SIGMAS * wheel.scale) & (gone > _LEAST_RATIO * np.abs(made)) & (gone > _LEAST_LOST_M)
+    suspect = (gone > _SIGMAS * wheel.scale) & (gone > _LEAST_RATIO * path) & (gone > _LEAST_LOST_M)
     found = []
     for first, last in _stretches(suspect):
         slip = _measured(wheel, _sharpened(wheel, float(start_s[first]), float(start_s[last]) + _WINDOW_S))
@@ -168,13 +179,21 @@ def _measured(wheel: _Wheel, span: tuple[float, float]) -> SlipSpell | None:
     ends = _alike(wheel.time_s, wheel.angle_rad, span)
     if ends is None:
         return None
-    near = wheel.between(wheel.lost_m, span[0] - 0.2, span[1] + 0.2)
-    far = wheel.between(wheel.lost_m, *ends)
-    made = wheel.between(wheel.turned_m, *span)
-    if abs(made) < _LEAST_LOST_M or far * made <= 0.0 or abs(far) < _KEPT * abs(near):
+    wider = (span[0] - _MARGIN_S, span[1] + _MARGIN_S)
+    near, far = (wheel.between(wheel.lost_m, *each) for each in (wider, ends))
+    if far * near <= 0.0 or abs(far) < _KEPT * abs(near):
         return None
-    ratio, strength = far / made, abs(far) / wheel.scale
-    if strength < _SIGMAS or ratio < _LEAST_RATIO:
+    if abs(wheel.between(wheel.turned_m, *wider)) < _ONE_WAY * wheel.between(wheel.path_m, *wider):
+        return None
+    # Where travel is lost all along, as tyres scrub in a long turn, only the spell's own part counts for it.
+    spread = abs(near) < _KEPT * abs(far)
+    lost, made = (
+        (near, wheel.between(wheel.turned_m, *wider)) if spread else (far, wheel.between(wheel.turned_m, *span))
+    )
+    if abs(made) < _LEAST_LOST_M:
+        return None
+    ratio, strength = lost / made, abs(lost) / wheel.scale
+    if strength < _SIGMAS or not _LEAST_RATIO <= ratio <= _MOST_RATIO:
         return None
     return SlipSpell(*wheel.run, *span, min(ratio, 1.0), wheel.scale * 1.4 / abs(made), strength)
 
