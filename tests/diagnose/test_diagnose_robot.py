@@ -91,7 +91,7 @@ def test_a_floor_that_pushes_one_way_is_known_to_no_effect_and_refused():
     said = found(drift=0.04).diagnosis
     assert said.verdict == "unexplained"
     assert said.next_experiment is not None
-    assert any("goes with direction" in note for note in said.notes)
+    assert any("goes with the direction" in note for note in said.notes)
 
 
 def test_the_json_is_that_of_the_contract_and_the_model_predicts_unseen_runs():
