@@ -193,7 +193,9 @@ def test_the_real_robots_markers_and_clock_are_named_and_unseen_runs_predicted()
     assert said.fit.improved < 27.3
 
 
-@pytest.mark.parametrize(("scrub", "lag_s", "back_s"), [(0.05, 0.0, 11.0), (0.05, 0.0, 9.5), (0.02, 0.01, 9.5)])
+@pytest.mark.parametrize(
+    ("scrub", "lag_s", "back_s"), [(0.05, 0.0, 11.0), (0.05, 0.0, 9.5), (0.02, 0.01, 9.5)]
+)
 def test_tyres_that_scrub_in_a_long_spin_are_no_spell_of_slip(scrub, lag_s, back_s):
     robot = Geometry(0.028, 1.0, 0.103)
     time_s = np.arange(0.0, 26.0, 0.02)

@@ -188,7 +188,9 @@ def _measured(wheel: _Wheel, span: tuple[float, float]) -> SlipSpell | None:
     # Where travel is lost all along, as tyres scrub in a long turn, only the spell's own part counts for it.
     spread = abs(near) < _KEPT * abs(far)
     lost, made = (
-        (near, wheel.between(wheel.turned_m, *wider)) if spread else (far, wheel.between(wheel.turned_m, *span))
+        (near, wheel.between(wheel.turned_m, *wider))
+        if spread
+        else (far, wheel.between(wheel.turned_m, *span))
     )
     if abs(made) < _LEAST_LOST_M:
         return None
