@@ -1,7 +1,7 @@
 """Whether what an experiment identifies covers the truth: 95 % intervals over seeded repetitions on the mock.
 
 python -m benchmarks identify
-python -m benchmarks.identify [--study WORDS] [--first-seed N] [--repetitions N] [--workers N]
+python -m benchmarks.identify [--study WORDS] [--first-seed N] [--repetitions N] [--workers N] [--cluster ADDRESS]
 
 `benchmarks.identify_studies` says what a repetition is.
 """
@@ -12,12 +12,13 @@ import argparse
 import os
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from benchmarks.identify_studies import STUDIES
+from nxt_twin.fleet.workers.each import each
+from nxt_twin.fleet.workers.place import Place, place_of
 
 FIRST_SEED: Final = 43_000
 REPETITIONS: Final = 200
@@ -56,7 +57,7 @@ class Outcome(NamedTuple):
 
 def report() -> Iterator[str]:
     """Lines of the table."""
-    return _tables(list(STUDIES), FIRST_SEED, None, None)
+    return _tables(list(STUDIES), FIRST_SEED, None, place_of(os.cpu_count() or 1, None))
 
 
 def main() -> None:
@@ -65,30 +66,30 @@ def main() -> None:
     parser.add_argument("--study", default="", help="only studies whose name holds this")
     parser.add_argument("--first-seed", type=int, default=FIRST_SEED)
     parser.add_argument("--repetitions", type=int)
-    parser.add_argument("--workers", type=int)
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--cluster", help="address of a Dask scheduler; its workers can import this package")
     chosen = parser.parse_args()
     names = [name for name in STUDIES if chosen.study in name]
-    for line in _tables(names, chosen.first_seed, chosen.repetitions, chosen.workers):
+    for line in _tables(
+        names, chosen.first_seed, chosen.repetitions, place_of(chosen.workers, chosen.cluster)
+    ):
         print(line, flush=True)
 
 
-def _tables(
-    names: Sequence[str], first_seed: int, repetitions: int | None, workers: int | None
-) -> Iterator[str]:
+def _tables(names: Sequence[str], first_seed: int, repetitions: int | None, place: Place) -> Iterator[str]:
     yield f"seeds from {first_seed}; wanted: {LEAST_PCT:g} to {MOST_PCT:g} % covered"
     for name in names:
         usual = REPETITIONS_OF_OTHERS if name.startswith("NOT") else REPETITIONS
-        yield from table(name, range(first_seed, first_seed + (repetitions or usual)), workers)
+        yield from table(name, range(first_seed, first_seed + (repetitions or usual)), place)
 
 
-def table(name: str, seeds: range, workers: int | None = None) -> Iterator[str]:
+def table(name: str, seeds: range, place: Place) -> Iterator[str]:
     """One study's lines: parameter, coverage, and the median interval's half width."""
-    count = workers or os.cpu_count() or 1
-    if count == 1:
-        results = [_repeat(name, seed) for seed in seeds]
-    else:
-        with ProcessPoolExecutor(count) as pool:
-            results = list(pool.map(_repeat, [name] * len(seeds), seeds, chunksize=5))
+    results = []
+    for outcome in each(_repeat, [(name, seed) for seed in seeds], place):
+        if outcome.result is None:
+            raise SystemExit(f"{outcome.task}: {outcome.failure}")
+        results.append(outcome.result)
     cost_s = sum(result.cost_s for result in results)
     warned = sum(result.warned for result in results)
     yield (
@@ -107,7 +108,8 @@ def table(name: str, seeds: range, workers: int | None = None) -> Iterator[str]:
         )
 
 
-def _repeat(name: str, seed: int) -> Repeated:
+def _repeat(task: tuple[str, int]) -> Repeated:
+    name, seed = task
     begin_s = time.process_time()
     identified, truth = STUDIES[name](seed)
     found = {}

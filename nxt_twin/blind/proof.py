@@ -11,11 +11,13 @@ from typing import Final, final
 
 from nxt_twin.blind.aims import detectable
 from nxt_twin.blind.families.family import Family
-from nxt_twin.blind.families.orders import Outcome, make_orders
+from nxt_twin.blind.families.orders import make_orders
 from nxt_twin.blind.ranges import SeedRange
 from nxt_twin.blind.score import score
 from nxt_twin.blind.solve import case_folders, reach_all, solve_all
+from nxt_twin.blind.spread import Outcome
 from nxt_twin.blind.verdict import Judged
+from nxt_twin.fleet.workers.place import Place
 
 DELETED: Final = "deleted"
 
@@ -45,21 +47,21 @@ class Proof:
     chosen: SeedRange
     families: tuple[Family, ...]
 
-    def run(self, jobs: int) -> Iterator[tuple[str, int, Iterator[Outcome]]]:
+    def run(self, place: Place) -> Iterator[tuple[str, int, Iterator[Outcome]]]:
         """Each stage: what it does, on how many cases at most, and its outcomes as they come."""
         for seed, orders in self.chosen.orders(self.families).items():
             cases, answers, diagnoses, reached, deleted = self._folders(seed)
-            yield f"making {seed}", len(orders), make_orders(orders, cases, answers, jobs=jobs)
+            yield f"making {seed}", len(orders), make_orders(orders, cases, answers, place=place)
             folders = case_folders(cases)
-            yield f"solving {seed}", len(folders), solve_all(folders, diagnoses, seed=0, jobs=jobs)
-            yield f"reaching {seed}", len(folders), reach_all(folders, answers, reached, jobs=jobs)
+            yield f"solving {seed}", len(folders), solve_all(folders, diagnoses, seed=0, place=place)
+            yield f"reaching {seed}", len(folders), reach_all(folders, answers, reached, place=place)
             alone = self._alone(seed)
             without = {case.name: taken_out(case.hidden[0]) for case in alone}
             kept = [folder for folder in folders if folder.name in without]
             yield (
                 f"solving {seed} with what is hidden taken out of the library",
                 len(kept),
-                solve_all(kept, deleted, seed=0, jobs=jobs, without=without),
+                solve_all(kept, deleted, seed=0, place=place, without=without),
             )
 
     def judged(self) -> tuple[Judged, ...]:

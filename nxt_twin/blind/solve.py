@@ -1,24 +1,21 @@
-"""Diagnose the cases of a folder, and reach for the truth of each, on several processes."""
+"""Diagnose the cases of a folder, and reach for the truth of each, wherever there is somebody to do it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from multiprocessing import get_context
 from pathlib import Path
 from types import MappingProxyType
 
 from nxt_twin.blind.reach import reach
+from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.fleet.workers.place import Place
 from nxt_twin.recording.case import read_case
-
-Outcome = tuple[str, str]
-"""A case's name, and why it failed: empty where it did not."""
 
 
 def case_folders(cases: Path) -> list[Path]:
@@ -31,7 +28,7 @@ def solve_all(
     out: Path,
     *,
     seed: int,
-    jobs: int,
+    place: Place,
     without: Mapping[str, frozenset[str]] = MappingProxyType({}),
 ) -> Iterator[Outcome]:
     """Diagnose each case into `out`; those that have their JSON already are passed over.
@@ -39,28 +36,35 @@ def solve_all(
     `without` holds, by a case's name, ids of effects that its diagnosis may not try.
     """
     out.mkdir(parents=True, exist_ok=True)
-    waiting = [
-        (folder, out / f"{folder.name}.json", seed, without.get(folder.name, frozenset()))
-        for folder in folders
+    waiting = [folder for folder in folders if not _file(out, folder).exists()]
+    # Workers of a cluster have folders of their own to start from.
+    waiting = [folder.resolve() for folder in waiting]
+    tasks = [
+        (folder, _file(out.resolve(), folder), seed, without.get(folder.name, frozenset()))
+        for folder in waiting
     ]
-    yield from _each(_solve, [task for task in waiting if not task[1].exists()], jobs)
+    yield from spread((CaseTask(task[0].name, _solve, task) for task in tasks), place)
 
 
-def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, jobs: int) -> Iterator[Outcome]:
+def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, place: Place) -> Iterator[Outcome]:
     """Write what the true structure reaches on each case into `out`; what is there is passed over."""
     out.mkdir(parents=True, exist_ok=True)
-    waiting = [(folder, out / f"{folder.name}.json", answers / f"{folder.name}.json") for folder in folders]
-    yield from _each(_reach, [task for task in waiting if not task[1].exists()], jobs)
+    waiting = [folder for folder in folders if not _file(out, folder).exists()]
+    waiting = [folder.resolve() for folder in waiting]
+    tasks = [(folder, _file(out.resolve(), folder), _file(answers.resolve(), folder)) for folder in waiting]
+    yield from spread((CaseTask(task[0].name, _reach, task) for task in tasks), place)
 
 
-def _each(work: Callable[..., Outcome], tasks: Sequence[tuple[object, ...]], jobs: int) -> Iterator[Outcome]:
-    if jobs == 1:
-        yield from (work(*task) for task in tasks)
-        return
-    # Compiled kernels and threads do not survive a fork.
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for done in as_completed([pool.submit(work, *task) for task in tasks]):
-            yield done.result()
+def _file(folder: Path, case: Path) -> Path:
+    """The file of a case in a folder of answers."""
+    return folder / f"{case.name}.json"
+
+
+def _put(target: Path, text: str) -> None:
+    """Write a file whole or not at all: what is there counts as done."""
+    partial = target.with_name(f".{target.name}.partial")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(target)
 
 
 def _solve(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
@@ -68,7 +72,7 @@ def _solve(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Ou
         answer = diagnose(read_case(folder), seed=seed, without=without)
     except NxtTwinError as error:
         return folder.name, str(error)
-    target.write_text(to_json(answer.diagnosis), encoding="utf-8")
+    _put(target, to_json(answer.diagnosis))
     return folder.name, ""
 
 
@@ -77,5 +81,5 @@ def _reach(folder: Path, target: Path, answer_file: Path) -> Outcome:
         found = reach(read_case(folder), read_sealed(answer_file, folder))
     except NxtTwinError as error:
         return folder.name, str(error)
-    target.write_text(json.dumps(None if found is None else asdict(found)), encoding="utf-8")
+    _put(target, json.dumps(None if found is None else asdict(found)))
     return folder.name, ""

@@ -44,7 +44,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "drive": "Run a motor program on a brick.",
         "mock": "Serve a mock brick until interrupted.",
         "world": "Run a program for a brick on a simulated robot.",
-        "export": "Write an identified motor for another program.",
+        "export": "Write an identified motor or a recording for another program.",
         "udev": "Print the udev rule that gives you access to a brick on USB.",
         "doctor": "Find what on this machine keeps a brick from being reached.",
     }

@@ -16,9 +16,10 @@ from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 
 if TYPE_CHECKING:
     from nxt_twin.blind.families.family import Family
-    from nxt_twin.blind.families.orders import Outcome
     from nxt_twin.blind.polling import LinkName
     from nxt_twin.blind.silence import Remains
+    from nxt_twin.blind.spread import Outcome
+    from nxt_twin.fleet.workers.place import Place
 
 # Each command imports what it needs when it runs: its help would wait a second for the simulators.
 _BRISTLE, _ALL = "bristle", "all"
@@ -41,6 +42,12 @@ UnknownOption = Annotated[
     int, typer.Option(min=0, help="Cases of each family with an effect that no library holds.")
 ]
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that share the work.")]
+ClusterOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS", help="A Dask scheduler whose workers do the work; they see these folders."
+    ),
+]
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
 
@@ -61,6 +68,7 @@ def make(
         float | None, typer.Option(min=5.0, help="Length of a recording, s; by default the family's.")
     ] = None,
     jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
 ) -> None:
     """Make a set of each family: every effect in three sizes, clean ones, combinations, and unknown ones."""
     if link not in _LINKS:
@@ -69,7 +77,7 @@ def make(
 
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts, links=_LINKS[link], duration_s=duration)
-    _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
+    _follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
     print(f"{len(orders)} cases in {cases}, answers in {answers}")
 
 
@@ -97,13 +105,18 @@ def solve(
         str, typer.Option(help="Effect ids that the diagnoses must not try, comma-separated.")
     ] = "",
     jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
 ) -> None:
     """Diagnose every case of a folder; skip cases that have their JSON already."""
     from nxt_twin.blind.solve import case_folders, solve_all
 
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
-    _follow("solving", solve_all(folders, out, seed=seed, jobs=jobs, without=hidden), len(folders))
+    _follow(
+        "solving",
+        solve_all(folders, out, seed=seed, place=_place(jobs, cluster), without=hidden),
+        len(folders),
+    )
     print(f"{len(folders)} cases, diagnoses in {out}")
 
 
@@ -113,12 +126,13 @@ def reach(
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
     jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
 ) -> None:
     """Fit the true structure to every case: whether its effects are detectable, and the error that it reaches."""
     from nxt_twin.blind.solve import case_folders, reach_all
 
     folders = case_folders(cases)
-    _follow("reaching", reach_all(folders, answers, out, jobs=jobs), len(folders))
+    _follow("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
 
 
@@ -146,6 +160,7 @@ def proof(
     chosen: Annotated[str, typer.Option("--range", help="A named range: sample or scored.")] = "sample",
     family: FamilyOption = _ALL,
     jobs: JobsOption = os.cpu_count() or 1,
+    cluster: ClusterOption = None,
     json: JsonOption = None,
 ) -> None:
     """Make, solve and score a named range over all families, and print its tables. A second run continues."""
@@ -163,7 +178,7 @@ def proof(
     if chosen not in RANGES:
         raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
     work = Proof(folder, RANGES[chosen], _families(family))
-    for title, total, outcomes in work.run(jobs):
+    for title, total, outcomes in work.run(_place(jobs, cluster)):
         _follow(title, outcomes, total)
     cases = work.judged()
     tables = {
@@ -256,6 +271,7 @@ def bench(
     triples: TriplesOption = 10,
     unknown: UnknownOption = 10,
     jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
     json: JsonOption = None,
 ) -> None:
     """Make a set, solve it, fit the true structures, score it, and print the table with the aims."""
@@ -267,10 +283,10 @@ def bench(
     )
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts)
-    _follow("making cases", make_orders(orders, cases, answers, jobs=jobs), len(orders))
+    _follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
     folders = case_folders(cases)
-    _follow("solving", solve_all(folders, diagnoses, seed=0, jobs=jobs), len(folders))
-    _follow("reaching", reach_all(folders, answers, reached, jobs=jobs), len(folders))
+    _follow("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
+    _follow("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))
     score(cases, answers, diagnoses, reached, json)
 
 
@@ -306,6 +322,12 @@ def _chosen(effects: str | None) -> tuple[str, ...] | None:
     if effects == "none":
         return ()
     return tuple(effects.split(",")) if effects else None
+
+
+def _place(jobs: int, cluster: str | None) -> Place:
+    from nxt_twin.fleet.workers.place import place_of
+
+    return place_of(jobs, cluster)
 
 
 def _log(words: str, number: int, total: int) -> None:

@@ -13,6 +13,7 @@ from nxt_twin.blind.reach import reach
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.solve import reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
+from nxt_twin.fleet.workers.place import Here
 from nxt_twin.recording.case import read_case
 
 
@@ -98,10 +99,12 @@ def test_a_stranger_cannot_be_reached(tmp_path):
 def test_what_is_solved_is_not_solved_again(tmp_path):
     case = make_case(13, effects=(), recordings=1, duration_s=8.0, name="one")
     folder = write_case(case, tmp_path / "cases", tmp_path / "answers")
-    assert list(solve_all([folder], tmp_path / "out", seed=0, jobs=1)) == [("one", "")]
+    assert list(solve_all([folder], tmp_path / "out", seed=0, place=Here())) == [("one", "")]
     written = (tmp_path / "out" / "one.json").read_text()
     assert json.loads(written)["schema"] == "nxt-twin/diagnosis/1"
-    assert list(solve_all([folder], tmp_path / "out", seed=0, jobs=1)) == []
-    assert list(reach_all([folder], tmp_path / "answers", tmp_path / "reached", jobs=1)) == [("one", "")]
+    assert list(solve_all([folder], tmp_path / "out", seed=0, place=Here())) == []
+    assert list(reach_all([folder], tmp_path / "answers", tmp_path / "reached", place=Here())) == [
+        ("one", "")
+    ]
     held = json.loads((tmp_path / "reached" / "one.json").read_text())
     assert held["gain_nats"] == pytest.approx(0.0, abs=1e-6)

@@ -1,11 +1,9 @@
-"""Make what is ordered of several families, on several processes."""
+"""Make what is ordered of several families, wherever there is somebody to do it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import final
 
@@ -17,9 +15,9 @@ from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.make import write_case
 from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.sets import plan_set
+from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.errors import CaseError, NxtTwinError
-
-Outcome = tuple[str, str]
+from nxt_twin.fleet.workers.place import HERE, Place
 
 
 @final
@@ -93,15 +91,15 @@ def _seed_of(seed: int, family: str) -> int:
     return int(np.random.SeedSequence(words).generate_state(1, np.uint64)[0] >> 11)
 
 
-def make_orders(orders: Sequence[Order], cases: Path, answers: Path, *, jobs: int = 1) -> Iterator[Outcome]:
+def make_orders(
+    orders: Sequence[Order], cases: Path, answers: Path, *, place: Place = HERE
+) -> Iterator[Outcome]:
     """Make and write each case that is not there yet, and yield its name and why it failed, if it did."""
     waiting = [order for order in orders if not (cases / order.plan.name / SEAL_FILE).exists()]
-    if jobs == 1:
-        yield from (_make(order, cases, answers) for order in waiting)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for done in as_completed([pool.submit(_make, order, cases, answers) for order in waiting]):
-            yield done.result()
+    tasks = (
+        CaseTask(order.plan.name, _make, (order, cases.resolve(), answers.resolve())) for order in waiting
+    )
+    yield from spread(tasks, place)
 
 
 def _make(order: Order, cases: Path, answers: Path) -> Outcome:

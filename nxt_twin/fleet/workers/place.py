@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 
 @final
@@ -29,6 +29,7 @@ class Cluster:
 
 
 Place = Here | Processes | Cluster
+HERE: Final[Place] = Here()
 
 
 def place_of(jobs: int, cluster: str | None) -> Place:
