@@ -1,24 +1,23 @@
-"""How the time of a fleet grows with its recordings and shrinks with its workers; memory; and killed workers.
+"""How the time of a fleet grows with its sessions and shrinks with its workers, and what memory it takes.
 
 python -m benchmarks fleet
-python -m benchmarks.fleet [--sessions N,N,…] [--workers N,N,…] [--kills N]
+python -m benchmarks.fleet [--sessions N,N,…] [--workers N,N,…]
 
-A session is a motor's recording of 4 s at 50 Hz in which a constant load is missing, or not. A worker is warmed up by a
-first session that does not count. Killed workers do tasks of a few milliseconds, so that many moments are cheap.
+A session is a motor's recording of 4 s at 50 Hz in which a constant load is missing, or not. The rate is that of the
+middle: neither the start of the workers counts, nor the end, when some have nothing left to do.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-import random
 import resource
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -29,7 +28,6 @@ from nxt_twin.api.prediction import simulate
 from nxt_twin.fleet.parcel import Options
 from nxt_twin.fleet.run import FleetTally, diagnose_fleet
 from nxt_twin.fleet.table import FleetTable
-from nxt_twin.fleet.workers.each import each
 from nxt_twin.fleet.workers.place import Processes
 from nxt_twin.recording.files import write_recording
 from nxt_twin.recording.recording import Recording
@@ -37,8 +35,8 @@ from nxt_twin.recording.recording import Recording
 SESSIONS: Final = (10, 100)
 """The usual counts: 1000 take a quarter of an hour."""
 WORKERS: Final = (1, 2, 4)
-KILLS: Final = 100
-_TASK_S: Final = 0.004
+COMPARED: Final = 24
+"""Sessions by which numbers of workers are compared."""
 _RUSAGE_MB: Final = 1024.0
 
 
@@ -46,23 +44,26 @@ class Measured(NamedTuple):
     """What a fleet took.
 
     Attributes:
-        wall_s: by the clock.
+        wall_s: by the clock, for the sessions that count.
         cpu_s: processor time of all workers for each session, their start included.
         planner_mb: the most memory of the program that plans.
         worker_mb: the most memory of a worker.
+        kept_ms: what a second run, which finds all done, takes for each session.
+        row_bytes: of the table, for each row.
     """
 
     wall_s: float
     cpu_s: float
     planner_mb: float
     worker_mb: float
+    kept_ms: float
+    row_bytes: float
 
 
 def report() -> Iterator[str]:
     """Lines of all tables."""
     yield from growth(SESSIONS)
-    yield from efficiency(WORKERS, SESSIONS[0])
-    yield from killed(KILLS)
+    yield from efficiency(WORKERS, COMPARED)
 
 
 def growth(counts: tuple[int, ...]) -> Iterator[str]:
@@ -73,7 +74,8 @@ def growth(counts: tuple[int, ...]) -> Iterator[str]:
         one = _measured(count, workers)
         yield (
             f"{count:5d} sessions: {one.wall_s:7.1f} s, {one.cpu_s:5.2f} s of processor time a session, "
-            f"planner {one.planner_mb:.0f} MB, largest worker {one.worker_mb:.0f} MB"
+            f"planner {one.planner_mb:.0f} MB, largest worker {one.worker_mb:.0f} MB, "
+            f"run again {one.kept_ms:.1f} ms a session, table {one.row_bytes:.0f} bytes a session"
         )
 
 
@@ -91,58 +93,37 @@ def efficiency(workers: tuple[int, ...], count: int) -> Iterator[str]:
         )
 
 
-def killed(moments: int) -> Iterator[str]:
-    """Kill a worker at random moments and count the results."""
-    draw = random.Random(1)
-    tasks, results, last = range(50 * moments), set(), 0.0
-    kills = 0
-    for outcome in each(_nap, tasks, Processes(2)):
-        number, pid = outcome.result or (-1, 0)
-        results.add(number)
-        now = time.monotonic()
-        if kills < moments and pid and now - last > draw.uniform(0.0, 4 * _TASK_S):
-            _kill(pid)
-            kills, last = kills + 1, now
-    missing = len(set(tasks) - results)
-    yield f"{kills} workers killed by -9 at random moments, over {len(tasks)} tasks: {missing} results missing"
-
-
-def _kill(pid: int) -> None:
-    try:
-        os.kill(pid, signal.SIGKILL)
-    except ProcessLookupError:
-        return
-
-
-def _nap(number: int) -> tuple[int, int]:
-    time.sleep(_TASK_S)
-    return number, os.getpid()
-
-
 def _measured(count: int, workers: int) -> Measured:
     """A fleet in a program of its own, of which the system tells memory and time."""
     with tempfile.TemporaryDirectory() as folder:
-        _write_fleet(Path(folder), count + workers)
+        _write_fleet(Path(folder), count + 2 * workers)
         program = [sys.executable, "-m", "benchmarks.fleet", "--run", folder, "--workers", str(workers)]
         told = subprocess.run(program, capture_output=True, check=True, text=True).stdout
         return Measured(*map(float, told.split()))
 
 
 def _run(folder: Path, workers: int) -> Measured:
-    """Diagnose the fleet in `folder`; the first session of each worker warms it up, and does not count."""
+    """Diagnose the fleet in `folder`; the first and the last session of each worker do not count."""
     ended_s: list[float] = []
 
     def tell(_tally: FleetTally) -> None:
         ended_s.append(time.monotonic())
 
-    with FleetTable(folder / "fleet.parquet") as table:
-        diagnose_fleet([str(folder / "units")], table, Options(), Processes(workers), tell)
+    path, places = folder / "fleet.parquet", [str(folder / "units")]
+    with FleetTable(path) as table:
+        diagnose_fleet(places, table, Options(), Processes(workers), tell)
+    again_s = time.monotonic()
+    with FleetTable(path) as table:
+        diagnose_fleet(places, table, Options(), Processes(workers))
+    again_s = time.monotonic() - again_s
     mine, theirs = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return Measured(
-        wall_s=ended_s[-1] - ended_s[workers - 1],
+        wall_s=ended_s[-1 - workers] - ended_s[workers - 1],
         cpu_s=(theirs.ru_utime + theirs.ru_stime) / len(ended_s),
         planner_mb=mine.ru_maxrss / _RUSAGE_MB,
         worker_mb=theirs.ru_maxrss / _RUSAGE_MB,
+        kept_ms=1000.0 * again_s / len(ended_s),
+        row_bytes=path.stat().st_size / len(ended_s),
     )
 
 
@@ -170,20 +151,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--sessions", type=_numbers, default=SESSIONS)
     parser.add_argument("--workers", type=_numbers, default=WORKERS)
-    parser.add_argument("--kills", type=int, default=KILLS)
     parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if chosen.run:
         print(*_run(chosen.run, chosen.workers[0]))
         return
     print(f"{os.cpu_count()} cores, load average {os.getloadavg()[0]:.1f}")
-    for lines in (
-        growth(chosen.sessions),
-        efficiency(chosen.workers, min(chosen.sessions, default=10)) if chosen.workers else iter(()),
-        killed(chosen.kills) if chosen.kills else iter(()),
-    ):
-        for line in lines:
-            print(line, flush=True)
+    for line in chain(growth(chosen.sessions), efficiency(chosen.workers, COMPARED)):
+        print(line, flush=True)
 
 
 if __name__ == "__main__":
