@@ -18,7 +18,7 @@ from nxt_twin.fleet.workers.each import each
 from nxt_twin.fleet.workers.place import Processes
 
 KILLS: Final = 100
-TASKS: Final = 4000
+TASKS: Final = 8000
 _NAP_S: Final = 0.004
 _WORKERS: Final = 2
 
@@ -28,17 +28,18 @@ def report() -> Iterator[str]:
     draw = random.Random(1)
     moments = iter(sorted(draw.sample(range(TASKS - 100), KILLS)))
     due, kills, ended = next(moments), 0, 0
-    results, pids = set(), set()
+    results, pids, dead = set(), set(), set()
     for outcome in each(_nap, range(TASKS), Processes(_WORKERS)):
         ended += 1
         if outcome.result is not None:
             results.add(outcome.task)
-            pids.add(outcome.result)
+            pids |= {outcome.result} - dead
         if ended > due and len(pids) == _WORKERS:  # one of them waits for a task, the others are at theirs
             due = next(moments, TASKS)
             time.sleep(draw.uniform(0.0, _NAP_S))
             pid = draw.choice(sorted(pids))
             pids.remove(pid)
+            dead.add(pid)
             os.kill(pid, signal.SIGKILL)
             kills += 1
     yield (

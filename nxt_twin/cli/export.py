@@ -34,7 +34,7 @@ def export(
 ) -> None:
     """Write a motor or a recording for another program.
 
-    A motor becomes a URDF joint, a MuJoCo actuator, Simscape's parameters or a Python module; a recording becomes MCAP
+    A motor becomes a URDF joint, a MuJoCo actuator, Simscape's parameters or a Python module. A recording becomes MCAP
     or a file of the rerun viewer. Standard error and comments in the file list the physics that the format cannot hold.
     """
     if to == "mcap" or to == "rrd":

@@ -38,7 +38,7 @@ class Curve:
 @final
 @dataclass(frozen=True)
 class Remark:
-    """What a diagnosis says of a moment, s on the recording's clock."""
+    """A diagnosis' words on a moment, s on the recording's clock."""
 
     time_s: float
     text: str
