@@ -90,18 +90,26 @@ def _on_its_port(recording: Recording, port: str, *, follows_goal: bool) -> Sign
 
 def _following(recording: Recording, port: str, goal: FloatArray) -> Signals:
     """The signals of a motor that a loop brings to a goal, rad; off wherever its mode says so."""
-    tacho = f"{port}_tacho_deg"
     known = goal[np.isfinite(goal)]
     command = _held(goal, start=float(known[0]) if known.size else 0.0)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(recording.rows)), start=float(MODE_DRIVE))
     rests = regulated(recording, port) & (recording.columns.get(f"{port}_power_pct", mode) == 0.0)
     mode = np.where(rests, float(MODE_BRAKE), mode)
     supply = _supply(recording.time_s, recording.columns.get("battery_v"), np.zeros(recording.rows))
+    return _of_motor(recording, port, "goal_position_rad", (command, mode, supply))
+
+
+def _of_motor(
+    recording: Recording, port: str, kind: InputKind, in_force: tuple[FloatArray, FloatArray, FloatArray]
+) -> Signals:
+    """A motor's signals from command, mode and supply in each row, shape (rows,) each."""
+    tacho = f"{port}_tacho_deg"
+    command, mode, supply = in_force
     keep = _changes(command, mode, supply)
     return Signals(
         name=recording.name,
         channel=tacho,
-        input_kind="goal_position_rad",
+        input_kind=kind,
         command_time_s=recording.time_s[keep],
         command=command[keep],
         command_mode=mode[keep].astype(np.int64),
@@ -109,12 +117,8 @@ def _following(recording: Recording, port: str, goal: FloatArray) -> Signals:
         time_s=np.array(recording.time_s),
         measured=np.radians(recording.columns[tacho]),
         is_speed=False,
-        quantum=_quantum(recording, port),
+        quantum=math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG)),
     )
-
-
-def _quantum(recording: Recording, port: str) -> float:
-    return math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG))
 
 
 def _brick(recording: Recording, port: str) -> Signals:
@@ -128,24 +132,11 @@ def _brick(recording: Recording, port: str) -> Signals:
     duty = pulsed(_held(recording.columns[power], start=0.0) / 100.0, recording.pulse_steps)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(rows)), start=float(MODE_DRIVE))
     supply = _supply(recording.time_s, recording.columns.get("battery_v"), _effort(recording))
-    keep = _changes(duty, mode, supply)
-    return Signals(
-        name=recording.name,
-        channel=tacho,
-        input_kind="power_pct",
-        command_time_s=recording.time_s[keep],
-        command=duty[keep],
-        command_mode=mode[keep].astype(np.int64),
-        command_supply_v=supply[keep],
-        time_s=np.array(recording.time_s),
-        measured=np.radians(recording.columns[tacho]),
-        is_speed=False,
-        quantum=_quantum(recording, port),
-    )
+    return _of_motor(recording, port, "power_pct", (duty, mode, supply))
 
 
 def _dated(signals: Signals, lags: KnownLags, port: str) -> Signals:
-    """A brick's signals with what is in a row at its own moment, where a sidecar tells by how much that is off."""
+    """A brick's signals with each reading and command at its own moment, as far as the sidecar gives the lags."""
     read_before_s, _ = lags.read_before_s(port)
     acted_after_s, _ = lags.acted_after_s(port)
     taken_s, acted_s = signals.time_s - read_before_s, signals.command_time_s + acted_after_s
