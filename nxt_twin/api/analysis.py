@@ -29,17 +29,17 @@ def find_missing_physics(
 ) -> Diagnosis | Changes:
     """Find the physics that a model leaves out: the command `nxt-twin diagnose` as a function.
 
-    The parameters are fitted again first. Every known effect is then tried, and judged on held-out data.
-    A case that names recordings from `before` asks what has changed since; the answer then is a `Changes`.
+    The diagnosis first re-fits the parameters. It then tries every known effect, and judges them on held-out data.
+    A case that names recordings of `before` asks for changes since; the answer then is a `Changes`.
 
     Args:
-        data: a case, one or more recordings, or a path.
-        plant: the baseline model, in the place of the one that the data name; else `nxt_motor`.
-        port: of a brick's recordings with several motors, the one in question.
-        seed: of the random shifts behind p-values.
+        data: a case, one or more recordings, or the path of a case or a recording.
+        plant: the baseline model: a plant, a name, a path or a mapping. None takes the data's own, or `nxt_motor`.
+        port: the motor to diagnose, `a`, `b` or `c`, if the recordings hold several.
+        seed: of the random shifts that give p-values.
 
     Returns:
-        The answer; its `plant` is the improved model.
+        The diagnosis; its `plant` is the improved model.
 
     Raises:
         NxtTwinError: the data cannot be diagnosed; the text says why.
@@ -75,13 +75,13 @@ def find_changes(
     """Say which parameters or effects differ between recordings: the command `nxt-twin changed` as a function.
 
     Args:
-        before: as the data of `find_missing_physics`; its plant is the model of both sides.
-        after: likewise; its plant plays no part.
-        plant: the model of both sides, in the place of the one that `before` names.
-        port: of a brick's recordings with several motors, the one in question.
+        before: a case, one or more recordings, or the path of a case or a recording.
+        after: likewise; a plant that it names is ignored.
+        plant: the model of both sides: a plant, a name, a path or a mapping. None takes the one that `before` names.
+        port: the motor to compare, `a`, `b` or `c`, if the recordings hold several.
 
     Returns:
-        The answer; its `plant` is the model of the side after.
+        The verdict and the changes; their `plant` is the model of the side after.
 
     Raises:
         NxtTwinError: the sides cannot be compared; the text says why.
@@ -90,12 +90,15 @@ def find_changes(
 
 
 def fit(data: Data, plant: Model | None = None, *, port: Port | None = None) -> Plant:
-    """Fit a plant's parameters to everything that is not held out, and look for nothing else.
+    """Fit a plant's parameters to the recordings that are not held out, and look for no effect.
 
     Args:
-        data: as for `find_missing_physics`.
-        plant: as for `find_missing_physics`.
-        port: as for `find_missing_physics`.
+        data: a case, one or more recordings, or the path of a case or a recording.
+        plant: the model to fit: a plant, a name, a path or a mapping. None takes the data's own, or `nxt_motor`.
+        port: the motor to fit, `a`, `b` or `c`, if the recordings hold several.
+
+    Returns:
+        The plant with the fitted parameters.
 
     Raises:
         NxtTwinError: the data cannot be fitted; the text says why.

@@ -32,8 +32,8 @@ class SimulatedChannel:
         channel: the column.
         values: shape (rows,), in the column's unit.
         unit: of the error.
-        rmse: root mean square error against what was measured; None where nothing was.
-        readings: how many readings were compared; those from which a run starts are not.
+        rmse: root mean square error against the readings, in `unit`; None without readings.
+        readings: number of compared readings; those from which a run starts do not count.
     """
 
     channel: str
@@ -44,15 +44,15 @@ class SimulatedChannel:
 
 
 def simulate(plant: Model, recording: Recording, *, restart_every_s: float | None = None) -> Recording:
-    """Predict a recording's outputs from its commands and its first row alone, at rest.
+    """Predict a recording's outputs from its inputs and its first row alone, starting at rest.
 
     Args:
-        plant: a plant, or what `load_plant` takes.
-        recording: its commands drive the plant. Readings are not needed: without any, motors start at 0 degrees.
-        restart_every_s: set the state anew from smoothed readings so often.
+        plant: a plant, a name, a path or a mapping, as for `load_plant`.
+        recording: its inputs drive the plant. Readings are optional: without any, motors start at 0 degrees.
+        restart_every_s: time between restarts from smoothed readings, s; None never restarts.
 
     Returns:
-        The recording with its output columns replaced, or added, by what the plant predicts.
+        The recording with the predictions as its output columns, in their units, shape (rows,) each.
 
     Raises:
         PlantError: the model is no plant, or cannot be driven so.

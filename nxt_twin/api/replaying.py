@@ -30,9 +30,9 @@ class Replayed:
         channel: the column, such as `a_tacho_deg`.
         time_s: when the readings arrived, s since the first row, shape (readings,).
         measured: the readings, in the column's unit.
-        predicted: what the Kalman filter expected before each reading.
-        std: the standard deviation that it expected of the difference.
-        events: what the monitor said, in order: divergences, stalls, and their end.
+        predicted: the Kalman filter's one-step prediction of each reading, in the column's unit.
+        std: the predicted standard deviation of the innovation, in the column's unit.
+        events: the monitor's events in order: divergences, stalls, and their end.
     """
 
     channel: str
@@ -52,11 +52,11 @@ def replay(plant: Model, recording: Recording) -> dict[str, Replayed]:
     """Play a brick's recording to the live twin: the filters and the monitor of `nxt-twin live`, in virtual time.
 
     Args:
-        plant: the model of every motor: a plant, or what `load_plant` takes.
+        plant: the model of every motor: a plant, a name, a path or a mapping, as for `load_plant`.
         recording: of a brick, with commands and counts.
 
     Returns:
-        By channel, what was measured beside what the Kalman filter predicted.
+        By channel, the readings beside the Kalman filter's one-step predictions.
 
     Raises:
         PlantError: the model is no motor.

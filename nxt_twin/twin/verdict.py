@@ -68,13 +68,13 @@ def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> S
     troubles = [event for event in events if event.kind in _TROUBLES]
     if diverging:
         last = next(event for event in reversed(apart) if event.port in diverging)
-        return SessionVerdict("diverges", f"brick and model diverge: {last.words}")
+        return SessionVerdict("diverges", f"brick and model diverge; {last.words}")
     if troubles:
         return SessionVerdict("trouble", troubles[0].words)
     if adopted:
-        return SessionVerdict("explained", f"brick and model agree again: {_adopted(adopted)}")
+        return SessionVerdict("explained", f"brick and model agree again; {_adopted(adopted)}")
     if apart:
-        return SessionVerdict("passed", f"brick and model diverged for a while: {apart[0].words}")
+        return SessionVerdict("passed", f"brick and model diverged for a while; {apart[0].words}")
     return _undisturbed(seen)
 
 

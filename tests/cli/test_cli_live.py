@@ -34,7 +34,7 @@ def test_a_divergence_is_said_in_a_line_and_is_no_failure(tmp_path):
     outcome = succeed("live", f"mock:?world={world}", "--ports", "a", "--seconds", "4", "--model-out", model)
     lines = outcome.out.splitlines()
     assert any("the motor turns slower than its model predicts" in line for line in lines)
-    assert lines[-1].startswith("brick and model diverge: port A")
+    assert lines[-1].startswith("brick and model diverge; port A")
     assert "dc_motor" in model.read_text()
 
 

@@ -216,10 +216,10 @@ def test_the_headline_names_every_effect_that_was_taken_over():
     events = [adopted("a spring"), adopted("a load", "stiction"), adopted(), adopted("play", port="b")]
     sentence = verdict(events, [], SEEN).sentence
     assert sentence == (
-        "brick and model agree again: port A: the model now has a spring, a load, stiction, "
+        "brick and model agree again; port A: the model now has a spring, a load, stiction, "
         "with its parameters re-fitted later; port B: words of 1"
     )
-    assert verdict([adopted()], [], SEEN).sentence.endswith(": port A: words of 0")
+    assert verdict([adopted()], [], SEEN).sentence.endswith("; port A: words of 0")
 
 
 class _Answering:
