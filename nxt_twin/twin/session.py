@@ -356,7 +356,7 @@ class Session:
         if adopter is None:
             return
         for port, monitor in self.monitors.items():
-            if monitor.diverging and self.now_s >= self._gathered_s.get(port, 0.0):
+            if monitor.diverging:
                 self._diagnose(adopter, port, self._apart.since(port, monitor.since_s, self.now_s))
         finished = adopter.finished()
         if finished is None:
@@ -368,7 +368,8 @@ class Session:
 
     def _diagnose(self, adopter: Adopter, port: Port, since_s: float) -> None:
         history = self._history[port]
-        if adopter.wants(port, history.seconds_since(since_s), asked=port in self._gathered_s):
+        gathered = self.now_s >= self._gathered_s.get(port, math.inf)
+        if adopter.wants(port, history.seconds_since(since_s), asked=gathered):
             self._gathered_s.pop(port, None)
             recording = history.recording(since_s - _BEFORE_ONSET_S, self._twin.supply_at)
             adopter.start(

@@ -107,7 +107,18 @@ class Rows:
         pass
 
 
-def run(rig, seconds, *, ports=("a",), program=None, sensors=None, plant=None, candidates=(), **parts):
+def run(
+    rig,
+    seconds,
+    *,
+    ports=("a",),
+    program=None,
+    sensors=None,
+    plant=None,
+    candidates=(),
+    period_s=0.0,
+    **parts,
+):
     """Watch a rig for so many virtual seconds."""
     memory, rows = Memory(10**6), Rows()
     twin = BrickTwin(dict.fromkeys(ports, plant or nxt_motor()), TwinOptions(candidates=candidates))
@@ -119,7 +130,7 @@ def run(rig, seconds, *, ports=("a",), program=None, sensors=None, plant=None, c
             clock=rig.clock,
             twin=twin,
             sink=Several([memory, *extra]),
-            plan=Plan(sensors=sensors or {}),
+            plan=Plan(sensors=sensors or {}, period_s=period_s),
             pace=PACES["bt" if rig.profile == "bluetooth" else "usb"],
             driver=parts.pop("driver", usual),
             recorder=rows,

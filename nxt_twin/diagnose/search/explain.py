@@ -9,7 +9,9 @@ from functools import partial
 from typing import final
 
 from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
+from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.moments import moments_gained
@@ -141,6 +143,19 @@ class _Search:
         self._settled = Settled(fitter, baseline)
         self._drafts = Drafts(fitter)
         self._tried: list[Effect] = []
+        self._settle_suspected()
+
+    def _settle_suspected(self) -> None:
+        """Settle each effect that somebody leans to from the parameters as they were given.
+
+        Where much is missing, the re-fitted baseline lies far away, and what is added to it may not find back.
+        """
+        problem = self._fitter.problem
+        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        for effect in self._candidates(problem.plant):
+            if effect.id in problem.leaning:
+                start = starts_of(effect, problem.scale)[0]
+                self._settled.settle(problem.plant.with_effect(effect.id, start), noise)
 
     def grown(
         self, best: Structure, progress: Progress
@@ -276,6 +291,7 @@ class _Search:
             or (effect.states and cost - draft.cost > _IN_REACH * leading)
         ]
         settled = self._leaders(best, cost, within)
+        settled += self._suspected(best, {effect.id for effect, _ in settled})
         lowest = min(trial.fitted_cost for _, trial in settled)
         in_reach = _IN_REACH * max(best.fitted_cost - lowest, needed)
         ranked = []
@@ -364,6 +380,16 @@ class _Search:
         if plant.active == self._baseline.plant.active:
             return self._baseline
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
+
+    def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
+        """What was settled at first, where it adds one effect to `best` and is not `listed` already."""
+        asked = [
+            effect
+            for effect in self._candidates(best.plant)
+            if effect.id in self._fitter.problem.leaning and effect.id not in listed
+        ]
+        known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
+        return [(effect, settled) for effect, settled in known if settled is not None]
 
     def _leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
