@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import json as json_format
 import os
-import sys
-from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.follow import follow
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
+from nxt_twin.cli.pairs import pairs as changed
 
 if TYPE_CHECKING:
     from nxt_twin.blind.families.family import Family
     from nxt_twin.blind.polling import LinkName
     from nxt_twin.blind.silence import Remains
-    from nxt_twin.blind.spread import Outcome
     from nxt_twin.fleet.workers.place import Place
 
 # Each command imports what it needs when it runs: its help would wait a second for the simulators.
@@ -50,6 +49,7 @@ ClusterOption = Annotated[
 ]
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
+blind.add_typer(changed, name="changed")
 
 
 @blind.command()
@@ -77,7 +77,7 @@ def make(
 
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts, links=_LINKS[link], duration_s=duration)
-    _follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
+    follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
     print(f"{len(orders)} cases in {cases}, answers in {answers}")
 
 
@@ -112,7 +112,7 @@ def solve(
 
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
-    _follow(
+    follow(
         "solving",
         solve_all(folders, out, seed=seed, place=_place(jobs, cluster), without=hidden),
         len(folders),
@@ -132,7 +132,7 @@ def reach(
     from nxt_twin.blind.solve import case_folders, reach_all
 
     folders = case_folders(cases)
-    _follow("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
+    follow("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
 
 
@@ -179,7 +179,7 @@ def proof(
         raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
     work = Proof(folder, RANGES[chosen], _families(family))
     for title, total, outcomes in work.run(_place(jobs, cluster)):
-        _follow(title, outcomes, total)
+        follow(title, outcomes, total)
     cases = work.judged()
     tables = {
         "families": family_rows(cases),
@@ -210,7 +210,7 @@ def peers(
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
     folders = case_folders(cases)
-    _follow("letting others answer", answer_all(folders, out), len(folders))
+    follow("letting others answer", answer_all(folders, out), len(folders))
     judged = {peer.name: score_answers(cases, answers, out / peer.name).cases for peer in PEERS}
     print("\n".join(f"{peer.name}: {peer.words}" for peer in PEERS) + "\n")
     print(as_text(peer_rows(judged)))
@@ -283,10 +283,10 @@ def bench(
     )
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts)
-    _follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
+    follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
     folders = case_folders(cases)
-    _follow("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
-    _follow("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))
+    follow("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
+    follow("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))
     score(cases, answers, diagnoses, reached, json)
 
 
@@ -328,24 +328,3 @@ def _place(jobs: int, cluster: str | None) -> Place:
     from nxt_twin.fleet.workers.place import place_of
 
     return place_of(jobs, cluster)
-
-
-def _log(words: str, number: int, total: int) -> None:
-    """Where no terminal shows a spinner, a long run tells each tenth of itself on standard error."""
-    tenth = total // 10
-    if tenth > 1 and number % tenth == 0 and not sys.stderr.isatty():
-        print(words, file=sys.stderr, flush=True)
-
-
-def _follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
-    """Show how far it is; leave with status 1 at the end if a case failed."""
-    failed = False
-    with progress(title) as tell:
-        for number, (name, why) in enumerate(outcomes, start=1):
-            tell(f"{name}, {number} of {total}")
-            _log(f"{title}: {number} of {total}", number, total)
-            if why:
-                fail(why)
-                failed = True
-    if failed:
-        raise typer.Exit(1)

@@ -31,6 +31,9 @@ def changed(
         typer.Argument(metavar="AFTER...", help="As BEFORE; each AFTER is compared with BEFORE."),
     ],
     json: JsonOption = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Write an HTML page for each AFTER into this folder.")
+    ] = None,
     plant: Annotated[
         str | None, typer.Option(help="The model of both sides; without: from BEFORE's case or sidecar.")
     ] = None,
@@ -44,6 +47,7 @@ def changed(
     """
     from nxt_twin.diagnose.changed.compare import changed as compare
     from nxt_twin.diagnose.changed.to_json import to_json
+    from nxt_twin.view.changes_report import write_changes_report
 
     error_si = tolerated(tolerance)
     mapping_of = stated_mapping(mapping, columns)
@@ -55,12 +59,13 @@ def changed(
         if json:
             many = len(found) > 1 and json != "-"
             emit_json(str(Path(json) / f"{each.name}.json") if many else json, to_json(each))
+        page = write_changes_report(each, report) if report else None
         if json != "-":
-            show(each)
+            show(each, page)
 
 
-def show(changes: Changes) -> None:
-    """Print what changed for a person."""
+def show(changes: Changes, page: Path | None) -> None:
+    """Print what changed for a person, and where its page lies."""
     from nxt_twin.diagnose.units import after_number
 
     fit = changes.fit
@@ -82,6 +87,8 @@ def show(changes: Changes) -> None:
         )
     for note in changes.notes:
         print(f"  · {note}")
+    if page:
+        print(f"  report: {page}")
 
 
 def _side(paths: str, plant: str | None, mapping_of: MappingOf | None) -> Case:

@@ -157,15 +157,15 @@ def _tell_changes(
     from nxt_twin.cli.changed import show as show_changes
     from nxt_twin.diagnose.changed.compare import changed_since
     from nxt_twin.diagnose.changed.to_json import to_json
+    from nxt_twin.view.changes_report import write_changes_report
 
     with progress(case.name) as tell:
         changes = changed_since(case, tolerance=tolerance, progress=tell)
     if json:
         emit_json(_place(json, case.name, "json", many=many), to_json(changes))
+    page = write_changes_report(changes, report) if report else None
     if json != "-":
-        show_changes(changes)
-    if report:
-        fail(f"{case.name}: a comparison has no HTML report yet")
+        show_changes(changes, page)
 
 
 def _diagnose_one(case: Case, seed: int, tolerance: float | None) -> Answered:

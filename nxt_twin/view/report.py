@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 import nxt_twin
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun
-from nxt_twin.diagnose.units import after_number
-from nxt_twin.view import numbers, wording
+from nxt_twin.view import wording
 from nxt_twin.view.figures import held_out_figure
 from nxt_twin.view.leftover_plot import leftover_figure
+from nxt_twin.view.pages import environment, file_name, largest
 from nxt_twin.view.sensor_plot import is_of_sensor
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.telling import most_telling
@@ -24,7 +21,6 @@ from nxt_twin.view.traces import picture_of
 
 _MOST_RUNS_DRAWN = 5
 _MOST_SPELLS = 8
-_LONGEST_FILE_NAME = 200  # bytes: file systems refuse more than 255
 
 
 @final
@@ -52,7 +48,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
         OSError: the folder or the file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{_file_name(diagnosis.name)}.html"
+    path = folder / f"{file_name(diagnosis.name)}.html"
     path.write_text(render_report(diagnosis), encoding="utf-8", newline="\n")
     return path
 
@@ -60,7 +56,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> Path:
 def render_report(diagnosis: Diagnosis) -> str:
     """The report as the text of one self-contained HTML page; the same diagnosis gives the same text."""
     fit, mismatch = diagnosis.fit, diagnosis.mismatch
-    page = _environment().get_template("report.html.j2")
+    page = environment().get_template("report.html.j2")
     return page.render(
         diagnosis=diagnosis,
         improves=wording.improves(diagnosis),
@@ -72,52 +68,16 @@ def render_report(diagnosis: Diagnosis) -> str:
         confusable=[effect for effect in diagnosis.effects if effect.confusable_with],
         spells=sorted(mismatch.when, key=lambda spell: -spell.strength)[:_MOST_SPELLS],
         anchored=any("anchor" in note.lower() for note in diagnosis.notes),
-        largest_fit=_largest(fit.baseline, fit.improved, fit.floor),
-        largest_rmse=_largest(
+        largest_fit=largest(fit.baseline, fit.improved, fit.floor),
+        largest_rmse=largest(
             *(error for run in diagnosis.held_out for error in (run.baseline_rmse, run.improved_rmse))
         ),
-        largest_source=_largest(*(finding.strength for finding in mismatch.sources)),
+        largest_source=largest(*(finding.strength for finding in mismatch.sources)),
         intervals=any(moved.interval_95 for moved in diagnosis.refit.values()),
         rests_on=_rests_on(diagnosis),
-        largest_regime=_largest(*(finding.strength for finding in mismatch.regimes)),
+        largest_regime=largest(*(finding.strength for finding in mismatch.regimes)),
         version=nxt_twin.__version__,
     )
-
-
-def _environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("nxt_twin.view"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
-        "after_number": after_number,
-        "capitalise": wording.capitalise,
-        "chance": numbers.chance,
-        "p_value": numbers.p_value,
-        "plain": numbers.plain,
-        "rough": numbers.rough,
-        "seconds": numbers.seconds,
-        "tenths": numbers.tenths,
-        "spelled_out": wording.spelled_out,
-    }
-    environment.globals |= {
-        "bar": _bar,
-        "change": numbers.change,
-        "counted": wording.counted,
-        "equations": wording.EQUATIONS,
-        "sources": wording.SOURCES,
-        "times_smaller": numbers.times_smaller,
-        "verdicts": wording.VERDICTS,
-        "with_doubt": numbers.with_doubt,
-    }
-    return environment
-
-
-def _largest(*values: float) -> float:
-    return max((value for value in values if math.isfinite(value)), default=0.0)
 
 
 def _rests_on(diagnosis: Diagnosis) -> str:
@@ -126,13 +86,6 @@ def _rests_on(diagnosis: Diagnosis) -> str:
     anchors += [estimate.rests_on for effect in diagnosis.effects for estimate in effect.params.values()]
     names = dict.fromkeys(name for some in anchors for name in some)
     return " and ".join(wording.spelled_out(name) for name in names)
-
-
-def _bar(value: float, largest: float) -> str:
-    """The length of a bar in percent of its cell; a value that is not finite fills it."""
-    if not math.isfinite(value):
-        return "100"
-    return f"{100 * max(value / largest, 0.0):.1f}" if largest > 0 else "0"
 
 
 def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
@@ -155,8 +108,3 @@ def _draw_leftover(diagnosis: Diagnosis) -> str:
         return ""
     figure = leftover_figure(leftover, improves=wording.improves(diagnosis))
     return inline_svg(figure, "leftover", "What the model lacks against speed, position and time")
-
-
-def _file_name(case: str) -> str:
-    name = re.sub(r'[<>:"/\\|?*\x00-\x1f]', "_", case).strip(" .")
-    return name.encode()[:_LONGEST_FILE_NAME].decode(errors="ignore") or "diagnosis"

@@ -139,7 +139,7 @@ def _error_bounds(run: HeldOutRun, traces: list[ModelTrace]) -> tuple[float, flo
 
 def _draw_rmse(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:
     bars = [(trace.name, trace.colour, trace.rmse) for trace in traces]
-    bars.append(("noise alone", palette.NOISE, picture.floor))
+    bars.append((picture.names[2], palette.NOISE, picture.floor))
     longest = max((value for _, _, value in bars if np.isfinite(value)), default=0.0) or 1.0
     factor, unit = palette.in_reach(np.array([longest]), picture.unit)
     palette.dress(axes, f"RMSE of this run ({unit})")

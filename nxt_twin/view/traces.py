@@ -27,6 +27,7 @@ class RunPicture:
         spells: the stretches of this run in which the baseline fails, strongest first.
         improves: whether there is an improved model to draw beside the baseline.
         floor: the error that noise alone would give, in `unit`.
+        names: of the baseline, the improved model and the floor.
     """
 
     run: HeldOutRun
@@ -35,6 +36,7 @@ class RunPicture:
     spells: tuple[Spell, ...]
     improves: bool
     floor: float
+    names: tuple[str, str, str] = ("baseline", "improved", "noise alone")
 
     @property
     def shaded(self) -> tuple[Spell, ...]:
@@ -66,7 +68,7 @@ def picture_of(diagnosis: Diagnosis, run: HeldOutRun) -> RunPicture:
     ]
     spells.sort(key=lambda spell: -spell.strength)
     return RunPicture(
-        run=_with_gaps(run),
+        run=with_gaps(run),
         quantity=quantity(diagnosis.mismatch.channel),
         unit=diagnosis.fit.unit,
         spells=tuple(spells),
@@ -75,7 +77,7 @@ def picture_of(diagnosis: Diagnosis, run: HeldOutRun) -> RunPicture:
     )
 
 
-def _with_gaps(run: HeldOutRun) -> HeldOutRun:
+def with_gaps(run: HeldOutRun) -> HeldOutRun:
     """The run with an empty sample in each stretch that was not held out, so that no curve is drawn across it."""
     before = gaps(run.time_s)
     if not before.size or run.path is not None:
@@ -93,11 +95,13 @@ def traces_of(picture: RunPicture) -> list[ModelTrace]:
     run = picture.run
     measured = trusted(run)
     baseline = finite(run.baseline)
-    traces = [ModelTrace("baseline", palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)]
+    traces = [
+        ModelTrace(picture.names[0], palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)
+    ]
     if picture.improves:
         improved = finite(run.improved)
         traces.append(
-            ModelTrace("improved", palette.IMPROVED, improved, improved - measured, run.improved_rmse)
+            ModelTrace(picture.names[1], palette.IMPROVED, improved, improved - measured, run.improved_rmse)
         )
     return traces
 

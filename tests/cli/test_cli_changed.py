@@ -55,9 +55,12 @@ def test_the_answer_has_the_keys_of_a_diagnosis_and_what_changed(table, tmp_path
     assert {"of", "before", "after", "std", "probability"} <= change.keys()
     assert change["after"] / change["before"] == pytest.approx(2.0, rel=0.1)
     assert told["verdict"] == "changed"
-    many = run("changed", *sides, *sides[:1], *stated, "--json", tmp_path / "out")
+    many = run(
+        "changed", *sides, *sides[:1], *stated, "--json", tmp_path / "out", "--report", tmp_path / "pages"
+    )
     assert "unchanged" in many.output
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"after.json", "before (3).json"}
+    assert {path.name for path in (tmp_path / "pages").iterdir()} == {"after.html", "before (3).html"}
 
 
 def test_bad_input_ends_in_one_line(table, tmp_path):

@@ -34,6 +34,7 @@ def pair(seed, what):
     rubbed = touched(truth, coulomb_forward_nm=3.0, coulomb_reverse_nm=3.0)
     after = {
         "nothing": truth,
+        "supply": replace(truth, battery_v=0.8 * truth.battery_v),
         "inertia": touched(truth, inertia_kg_m2=1.6),
         "a push every so often": replace(
             truth,
@@ -45,7 +46,17 @@ def pair(seed, what):
         ),
         "band and friction": replace(rubbed, band_stiffness_nm_per_rad=0.02),
     }[what]
-    return side(rng, "before", truth), side(rng, "after", after)
+    sides = side(rng, "before", truth), side(rng, "after", after)
+    return tuple(map(unread, sides)) if what == "supply" else sides
+
+
+def unread(case):
+    """The side with nobody reading the battery."""
+    runs = [
+        replace(run, columns={name: values for name, values in run.columns.items() if name != "battery_v"})
+        for run in case.recordings
+    ]
+    return replace(case, recordings=tuple(runs))
 
 
 @cache

@@ -8,6 +8,7 @@ from diagnose_changed_pairs import answer, pair
 from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.diagnose.changed.words import parameter_words
 from nxt_twin.errors import DiagnosisError, NxtTwinError
+from nxt_twin.view.changes_report import render_changes
 
 
 def test_recordings_of_one_motor_are_unchanged():
@@ -25,6 +26,10 @@ def test_more_inertia_is_found_with_its_size_and_the_motor_stays():
     assert change.interval_95[0] < change.after < change.interval_95[1]
     assert found.sentence.startswith("The load changed: inertia")
     assert found.fit.improved < 0.3 * found.fit.baseline
+    page = render_changes(found)
+    assert page.index(found.sentence.split(":")[0]) < page.index("What changed") < page.index("inertia_kg_m2")
+    assert page.count("<svg") >= 2
+    assert "http://" not in page.replace("http://www.w3.org", "")
 
 
 def test_a_rubber_band_and_more_friction_are_told_apart():
@@ -37,12 +42,24 @@ def test_a_rubber_band_and_more_friction_are_told_apart():
     assert friction.after / friction.before == pytest.approx(3.0, rel=0.2)
 
 
+def test_a_supply_that_nobody_read_is_told_from_the_motor():
+    found = answer(0, "supply")
+    (change,) = found.changes
+    assert (found.verdict, change.of) == ("changed", "supply_v")
+    assert change.after / change.before == pytest.approx(0.8, rel=0.02)
+    assert found.sentence.startswith("The supply changed, the motor did not")
+    keys = found.plant.to_config()
+    assert keys["supply_v"] == pytest.approx(change.after, rel=1e-3)
+    assert keys["resistance_ohm"] == pytest.approx(found.refit["resistance_ohm"].after, rel=1e-3)
+
+
 def test_a_change_that_no_parameter_or_effect_explains_is_called_so():
     found = answer(0, "a push every so often")
     assert found.verdict == "unexplained"
     assert found.sentence.startswith("Something changed, and no few parameters or effects account for it.")
     before = answer(0, "nothing")
     assert found.fit.improved > 6.0 * before.fit.improved
+    assert "no few parameters or effects" in render_changes(found)
     runs = found.held_out
     assert [run.recording for run in runs] == ["after-0.csv", "after-1.csv"]
     assert all(run.measured.shape == run.baseline.shape == run.improved.shape for run in runs)

@@ -138,7 +138,7 @@ def make_foreign(
     habits = draw_habits(
         rng, family.steps_deg, longest_s=family.longest_s, duration_s=duration_s, least_recordings=least
     )
-    scripts = _scripts(rng, habits, any(effect.coasts for effect in to_hide), family.command_every_s)
+    scripts = draw_scripts(rng, habits, any(effect.coasts for effect in to_hide), family.command_every_s)
     hiding = _hide(rng, family, to_hide, size, habits, scripts)
     driven = [_driven(family, hiding, k, script, habits) for k, script in enumerate(scripts)]
     rows = [
@@ -179,7 +179,8 @@ def _truth_of(
     return {"effect_rms_deg": _rms(np.concatenate(shifts)), "recordings": recordings}
 
 
-def _scripts(rng: Generator, habits: Habits, coasts: bool, command_every_s: float) -> tuple[Script, ...]:
+def draw_scripts(rng: Generator, habits: Habits, coasts: bool, command_every_s: float) -> tuple[Script, ...]:
+    """One recording's script for each recording of a case, `r1.csv` and so on."""
     programs = draw_programs(rng, habits.recordings, coasts=coasts)
     far = rng.random() < 0.5
     scripts = []

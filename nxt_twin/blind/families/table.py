@@ -64,6 +64,23 @@ def _all(strangers: tuple[Hideable, ...], *without: str) -> tuple[Hideable, ...]
     )
 
 
+FOREIGN: Final[dict[str, Foreign]] = {
+    foreign.name: foreign
+    for foreign in (
+        Foreign("mujoco", MuJoCo, _all(MUJOCO_STRANGERS), longest_s=90.0),
+        Foreign(
+            "stiff",
+            Stiff,
+            _all(STIFF_STRANGERS),
+            longest_s=60.0,
+            command_every_s=0.05,
+            steps_deg=STIFF_STEPS_DEG,
+        ),
+        Foreign("workshop", Workshop, _all(WORKSHOP_STRANGERS), steps_deg=(1.0,)),
+    )
+}
+"""What each foreign family brings."""
+
 FAMILIES: Final[dict[str, Family]] = {
     family.name: family
     for family in (
@@ -77,23 +94,16 @@ FAMILIES: Final[dict[str, Family]] = {
             str,
         ),
         _foreign(
-            Foreign("mujoco", MuJoCo, _all(MUJOCO_STRANGERS), longest_s=90.0),
+            FOREIGN["mujoco"],
             "MuJoCo's implicit steps, its solver for friction loss, limits and contacts; bodies on tendons",
             mujoco_ready,
         ),
         _foreign(
-            Foreign(
-                "stiff",
-                Stiff,
-                _all(STIFF_STRANGERS),
-                longest_s=60.0,
-                command_every_s=0.05,
-                steps_deg=STIFF_STEPS_DEG,
-            ),
+            FOREIGN["stiff"],
             "SciPy's Radau over two sets of LuGre bristles, rounded contacts, a stop as an event",
         ),
         _foreign(
-            Foreign("workshop", Workshop, _all(WORKSHOP_STRANGERS), steps_deg=(1.0,)),
+            FOREIGN["workshop"],
             "implicit in current, a dead band of speed for sticking, Kelvin-Voigt contact; in every motor ripple, "
             "warm grease, a tired battery",
         ),

@@ -10,7 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, design_of
-from nxt_twin.diagnose.changed.model import Model, difference_spread
+from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.fitting.fit import SOFT
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.explain import candidates as lacking
@@ -30,7 +30,7 @@ class ChangeCandidate:
     """One way in which the side after may differ.
 
     Attributes:
-        slots: indices of shared variables that differ.
+        slots: indices of the model's ways in which it differs.
         effect: id of an effect that acts after, if any.
         start: its starting values, SI by symbol.
     """
@@ -49,7 +49,7 @@ def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Chan
     """What `model` does not yet let differ; an effect once for each of its starts."""
     index = {variable.slots[0].symbol: n for n, variable in enumerate(model.shared)}
     groups = [tuple(index[symbol] for symbol in group) for group in _GROUPS if set(group) <= index.keys()]
-    found: list[tuple[int, ...]] = [(n,) for n in range(len(model.shared)) if n not in model.differs]
+    found: list[tuple[int, ...]] = [(n,) for n in range(len(model.ways)) if n not in model.differs]
     found += [group for group in groups if set(group) - set(model.differs)]
     every = [ChangeCandidate(tuple(sorted(each))) for each in found]
     for effect in lacking(model.after, fitter.sides[1].jobs[0].signals):
@@ -118,8 +118,9 @@ class _View:
     def gain(self, slots: Sequence[int], signature: FloatArray | None) -> float:
         """What letting these differ promises, nats, after all that the model moves already has been moved."""
         new = [n for n in slots if n not in self._joint.model.differs]
-        rows = [self._slope[n] for n in new]
-        tight = [difference_spread(self._joint.model.shared[n]) ** -2.0 for n in new]
+        ways = [self._joint.model.ways[n] for n in new]
+        rows = [way.of(self._slope) for way in ways]
+        tight = [way.spread**-2.0 for way in ways]
         if signature is not None:
             rows, tight = [*rows, signature], [*tight, _LARGEST_STRETCH**-2.0]
         extra = np.array(rows)

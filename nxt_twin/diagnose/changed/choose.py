@@ -18,9 +18,26 @@ _RIVALS = 3
 _EXCHANGES = 2
 _BETTER_NATS = 1.0
 _LAW_NATS = 3.0
+_MAKE_NATS = 3.0
 _MOTOR_NATS = 8.0
 _COMPANION_NATS = 1.0
 _LOAD = frozenset({"gravity", "inertia", "gravity_load"})
+_OF_ITS_MAKE = frozenset(
+    {
+        "asymmetric_friction",
+        "asymmetric_viscous_friction",
+        "cogging",
+        "commutation_ripple",
+        "inductance",
+        "power_curve",
+        "presliding",
+        "sample_hold",
+        "torque_saturation",
+        "voltage_drop",
+    }
+)
+"""Laws of how a motor and its electronics are made: whoever touches a machine hardly brings them in."""
+
 _WORSE = 1.02  # of the error of windows that only check: what is not worse
 Progress = Callable[[str], None]
 
@@ -51,7 +68,12 @@ class Chooser:
         self._penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
-        """Add to `joint` while something earns its place, then take out what no longer does."""
+        """Add to `joint` while something earns its place, then take out what no longer does.
+
+        Where one plant predicts both sides within the tolerance, nothing that matters has changed.
+        """
+        if max(joint.check_rms) <= self._fitter.tolerance:
+            return Chosen(joint, {}, ())
         while joint.model.changes < MOST_CHANGES:
             progress(f"trying what else may have changed; {joint.model.changes} so far")
             better = self._better(joint)
@@ -65,7 +87,7 @@ class Chooser:
         for _ in range(_EXCHANGES):
             joint = chosen.joint
             rivals = [rival for each in chosen.nats for rival in self._rivals(joint, each)]
-            better = [(self.net(joint, rival), bare, rival) for bare, rival in rivals]
+            better = [(self._worth(joint, rival), bare, rival) for bare, rival in rivals]
             better = [each for each in better if each[0] > _BETTER_NATS]
             better.sort(key=lambda each: -each[0])
             best = next((r for _, b, r in better if not self._is_on_both(b, r, self.net(b, r))), None)
@@ -94,26 +116,36 @@ class Chooser:
         """What `wider` gains beyond the penalty for its further numbers, nats.
 
         That a parameter is another one is likelier beforehand than that a law came in, and that a load is another one
-        likelier than that the motor is: a weaker motor and a heavier load look much alike.
+        likelier than that the motor is: a weaker motor and a heavier load look much alike. A law of how a motor is made
+        is less likely than one that somebody brings in.
         """
         size = wider.model.size - simpler.model.size
         laws = len(wider.model.effects) - len(simpler.model.effects)
+        made = len(_OF_ITS_MAKE & set(wider.model.effects)) - len(_OF_ITS_MAKE & set(simpler.model.effects))
         motor = wider.model.motor_constants - simpler.model.motor_constants
-        return simpler.cost - wider.cost - self._penalty * size - _LAW_NATS * laws - _MOTOR_NATS * motor
+        prior = _LAW_NATS * laws + _MAKE_NATS * made + _MOTOR_NATS * motor
+        return simpler.cost - wider.cost - self._penalty * size - prior
+
+    def _worth(self, simpler: JointFit, wider: JointFit) -> float:
+        """What speaks for `wider` in all readings, nats: those that only check need no penalty."""
+        return self.net(simpler, wider) + simpler.check_cost - wider.check_cost
 
     def _better(self, joint: JointFit) -> JointFit | None:
         every = candidates_for(self._fitter, joint.model, self._scale)
-        found: list[tuple[float, JointFit]] = []
+        found = []
         for each in promising(self._fitter, joint, every, self._scale, _TRIED):
             wider = each.put(joint.model, self._scale)
-            tried = self._fitter.fit(wider, wider.moved_from(joint.model, joint.x))
-            found.append((self.net(joint, tried), tried))
-        found = [(net, tried) for net, tried in found if net > self.limit_nats and self._lasts(joint, tried)]
-        found.sort(key=lambda item: -item[0])
-        return next((tried for net, tried in found if not self._is_on_both(joint, tried, net)), None)
+            found.append(self._fitter.fit(wider, wider.moved_from(joint.model, joint.x)))
+        found = [
+            tried for tried in found if self.net(joint, tried) > self.limit_nats and self._lasts(joint, tried)
+        ]
+        found.sort(key=lambda tried: -self._worth(joint, tried))
+        return next(
+            (tried for tried in found if not self._is_on_both(joint, tried, self.net(joint, tried))), None
+        )
 
     def _is_on_both(self, joint: JointFit, tried: JointFit, net: float) -> bool:
-        """Whether the new effect of `tried`, on both sides, says as much: then the plant lacks it, and always did."""
+        """Whether the new effect of `tried` explains more on both sides: then the plant lacks it, and always did."""
         new = set(tried.model.effects) - set(joint.model.effects)
         if not new:
             return False
@@ -122,7 +154,7 @@ class Chooser:
         own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect}
         model = joint.model.differing(tried.model.differs).lacking(effect, own, self._scale)
         common = self._fitter.fit(model, model.moved_from(tried.model, tried.x))
-        if self.net(joint, common) <= net - self.limit_nats:
+        if self.net(joint, common) <= net or common.check_rms[0] > _WORSE * tried.check_rms[0]:
             return False
         self._lacking.add(effect)
         return True
@@ -151,8 +183,8 @@ class Chooser:
 
     def _keeping(self, model: Model, each: int | str) -> float:
         """What a change has to be worth to stay, nats: less where another of one load differs, which comes with it."""
-        hung = {model.shared[n].slots[0].symbol for n in model.differs} | set(model.effects)
-        if isinstance(each, str) or model.shared[each].slots[0].symbol not in _LOAD or len(hung & _LOAD) < 2:
+        hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
+        if isinstance(each, str) or model.ways[each].slot.symbol not in _LOAD or len(hung & _LOAD) < 2:
             return self.limit_nats
         return _COMPANION_NATS
 

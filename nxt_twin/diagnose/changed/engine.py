@@ -14,7 +14,7 @@ from nxt_twin.diagnose.changed.held_out import Predicted, predicted_after
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats
-from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, window_for
+from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.simulate import Simulator
@@ -80,11 +80,16 @@ def compare(
     sides = [
         _side(case, problem, window_s) for case, problem in zip((before, *afters), problems, strict=True)
     ]
+    model = all_shared(problems[0].plant, problems[0].scale)
+    unread = all_shared(problems[0].plant, problems[0].scale, supply_unread=True)
     with Simulator(problems[0].plant.layout) as simulator:
         found = []
-        for problem, side in zip(problems[1:], sides[1:], strict=True):
+        for case, problem, side in zip(afters, problems[1:], sides[1:], strict=True):
             progress(f"comparing {side.name} with {sides[0].name}")
-            found.append(_compared(simulator, problems[0], problem, (sides[0], side), progress, window_s))
+            own = unread if supply_unread(before) or supply_unread(case) else model
+            found.append(
+                _compared(simulator, own, (problems[0], problem), (sides[0], side), progress, window_s)
+            )
         return found
 
 
@@ -107,15 +112,15 @@ def _refuse_other_input(problems: Sequence[Problem]) -> None:
 
 def _compared(
     simulator: Simulator,
-    before: Problem,
-    after: Problem,
+    model: Model,
+    problems: tuple[Problem, Problem],
     sides: tuple[Side, Side],
     progress: Progress,
     window_s: float,
 ) -> Compared:
+    before, after = problems
     tolerance = max(before.tolerance, after.tolerance)
     fitter = JointFitter(simulator, sides, tolerance)
-    model = all_shared(before.plant, before.scale)
     progress("fitting the side before")
     alone = JointFitter(simulator, sides[:1], tolerance)
     first = alone.fit(model, model.start())

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, window_rms
+from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, each_window_rms, window_rms
 from nxt_twin.diagnose.changed.sides import Side
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.diagnose.units import Units
@@ -23,16 +23,22 @@ class Predicted:
         side: after.
         as_before: by the plant before, as if nothing had changed.
         now: by the plant after.
+        everywhere: by the plant after, of all its readings, end to end, shape (all readings,).
     """
 
     side: Side
     as_before: FloatArray
     now: FloatArray
+    everywhere: FloatArray
 
     @property
     def rms_before(self) -> float:
         """The error of the plant before, SI."""
         return window_rms(self.side, self.as_before)
+
+    def share_beyond(self, limit: float) -> float:
+        """The share of all windows in which the plant after errs by more than `limit`, SI."""
+        return float(np.mean(each_window_rms(self.side, self.everywhere, "everything") > limit))
 
 
 def predicted_after(fitter: JointFitter, joint: JointFit) -> Predicted:
@@ -44,6 +50,7 @@ def predicted_after(fitter: JointFitter, joint: JointFit) -> Predicted:
         fitter.sides[1],
         fitter.run(bare, x, 1, "check")[0],
         fitter.run(model, joint.x[None], 1, "check")[0],
+        fitter.run(model, joint.x[None], 1, "everything")[0],
     )
 
 

@@ -192,19 +192,21 @@ class JointFitter:
 
 def design_of(model: Model, slope: FloatArray, *, after: bool) -> FloatArray:
     """A side's slopes for all numbers of a model, shape (size, readings): a difference moves like what it is of."""
-    count, differs = len(model.shared), list(model.differs)
+    count, differs = len(model.shared), len(model.differs)
     design = np.zeros((model.size, slope.shape[1]))
     design[:count] = slope[:count]
     if after:
-        design[count : count + len(differs)] = slope[differs]
-        design[count + len(differs) :] = slope[count:]
+        for place, n in enumerate(model.differs, start=count):
+            design[place] = model.ways[n].of(slope)
+        design[count + differs :] = slope[count:]
     return design
 
 
 def _sizes(model: Model) -> FloatArray:
     """An ordinary size of each number."""
-    variables = [*model.shared, *(model.shared[n] for n in model.differs), *model.added]
-    return np.array([1.0 if v.positive else max(v.scale, 1e-12) for v in variables])
+    own = [1.0 if v.positive else max(v.scale, 1e-12) for v in [*model.shared, *model.added]]
+    count = len(model.shared)
+    return np.array([*own[:count], *(model.ways[n].size for n in model.differs), *own[count:]])
 
 
 def _steps(model: Model, x: FloatArray) -> FloatArray:
@@ -223,8 +225,13 @@ def window_rms(side: Side, predicted: FloatArray) -> float:
         side: what was measured.
         predicted: of its readings that check, end to end.
     """
-    square = (side.measured("check") - predicted) ** 2
-    windows = side.windows("check")
+    return float(np.mean(each_window_rms(side, predicted)))
+
+
+def each_window_rms(side: Side, predicted: FloatArray, which: Which = "check") -> FloatArray:
+    """The RMS error of each window of one use, SI, shape (windows,), by what is predicted of its readings."""
+    square = (side.measured(which) - predicted) ** 2
+    windows = side.windows(which)
     count = np.bincount(windows)
     total = np.bincount(windows, square)
-    return float(np.mean(np.sqrt(total[count > 0] / count[count > 0])))
+    return np.asarray(np.sqrt(total[count > 0] / count[count > 0]))

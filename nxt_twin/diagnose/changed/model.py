@@ -11,7 +11,7 @@ import numpy as np
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.fit import Variable
 from nxt_twin.diagnose.fitting.variables import variables_of
-from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 
@@ -20,11 +20,41 @@ _LARGEST_FACTOR = 30.0
 _MOTOR = frozenset({"resistance", "torque_constant"})
 _MOTOR_SPREAD = 0.2  # of the logarithm: a motor's constants hardly change while somebody works at the load
 _SPREAD = 1.0
+_SUPPLY_SPREAD = 0.3
+_SUPPLY_REACH = float(np.log(3.0))
+_SUPPLY = Slot(BASE_OWNER, "supply_v")
 
 
-def is_motor_constant(slot: Slot) -> bool:
-    """Whether it belongs to the motor itself rather than to what it moves."""
-    return slot.symbol in _MOTOR
+@final
+@dataclass(frozen=True)
+class Way:
+    """One way in which the plant may differ after, moved by one number inside.
+
+    A supply that nobody read is such a way: motion under s times the voltage is that of a torque constant 1/s times,
+    and a resistance 1/s² times, as large.
+
+    Attributes:
+        slot: the parameter that differs.
+        weights: by how much the number moves each of the shared variables, by index.
+        spread: how far it may well differ, inside: one standard deviation.
+        reach: how far it may differ at most, inside.
+        size: an ordinary difference, inside.
+    """
+
+    slot: Slot
+    weights: tuple[tuple[int, float], ...]
+    spread: float
+    reach: float
+    size: float
+
+    @property
+    def is_motor_constant(self) -> bool:
+        """Whether it belongs to the motor itself rather than to what it moves."""
+        return self.slot.symbol in _MOTOR
+
+    def of(self, slopes: FloatArray) -> FloatArray:
+        """The slope for its number, from those for the shared variables, shape (readings,)."""
+        return np.asarray(sum(weight * slopes[index] for index, weight in self.weights))
 
 
 @final
@@ -35,7 +65,8 @@ class Model:
     Attributes:
         plant: as it came; the parameters that no fit moves are taken from it.
         shared: variables of both sides.
-        differs: indices into `shared` of those that have another value after.
+        ways: in which the side after may differ: first one for each of `shared`.
+        differs: indices into `ways` of those in which it does.
         effects: ids of effects that act after and not before.
         after: `plant` with these effects, at their starts.
         added: variables of these effects.
@@ -43,6 +74,7 @@ class Model:
 
     plant: Plant
     shared: tuple[Variable, ...]
+    ways: tuple[Way, ...]
     differs: tuple[int, ...]
     effects: tuple[str, ...]
     after: Plant
@@ -61,14 +93,14 @@ class Model:
     @property
     def motor_constants(self) -> int:
         """How many of the motor's own constants differ."""
-        return sum(is_motor_constant(self.shared[n].slots[0]) for n in self.differs)
+        return sum(self.ways[n].is_motor_constant for n in self.differs)
 
     def differing(self, indices: Sequence[int]) -> Model:
-        """With more variables that differ, in the order of `shared`."""
+        """With more ways in which the side after differs, in the order of `ways`."""
         return replace(self, differs=tuple(sorted({*self.differs, *indices})))
 
     def alike(self, index: int) -> Model:
-        """With a variable that differs no longer."""
+        """With one way less."""
         return replace(self, differs=tuple(n for n in self.differs if n != index))
 
     def with_effect(self, effect_id: str, values: dict[str, float], scale: Scale) -> Model:
@@ -78,10 +110,10 @@ class Model:
     def lacking(self, effect_id: str, values: dict[str, float], scale: Scale) -> Model:
         """With one more effect on both sides, and none after alone."""
         plant = self.plant.with_effect(effect_id, values)
-        variables = variables_of(plant, self.plant, scale)
-        kept = {self.shared[n].slots[0] for n in self.differs}
-        differs = tuple(n for n, variable in enumerate(variables) if variable.slots[0] in kept)
-        bare = Model(plant, variables, differs, (), plant, ())
+        kept = {self.ways[n].slot for n in self.differs}
+        unread = any(way.slot == _SUPPLY for way in self.ways)
+        bare = _shared(plant, variables_of(plant, self.plant, scale), supply_unread=unread)
+        bare = bare.differing([n for n, way in enumerate(bare.ways) if way.slot in kept])
         for each in self.effects:
             own = {slot.symbol: v for slot, v in self.after.values.items() if slot.owner == each}
             bare = bare.with_effect(each, own, scale)
@@ -117,7 +149,7 @@ class Model:
         slots = [variable.slots[0] for variable in self.shared]
         return [
             *(("shared", slot) for slot in slots),
-            *(("differs", slots[n]) for n in self.differs),
+            *(("differs", self.ways[n].slot) for n in self.differs),
             *(("added", variable.slots[0]) for variable in self.added),
         ]
 
@@ -125,7 +157,7 @@ class Model:
         """Means and standard deviations, inside."""
         variables = [*self.shared, *self.added]
         own = [(inside(v, v.centre), v.spread / (v.scale if v.positive else 1.0)) for v in variables]
-        difference = [(0.0, difference_spread(self.shared[n])) for n in self.differs]
+        difference = [(0.0, self.ways[n].spread) for n in self.differs]
         count = len(self.shared)
         every = np.array([*own[:count], *difference, *own[count:]]).reshape(-1, 2)
         return every[:, 0], every[:, 1]
@@ -133,10 +165,7 @@ class Model:
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Least and largest numbers, inside."""
         own = [(inside(v, v.lower), inside(v, v.upper)) for v in [*self.shared, *self.added]]
-        reach = [
-            np.log(_LARGEST_FACTOR) if v.positive else v.upper - v.lower
-            for v in (self.shared[n] for n in self.differs)
-        ]
+        reach = [self.ways[n].reach for n in self.differs]
         count = len(self.shared)
         every = np.array([*own[:count], *[(-each, each) for each in reach], *own[count:]]).reshape(-1, 2)
         return every[:, 0], every[:, 1]
@@ -156,7 +185,9 @@ class Model:
         index, count = self.plant.layout.index, len(self.shared)
         numbers = x[:, :count].copy()
         if after:
-            numbers[:, list(self.differs)] += x[:, count : count + len(self.differs)]
+            for place, n in enumerate(self.differs, start=count):
+                for index_of, weight in self.ways[n].weights:
+                    numbers[:, index_of] += weight * x[:, place]
             numbers = np.hstack([numbers, x[:, count + len(self.differs) :]])
         for n, variable in enumerate([*self.shared, *(self.added if after else ())]):
             value = outside(variable, numbers[:, n])
@@ -164,8 +195,17 @@ class Model:
                 found[:, index[slot]] = value * ratio
         return found, np.repeat(active[None], len(x), axis=0)
 
+    def plant_as_told(self, x: FloatArray, *, after: bool) -> Plant:
+        """The plant of one side, with a supply that differs in its own place."""
+        unread = [n for n in self.differs if self.ways[n].slot == _SUPPLY]
+        if not after or not unread:
+            return self.plant_at(x, after=after)
+        place = len(self.shared) + self.differs.index(unread[0])
+        plant = self.plant_at(np.where(np.arange(x.size) == place, 0.0, x), after=True)
+        return plant.with_values({_SUPPLY: self.plant.values[_SUPPLY] * float(np.exp(x[place]))})
+
     def plant_at(self, x: FloatArray, *, after: bool) -> Plant:
-        """The plant of one side."""
+        """The plant of one side, as it moves under the supply of the side before."""
         base = self.after if after else self.plant
         values, _ = self.values(x[None], after=after)
         index = base.layout.index
@@ -185,13 +225,24 @@ def outside(variable: Variable, number: FloatArray) -> FloatArray:
     return np.asarray(np.clip(value, variable.lower, variable.upper))
 
 
-def difference_spread(variable: Variable) -> float:
-    """How far a variable may well differ between the sides, inside: one standard deviation."""
-    if not variable.positive:
-        return variable.scale if np.isinf(variable.spread) else max(variable.scale, variable.spread)
-    return _MOTOR_SPREAD if is_motor_constant(variable.slots[0]) else _SPREAD
+def all_shared(plant: Plant, scale: Scale, *, supply_unread: bool = False) -> Model:
+    """One plant on both sides; with `supply_unread` the supply may be another after, and no recording shows it."""
+    return _shared(plant, variables_of(plant, plant, scale), supply_unread=supply_unread)
 
 
-def all_shared(plant: Plant, scale: Scale) -> Model:
-    """One plant on both sides."""
-    return Model(plant, variables_of(plant, plant, scale), (), (), plant, ())
+def _shared(plant: Plant, variables: tuple[Variable, ...], *, supply_unread: bool) -> Model:
+    ways = [_own_way(n, variable) for n, variable in enumerate(variables)]
+    index = {variable.slots[0].symbol: n for n, variable in enumerate(variables)}
+    if supply_unread and _SUPPLY in plant.values and index.keys() >= _MOTOR:
+        weights = ((index["torque_constant"], -1.0), (index["resistance"], -2.0))
+        ways.append(Way(_SUPPLY, weights, _SUPPLY_SPREAD, _SUPPLY_REACH, 1.0))
+    return Model(plant, variables, tuple(ways), (), (), plant, ())
+
+
+def _own_way(n: int, variable: Variable) -> Way:
+    slot, weights = variable.slots[0], ((n, 1.0),)
+    if variable.positive:
+        spread = _MOTOR_SPREAD if slot.symbol in _MOTOR else _SPREAD
+        return Way(slot, weights, spread, float(np.log(_LARGEST_FACTOR)), 1.0)
+    spread = variable.scale if np.isinf(variable.spread) else max(variable.scale, variable.spread)
+    return Way(slot, weights, spread, variable.upper - variable.lower, max(variable.scale, 1e-12))

@@ -8,7 +8,6 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
-from nxt_twin.diagnose.changed.model import difference_spread
 from nxt_twin.diagnose.fitting.fit import SOFT
 
 _PATTERNS = ((0, 1), (0, 1, 1, 0))
@@ -33,13 +32,13 @@ def alarm_nats(fitter: JointFitter, joint: JointFit) -> float | None:
     residual, slope = slopes.residual[0], slopes.slope[0]
     weight = side.weight("everything") / np.sqrt(1.0 + (residual / SOFT) ** 2)
     penalty = 0.5 * math.log(max(fitter.worth("everything"), 2.0))
-    spreads = [difference_spread(variable) for variable in joint.model.shared]
+    ways = joint.model.ways
     most = 0.0
     for later in _splits(fitter):
-        for n, spread in enumerate(spreads):
-            own = slope[n] * later
+        for way in ways:
+            own = way.of(slope) * later
             column = (slope * weight) @ own
-            corner = float(own @ (weight * own)) + spread**-2.0
+            corner = float(own @ (weight * own)) + way.spread**-2.0
             whole = np.block([[hessian, column[:, None]], [column[None], np.array([[corner]])]])
             pull = np.concatenate([gradient, [-float(own @ (weight * residual))]])
             most = max(most, _fall(whole, pull) - _fall(hessian, gradient) - penalty)

@@ -15,6 +15,8 @@ from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, free_job
 from nxt_twin.physics.start import restarts
+from nxt_twin.recording.case import Case
+from nxt_twin.recording.recording import Recording
 
 Which = Literal["fitted", "check", "everything"]
 
@@ -22,6 +24,7 @@ LONGEST_WINDOW_S = 1.0
 READINGS_A_WINDOW = 4.0
 """Independent readings in a window of simulation, whose errors go together from its beginning to its end."""
 
+_NEEDS_NO_SUPPLY = ("voltage_v", "current_a", "torque_nm", "force_n")
 _FEWEST_WINDOWS = 6
 _CYCLE = 3  # windows: fit, fit, check
 
@@ -82,6 +85,19 @@ def every_signal(problem: Problem) -> tuple[Signals, ...]:
     known = {signals.name: signals for signals in problem.signals}
     known |= {part.signals.name: part.signals for part in problem.held_out}
     return tuple(known.values())
+
+
+def supply_unread(case: Case) -> bool:
+    """Whether duty drives a recording of the case during which nobody read the supply."""
+    return any(_is_unread(recording) for recording in (*case.recordings, *case.holdout))
+
+
+def _is_unread(recording: Recording) -> bool:
+    kinds = recording.kinds
+    if kinds is not None and kinds.input in _NEEDS_NO_SUPPLY:
+        return False
+    read = [recording.columns[name] for name in ("battery_v", "supply_v") if name in recording.columns]
+    return not any(np.isfinite(volts).any() for volts in read)
 
 
 def window_for(signals: Sequence[Signals]) -> float:

@@ -9,14 +9,15 @@ from nxt_twin.diagnose.changed.answer import Change, Changes, ChangeVerdict
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.changed.held_out import runs_of
 from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Mismatch, Moved, Tolerance
-from nxt_twin.diagnose.fitting.fit import Variable
 from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER
+from nxt_twin.physics.parameter import Parameter
 
 _Z = 1.96
 _FURTHER_OFF = 1.5  # than a plant of its own: what few changes do not account for
 _MUCH_FURTHER_OFF = 6.0  # than the side before: what no parameter accounts for
+_MANY = 0.2  # of all windows: one in which the motor sticks otherwise is no change
 
 
 def told(compared: Compared) -> Changes:
@@ -39,7 +40,7 @@ def told(compared: Compared) -> Changes:
         mismatch=Mismatch(compared.after.signals[0].channel, (), (), _equation(compared)),
         notes=words.notes(compared, fit),
         held_out=runs_of(compared.predicted, units),
-        plant=joint.model.plant_at(joint.x, after=True),
+        plant=joint.model.plant_as_told(joint.x, after=True),
     )
 
 
@@ -56,7 +57,8 @@ def _verdict(compared: Compared) -> ChangeVerdict:
     )
     if gains and found[1] > _FURTHER_OFF * own[1] and found[1] > own[1] + tolerance:
         return "unexplained"
-    if found[1] > _MUCH_FURTHER_OFF * found[0] and found[1] > found[0] + 2.0 * tolerance:
+    limit = max(_MUCH_FURTHER_OFF * found[0], found[0] + 2.0 * tolerance)
+    if found[1] > limit and compared.predicted.share_beyond(limit) > _MANY:
         return "unexplained"
     return "changed" if compared.chosen.joint.model.changes else "unchanged"
 
@@ -82,14 +84,14 @@ def _changes(compared: Compared) -> tuple[Change, ...]:
 
 def _of_parameter(compared: Compared, index: int) -> Change:
     joint = compared.chosen.joint
-    variable = joint.model.shared[index]
-    slot = variable.slots[0]
+    slot = joint.model.ways[index].slot
     parameter = joint.model.plant.layout.parameters[slot]
     place = joint.model.names().index(("differs", slot))
     before, after = (
-        joint.model.plant_at(joint.x, after=side).values[slot] / parameter.si for side in (False, True)
+        joint.model.plant_as_told(joint.x, after=side).values[slot] / parameter.si for side in (False, True)
     )
-    estimate = _estimate(compared, variable, place, after, parameter.si, parameter.unit)
+    positive = index >= len(joint.model.shared) or joint.model.shared[index].positive
+    estimate = _estimate(compared, place, after, parameter, positive=positive)
     return Change(
         parameter.name,
         before,
@@ -112,7 +114,7 @@ def _of_effect(compared: Compared, effect_id: str) -> Change:
             parameter = layout.parameters[slot]
             place = joint.model.names().index(("added", slot))
             value = plant.values[slot] / parameter.si
-            params[parameter.name] = _estimate(compared, variable, place, value, parameter.si, parameter.unit)
+            params[parameter.name] = _estimate(compared, place, value, parameter, positive=variable.positive)
     main = next(iter(params.values()))
     interval = main.interval_95 or (main.value, main.value)
     return Change(
@@ -121,13 +123,14 @@ def _of_effect(compared: Compared, effect_id: str) -> Change:
 
 
 def _estimate(
-    compared: Compared, variable: Variable, place: int, value: float, si: float, unit: str
+    compared: Compared, place: int, value: float, parameter: Parameter, *, positive: bool
 ) -> Estimate:
     std = math.sqrt(max(float(compared.covariance[place, place]), 0.0))
-    if variable.positive:
+    if positive:
         reach = math.exp(min(_Z * std, 50.0))
-        return Estimate(value, value * std, unit, (value / reach, value * reach))
-    return Estimate(value, std / si, unit, (value - _Z * std / si, value + _Z * std / si))
+        return Estimate(value, value * std, parameter.unit, (value / reach, value * reach))
+    std /= parameter.si
+    return Estimate(value, std, parameter.unit, (value - _Z * std, value + _Z * std))
 
 
 def _probability(compared: Compared, each: int | str) -> float:
@@ -145,7 +148,7 @@ def _refit(compared: Compared) -> dict[str, Moved]:
                 continue
             parameter = joint.model.plant.layout.parameters[slot]
             value = now[slot] / parameter.si
-            own = _estimate(compared, variable, place, value, parameter.si, parameter.unit)
+            own = _estimate(compared, place, value, parameter, positive=variable.positive)
             name = parameter.name if _is_plain(compared, slot.owner) else f"{slot.owner}.{parameter.name}"
             found[name] = Moved(given[slot] / parameter.si, value, own.std, parameter.unit, own.interval_95)
     return found
@@ -181,7 +184,7 @@ def _equation(compared: Compared) -> Equation | None:
     model = compared.chosen.joint.model
     if isinstance(most, str):
         return model.plant.layout.effect(most).equation_of
-    slot = model.shared[most].slots[0]
+    slot = model.ways[most].slot
     if slot.owner != BASE_OWNER:
         return model.plant.layout.effect(slot.owner).equation_of
     mechanical = slot.symbol == "inertia" or model.plant.layout.frame != "motor"

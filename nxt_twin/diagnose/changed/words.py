@@ -35,7 +35,7 @@ _PART_OF = {
         "voltage_drop",
         "current_limit",
     },
-    "supply": {"battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
+    "supply": {"supply_v", "battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
 }
 _NEARER = 0.8  # of an error: what a reader would call better
 _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
