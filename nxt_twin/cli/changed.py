@@ -55,6 +55,8 @@ def changed(
         first = _side(before, plant, mapping_of)
         others = [_side(each, plant, mapping_of) for each in afters]
         found = compare(first, _apart(first, others), tolerance=error_si, progress=tell)
+    if len(found) > 1:
+        _tell_among(found, json)
     for each in found:
         if json:
             many = len(found) > 1 and json != "-"
@@ -62,6 +64,17 @@ def changed(
         page = write_changes_report(each, report) if report else None
         if json != "-":
             show(each, page)
+
+
+def _tell_among(found: list[Changes], json: str | None) -> None:
+    """Say which of several units differs in what, and write it beside the files of each."""
+    from nxt_twin.diagnose.changed.among import among, to_json
+
+    units = among(found)
+    if json and json != "-":
+        emit_json(str(Path(json) / "units.json"), to_json(units))
+    if json != "-":
+        print(units.sentence)
 
 
 def show(changes: Changes, page: Path | None) -> None:

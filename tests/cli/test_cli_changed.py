@@ -59,7 +59,14 @@ def test_the_answer_has_the_keys_of_a_diagnosis_and_what_changed(table, tmp_path
         "changed", *sides, *sides[:1], *stated, "--json", tmp_path / "out", "--report", tmp_path / "pages"
     )
     assert "unchanged" in many.output
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"after.json", "before (3).json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "after.json",
+        "before (3).json",
+        "units.json",
+    }
+    units = json.loads((tmp_path / "out" / "units.json").read_text())
+    assert (units["differs"], units["alike"]) == ({"after": ["inertia"]}, ["before (3)"])
+    assert units["sentence"] in many.output.replace("\n", " ")
     assert {path.name for path in (tmp_path / "pages").iterdir()} == {"after.html", "before (3).html"}
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from diagnose_changed_pairs import answer, pair
 
+from nxt_twin.diagnose.changed.among import among
 from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.diagnose.changed.words import parameter_words
 from nxt_twin.errors import DiagnosisError, NxtTwinError
@@ -73,6 +74,23 @@ def test_sides_driven_in_different_ways_are_refused():
         changed(before, [replace(after, recordings=(replace(torque, columns=still),))])
     with pytest.raises(NxtTwinError):
         changed(replace(before, plant={"kind": "rigid_body", "inertia": 1.0}), [after])
+
+
+def test_of_several_units_the_one_that_differs_is_named():
+    other, same = answer(0, "inertia"), answer(0, "nothing")
+    one = among([replace(other, name="B"), replace(same, name="C")])
+    assert one.sentence.startswith("B differs in inertia 0.0011")
+    assert one.sentence.endswith("C is as before.")
+    assert (one.differs, one.alike, one.odd_first) == ({"B": ("inertia_kg_m2",)}, ("C",), ())
+    assert among([replace(same, name="B"), replace(same, name="C")]).sentence == "before, B and C are alike."
+
+
+def test_the_first_unit_is_the_odd_one_where_all_others_differ_from_it_alike():
+    other = answer(0, "inertia")
+    units = among([replace(other, name="B"), replace(other, name="C")])
+    assert units.odd_first == ("inertia_kg_m2",)
+    assert units.sentence.startswith("before is the odd one: inertia is 0.0011")
+    assert units.differs == {"B": (), "C": ()}
 
 
 def test_a_parameter_reads_without_its_unit():

@@ -154,7 +154,8 @@ class Chooser:
         own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect}
         model = joint.model.differing(tried.model.differs).lacking(effect, own, self._scale)
         common = self._fitter.fit(model, model.moved_from(tried.model, tried.x))
-        if self.net(joint, common) <= net or common.check_rms[0] > _WORSE * tried.check_rms[0]:
+        spoils = common.check_rms[0] > max(_WORSE * tried.check_rms[0], self._fitter.tolerance)
+        if self.net(joint, common) <= net or spoils:
             return False
         self._lacking.add(effect)
         return True

@@ -44,10 +44,8 @@ _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
 def sentence(verdict: ChangeVerdict, changes: Sequence[Change], fit: Fit, compared: Compared) -> str:
     """What changed, and by how much."""
     before, after = compared.before.name, compared.after.name
-    named = listed([_change(change) for change in changes])
-    errors = (
-        f"{fit.baseline:.3g} {fit.unit} with the model before, {fit.improved:.3g} {fit.unit} with the changes"
-    )
+    named = listed([change_words(change) for change in changes])
+    errors = f"{fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g}"
     if verdict == "unchanged":
         return (
             f"Nothing changed between {before} and {after}: one model predicts held-out windows of both. "
@@ -92,7 +90,8 @@ def parameter_words(name: str) -> str:
     return _UNIT_SUFFIX.sub("", name).replace("_", " ")
 
 
-def _change(change: Change) -> str:
+def change_words(change: Change) -> str:
+    """A change with its sizes: `inertia 0.001 → 0.002 kg·m²`."""
     unit = after_number(change.unit)
     if change.before is None:
         name = {effect.id: effect.name for effect in library().values()}[change.of]
