@@ -28,7 +28,7 @@ _NAMES = ("as before", "now", "of its own")
 
 @final
 @dataclass(frozen=True)
-class _DrawnRun:
+class _DrawnSide:
     """A recording after, and its picture."""
 
     run: HeldOutRun
@@ -60,7 +60,7 @@ def render_changes(changes: Changes) -> str:
         .render(
             changes=changes,
             verdicts=_VERDICTS,
-            drawn=[_DrawnRun(run, _draw(changes, run, number)) for number, run in enumerate(runs)],
+            drawn=[_DrawnSide(run, _draw(changes, run, number)) for number, run in enumerate(runs)],
             largest_fit=largest(fit.baseline, fit.improved, fit.floor),
             parameters=[change for change in changes.changes if change.before is not None],
             effects=[(effect, _change_of(changes, effect.id)) for effect in changes.effects],

@@ -48,7 +48,8 @@ def test_a_supply_that_nobody_read_is_told_from_the_motor():
     (change,) = found.changes
     assert (found.verdict, change.of) == ("changed", "supply_v")
     assert change.after / change.before == pytest.approx(0.8, rel=0.02)
-    assert found.sentence.startswith("The supply changed, the motor did not")
+    assert found.sentence.startswith("The supply changed: supply")
+    assert "The motor did not change." in found.sentence
     keys = found.plant.to_config()
     assert keys["supply_v"] == pytest.approx(change.after, rel=1e-3)
     assert keys["resistance_ohm"] == pytest.approx(found.refit["resistance_ohm"].after, rel=1e-3)

@@ -14,7 +14,7 @@ from nxt_twin.blind.case import SEAL_FILE, ConcealedCase
 from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.make import SALT_BYTES, write_case
 from nxt_twin.blind.pairs.bench import Bench, Truth, bench_of
-from nxt_twin.blind.pairs.touches import TOUCHES, Touch, stand_together
+from nxt_twin.blind.pairs.touches import TOUCHES, MotorTouch, stand_together
 from nxt_twin.blind.sets import LARGEST_SEED
 from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.errors import NxtTwinError
@@ -99,7 +99,7 @@ def make_pair(plan: PairPlan) -> ConcealedCase:
     return ConcealedCase(plan.name, content, (*before, *after), answer, bench.sidecar)
 
 
-def _touched(rng: Generator, bench: Bench, sides: _Sides, touch: Touch) -> _Sides:
+def _touched(rng: Generator, bench: Bench, sides: _Sides, touch: MotorTouch) -> _Sides:
     before, after, given = sides.before, sides.after, sides.given
     params: Mapping[str, float] = {}
     if touch.effect:

@@ -8,7 +8,7 @@ from typing import Final, final
 
 @final
 @dataclass(frozen=True)
-class Touch:
+class MotorTouch:
     """One thing that changes.
 
     Attributes:
@@ -34,38 +34,38 @@ class Touch:
     battery_unread: bool = False
 
 
-def _new(effect: str, *companions: str) -> Touch:
-    return Touch(effect, frozenset({effect}), effect, companions=frozenset(companions))
+def _new(effect: str, *companions: str) -> MotorTouch:
+    return MotorTouch(effect, frozenset({effect}), effect, companions=frozenset(companions))
 
 
 _COULOMB = ("coulomb_forward_nm", "coulomb_reverse_nm")
 
-TOUCHES: Final[dict[str, Touch]] = {
+TOUCHES: Final[dict[str, MotorTouch]] = {
     touch.id: touch
     for touch in (
-        Touch("inertia", frozenset({"inertia_kg_m2"}), scales=("inertia_kg_m2",), factors=(1.4, 2.5)),
-        Touch(
+        MotorTouch("inertia", frozenset({"inertia_kg_m2"}), scales=("inertia_kg_m2",), factors=(1.4, 2.5)),
+        MotorTouch(
             "coulomb_friction",
             frozenset({"coulomb_friction_nm"}),
             scales=_COULOMB,
             factors=(2.0, 4.0),
             either=False,
         ),
-        Touch(
+        MotorTouch(
             "viscous_friction",
             frozenset({"viscous_friction_nm_s_per_rad"}),
             scales=("viscous_friction_nm_s_per_rad",),
             factors=(1.8, 3.5),
             either=False,
         ),
-        Touch(
+        MotorTouch(
             "supply",
             frozenset({"supply_v"}),
             scales=("battery_v", "supply_v"),
             factors=(1.12, 1.3),
             battery_unread=True,
         ),
-        Touch(
+        MotorTouch(
             "gravity",
             frozenset({"gravity_torque_nm"}),
             "gravity_load",
@@ -74,7 +74,7 @@ TOUCHES: Final[dict[str, Touch]] = {
             before=True,
             companions=frozenset({"inertia_kg_m2"}),
         ),
-        Touch(
+        MotorTouch(
             "spring",
             frozenset({"stiffness_nm_per_rad"}),
             "spring_load",
@@ -95,7 +95,7 @@ TOUCHES: Final[dict[str, Touch]] = {
 """All of them; effects come in medium and large sizes."""
 
 
-def stand_together(one: Touch, other: Touch) -> bool:
+def stand_together(one: MotorTouch, other: MotorTouch) -> bool:
     """Whether both can be done at once, and told apart afterwards."""
     friction = {"coulomb_friction", "stiction"}
     both = {one.id, other.id}

@@ -27,7 +27,7 @@ _SUPPLY = Slot(BASE_OWNER, "supply_v")
 
 @final
 @dataclass(frozen=True)
-class Way:
+class WayToDiffer:
     """One way in which the plant may differ after, moved by one number inside.
 
     A supply that nobody read is such a way: motion under s times the voltage is that of a torque constant 1/s times,
@@ -74,7 +74,7 @@ class Model:
 
     plant: Plant
     shared: tuple[Variable, ...]
-    ways: tuple[Way, ...]
+    ways: tuple[WayToDiffer, ...]
     differs: tuple[int, ...]
     effects: tuple[str, ...]
     after: Plant
@@ -235,14 +235,14 @@ def _shared(plant: Plant, variables: tuple[Variable, ...], *, supply_unread: boo
     index = {variable.slots[0].symbol: n for n, variable in enumerate(variables)}
     if supply_unread and _SUPPLY in plant.values and index.keys() >= _MOTOR:
         weights = ((index["torque_constant"], -1.0), (index["resistance"], -2.0))
-        ways.append(Way(_SUPPLY, weights, _SUPPLY_SPREAD, _SUPPLY_REACH, 1.0))
+        ways.append(WayToDiffer(_SUPPLY, weights, _SUPPLY_SPREAD, _SUPPLY_REACH, 1.0))
     return Model(plant, variables, tuple(ways), (), (), plant, ())
 
 
-def _own_way(n: int, variable: Variable) -> Way:
+def _own_way(n: int, variable: Variable) -> WayToDiffer:
     slot, weights = variable.slots[0], ((n, 1.0),)
     if variable.positive:
         spread = _MOTOR_SPREAD if slot.symbol in _MOTOR else _SPREAD
-        return Way(slot, weights, spread, float(np.log(_LARGEST_FACTOR)), 1.0)
+        return WayToDiffer(slot, weights, spread, float(np.log(_LARGEST_FACTOR)), 1.0)
     spread = variable.scale if np.isinf(variable.spread) else max(variable.scale, variable.spread)
-    return Way(slot, weights, spread, variable.upper - variable.lower, max(variable.scale, 1e-12))
+    return WayToDiffer(slot, weights, spread, variable.upper - variable.lower, max(variable.scale, 1e-12))
