@@ -24,6 +24,7 @@ _INTERRUPTED_WITHIN = 130  # what typer leaves with, without a word, when a comm
 
 COMMANDS: Mapping[str, str] = MappingProxyType(
     {
+        "tour": "Be led through the first minutes, on a mock brick.",
         "demo": "Watch the whole loop without hardware.",
         "diagnose": "Find the physics that a model leaves out, from recordings.",
         "changed": "Say what differs between recordings made before and after.",

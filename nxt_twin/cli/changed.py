@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
@@ -50,6 +51,7 @@ def changed(
     from nxt_twin.view.changes_report import write_changes_report
 
     error_si = tolerated(tolerance)
+    tell_of_compiling()
     mapping_of = stated_mapping(mapping, columns)
     with progress(f"{before} and after") as tell:
         first = _side(before, plant, mapping_of)

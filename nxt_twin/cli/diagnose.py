@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
@@ -50,6 +51,7 @@ def diagnose(
 
     failed = False
     error_si = tolerated(tolerance)
+    tell_of_compiling()
     mapping_of = stated_mapping(mapping, columns)
     for path, label in zip(paths, _labels(paths), strict=True):
         try:

@@ -11,6 +11,7 @@ import numpy as np
 import typer
 import yaml
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.diagnose.engine import fit_as_it_stands
@@ -35,6 +36,7 @@ def fit(
     if is_robot_case(case):
         _show_robot(case, json, model_out)
         return
+    tell_of_compiling()
     with progress(str(path)):
         structure = fit_as_it_stands(case)
     plant, fitted = structure.plant, structure.fitted

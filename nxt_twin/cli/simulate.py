@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 
@@ -37,6 +38,7 @@ def simulate(
     from nxt_twin.recording.recording import Recording
 
     source = _source(recording, stated_mapping(mapping, columns))
+    tell_of_compiling()
     found = _predicted(model, source, restart_every)
     if out:
         whole = {**source.columns, **{each.channel: each.values for each in found}}

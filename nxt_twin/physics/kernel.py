@@ -46,8 +46,19 @@ def turning(plan: Layout) -> Callable[..., None]:
     return drive
 
 
+def is_compiled(plan: Layout) -> bool:
+    """Whether an earlier process compiled the kernel of `plan` on this machine and the cache still has it."""
+    name = _name(plan, plan.base.kind, source(plan))
+    elsewhere = os.environ.get("NUMBA_CACHE_DIR")
+    return any((Path(elsewhere) if elsewhere else _folder()).rglob(f"{name}.*.nbi"))
+
+
+def _name(plan: Layout, kind: str, text: str) -> str:
+    return f"{kind}_{plan.frame}_{fingerprint(plan, text)}"
+
+
 def _compiled(plan: Layout, kind: str, text: str) -> ModuleType:
-    name = f"{kind}_{plan.frame}_{fingerprint(plan, text)}"
+    name = _name(plan, kind, text)
     path = _folder() / f"{name}.py"
     if not path.exists():
         _write_whole(path, text)

@@ -1,0 +1,51 @@
+"""The tutorials do what they say: each command is run in an empty folder, and its output is compared."""
+
+import pytest
+
+PAGES = {
+    "first-brick": {"usb:": "mock:"},
+    "without-a-brick": {},
+    "only-a-csv": {},
+    "robot-world": {},
+}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_command_of_the_tutorial_says_what_the_page_says(name, root, tmp_path, monkeypatch):
+    import tutorials
+
+    if name == "robot-world":
+        pytest.importorskip("pybullet")
+    monkeypatch.setenv("PYTHONPATH", str(root))
+    page = (root / "docs" / "tutorials" / f"{name}.md").read_text(encoding="utf-8")
+    assert len([step for step in tutorials.steps(page) if not step.file]) >= 2
+    assert list(tutorials.played(page, tmp_path, PAGES[name])) == []
+
+
+@pytest.mark.parametrize(
+    ("expected", "said", "alike"),
+    [
+        ("a\nb\n", "a\nb\n", True),
+        ("a\n...\nd\n", "a\nb\nc\nd\n", True),
+        ("a\n...\nd\n", "a\nd\n", True),
+        ("...\nd\n", "a\nb\nd\n", True),
+        ("a\n...\n", "a\nb\nc\n", True),
+        ("speed ... deg\n", "speed 3.4 deg\n", True),
+        ("a\nb\n", "a\nc\n", False),
+        ("a\n", "a\nb\n", False),
+        ("speed ... deg\n", "speed 3.4 rad\n", False),
+    ],
+)
+def test_dots_stand_for_anything_and_nothing_else_does(expected, said, alike):
+    import tutorials
+
+    assert tutorials.matches(expected, said) is alike
+
+
+def test_a_command_that_says_something_else_or_fails_is_told(tmp_path):
+    import tutorials
+
+    page = '```python title="one.py"\nprint(1)\n```\n\n```console\n$ python one.py\n2\n$ python no-such.py\n```\n'
+    wrong, failed = tutorials.played(page, tmp_path, {})
+    assert "is to say\n2" in wrong
+    assert "leaves with 2" in failed
