@@ -73,7 +73,7 @@ def verbs(text: str) -> Iterator[str]:
     """Commands that no page calls, and arguments and options whose help says nothing."""
     for names, command in cli_page.commands():
         words = names.split()
-        if not re.search(rf"nxt-twin {' '.join(words)}\b|`{words[-1]}`", text):
+        if not re.search(rf"(?:nxt-twin |`){' '.join(words)}\b", text):
             yield f"nxt-twin {names}: no page tells of this command; write `nxt-twin {names}` in one"
         if not (command.help or "").strip():
             yield f"nxt-twin {names}: says nothing of itself; write its docstring"
