@@ -14,9 +14,11 @@ from __future__ import annotations
 import argparse
 import difflib
 import importlib
+import math
 import multiprocessing
 import os
 import random
+import resource
 import shutil
 import sys
 import tempfile
@@ -68,7 +70,10 @@ _IMPORTED: Final = [
     "scipy.linalg",
     "yaml",
 ]
-_TIMEOUT_S: Final = 240.0
+_TIMEOUT_S: Final = 600.0
+_SLOWER: Final = 3.0
+_SPARE_S: Final = 5.0
+"""A change may make tests so many times slower, and by so much; then a loop never ends, and the change is noticed."""
 
 
 @final
@@ -116,15 +121,17 @@ def _score(
     copy: Path, file: str, tests: tuple[str, ...], sample: int, chance: random.Random
 ) -> tuple[int, int]:
     code = (ROOT / file).read_text(encoding="utf-8")
+    begun_s = _spent_s()
     if not _passes(copy, tests):
         sys.exit(f"{file}: its tests fail without any change")
+    most_s = _SPARE_S + _SLOWER * (_spent_s() - begun_s)
     noticed = made = 0
     for mutation in _sampled(code, sample, chance):
         changed = mutate_code(code, get_operator(mutation.operator)(), mutation.occurrence)
         if changed is None or changed == code:
             continue
         (copy / file).write_text(changed, encoding="utf-8")
-        survived = _passes(copy, tests)
+        survived = _passes(copy, tests, most_s)
         made += 1
         noticed += not survived
         if survived:
@@ -155,8 +162,14 @@ def _possible(code: str) -> Iterator[tuple[object, Mutation]]:
         yield from ((place, Mutation(name, number)) for number, place in enumerate(places))
 
 
-def _passes(copy: Path, tests: tuple[str, ...]) -> bool:
-    child = multiprocessing.get_context("fork").Process(target=_run, args=(copy, tests))
+def _spent_s() -> float:
+    """Processor time of the forks that have ended."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
+
+def _passes(copy: Path, tests: tuple[str, ...], most_s: float = _TIMEOUT_S) -> bool:
+    """Whether the tests pass within so much processor time."""
+    child = multiprocessing.get_context("fork").Process(target=_run, args=(copy, tests, most_s))
     child.start()
     child.join(_TIMEOUT_S)
     if child.is_alive():
@@ -165,8 +178,9 @@ def _passes(copy: Path, tests: tuple[str, ...]) -> bool:
     return child.exitcode == 0
 
 
-def _run(copy: Path, tests: tuple[str, ...]) -> None:
+def _run(copy: Path, tests: tuple[str, ...], most_s: float) -> None:
     """Run the tests on the copy, in silence, and leave with pytest's exit status."""
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(most_s),) * 2)
     os.chdir(copy)
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
