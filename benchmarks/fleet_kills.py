@@ -26,7 +26,7 @@ _WORKERS: Final = 2
 def report() -> Iterator[str]:
     """One line: kills, and tasks without a result."""
     draw = random.Random(1)
-    moments = iter(sorted(draw.sample(range(TASKS - 100), KILLS)))
+    moments = iter(sorted(draw.sample(range(TASKS - 1000), KILLS)))
     due, kills, ended = next(moments), 0, 0
     results, pids, dead = set(), set(), set()
     for outcome in each(_nap, range(TASKS), Processes(_WORKERS)):
