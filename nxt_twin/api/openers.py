@@ -20,12 +20,13 @@ from nxt_twin.mock.serve.profile import PROFILES
 if TYPE_CHECKING:
     from nxt_twin.mock.body.body import Body
     from nxt_twin.mock.body.world import World
+    from nxt_twin.mock.start import Bodies
 
 
 _SEED: Final = re.compile(r"[0-9]{1,18}")
 
 
-def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
+def open_mock(address: str, clock: Clock, *, ready: bool = True, bodies: Bodies | None = None) -> Link:
     """Switch on a mock brick.
 
     Args:
@@ -33,6 +34,7 @@ def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
             ``conceal=FILE``, joined by ``&``.
         clock: what the brick's time follows.
         ready: load what motors need in order to move; it takes half a second.
+        bodies: makes the brick's body; by default `world_bodies`.
 
     Raises:
         LinkUrlError: the address is not of that form, or names no profile.
@@ -50,7 +52,7 @@ def open_mock(address: str, clock: Clock, *, ready: bool = True) -> Link:
         seed=int(wanted.get("seed", "0")),
         profile=wanted.get("profile", "none"),
         change=concealing(wanted.get("conceal")),
-        bodies=world_bodies,
+        bodies=bodies or world_bodies,
         ready=ready,
         late=LinkTimeoutError,
         lost=LinkLostError,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import typer
 
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.open import open_brick
+from nxt_twin.brick.open import Opener, open_brick
 from nxt_twin.cli.lingering import linger
 from nxt_twin.cli.output import fail
 from nxt_twin.cli.showing import Showing
@@ -22,7 +22,12 @@ LIVE_SCHEMA = "nxt-twin/live/1"
 
 
 def hold(
-    url: str, options: LiveOptions, seconds: float | None, showing: Showing, also: Sequence[Sink] = ()
+    url: str,
+    options: LiveOptions,
+    seconds: float | None,
+    showing: Showing,
+    also: Sequence[Sink] = (),
+    openers: Mapping[str, Opener] = OPENERS,
 ) -> tuple[Outcome, dict[str, Any]]:
     """Hold a session with the brick at `url`, and conclude it; the sinks `also` get its polls and events too.
 
@@ -37,7 +42,7 @@ def hold(
     get_ready(options.plants, adopting=options.adopt)
     clock = SystemClock()
     told = audience(tuple(options.plants), options.channels, showing, also)
-    sitting = live_sitting(options, lambda: open_brick(url, clock, OPENERS), clock, told.sink())
+    sitting = live_sitting(options, lambda: open_brick(url, clock, openers), clock, told.sink())
     ended = watch(sitting, seconds, told)
     outcome = sitting.outcome()
     document = conclude(outcome, told, showing)

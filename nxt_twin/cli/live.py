@@ -11,6 +11,7 @@ from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import Showing, View
 
 if TYPE_CHECKING:
+    from nxt_twin.api.robots import WatchedRobot
     from nxt_twin.recording.columns import Port
     from nxt_twin.recording.program import MotorProgram
 
@@ -32,6 +33,12 @@ def live(
     adopt: Annotated[
         bool, typer.Option("--adopt", help="Diagnose a divergence and adopt the improved model.")
     ] = False,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PLANT", help="A differential_drive: watch its ghost in the world of mock:?world=FILE."
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Record the session: .csv or .parquet.")] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the adopted plant as YAML.")] = None,
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
@@ -76,7 +83,26 @@ def live(
     showing = Showing(
         title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json
     )
-    hold(found, options, seconds or None, showing)
+    watched = None if robot is None else _watched(robot, found, silent=json == "-")
+    if watched is None:
+        hold(found, options, seconds or None, showing)
+    else:
+        hold(found, options, seconds or None, showing, [watched], {"mock": watched.open})
+
+
+def _watched(robot: str, url: str, *, silent: bool) -> WatchedRobot:
+    """The robot in the world behind a URL, beside its ghost."""
+    from nxt_twin.api.robots import WatchedRobot
+    from nxt_twin.cli.watching import Printer
+    from nxt_twin.physics.robot.drive import drive_from_config
+    from nxt_twin.recording.configs import load_plant_config
+
+    if not url.startswith("mock:?") or "world=" not in url:
+        raise typer.BadParameter(
+            "only a robot in mock:?world=FILE has a pose that can be seen", param_hint="--robot"
+        )
+    drive = drive_from_config(load_plant_config(robot))
+    return WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
 
 
 def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:

@@ -49,3 +49,18 @@ def quaternion_to_matrix(quaternion: tuple[float, float, float, float]) -> Float
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+@final
+class Heading:
+    """A heading over time, which goes on beyond half a turn."""
+
+    def __init__(self) -> None:
+        self._deg: float | None = None
+
+    def of(self, pose: Pose) -> float:
+        """The heading of the next pose, deg, not wrapped."""
+        if self._deg is None:
+            self._deg = pose.heading_deg
+        self._deg += (pose.heading_deg - self._deg + 180.0) % 360.0 - 180.0
+        return self._deg

@@ -1,0 +1,95 @@
+"""A robot in the world of a mock brick, watched beside its ghost during a live session."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+from typing import Final, final
+
+from nxt_twin.api.openers import open_mock, world_bodies
+from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.link import Link
+from nxt_twin.mock.body.body import Body
+from nxt_twin.mock.body.world import World
+from nxt_twin.physics.robot.drive import DifferentialDrive
+from nxt_twin.recording.columns import PORTS, tacho_column
+from nxt_twin.twin.beside import diagnosing
+from nxt_twin.twin.records import Event, Tick
+from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
+from nxt_twin.world.arena import Arena, open_arena
+from nxt_twin.world.load import setting_of
+from nxt_twin.world.pose import Heading
+
+_LOOK_STEPS: Final = 4
+_KEPT: Final = 1000
+"""Looks: the last four seconds, in which a poll's counts are found again."""
+
+
+@final
+class WatchedRobot:
+    """A session's sink, and the opener of the `mock:` URL whose world it sees the robot in.
+
+    Args:
+        drive: the model of the robot's wheels.
+        tell: told of what is found.
+        executor: where a diagnosis runs; by default beside the session.
+    """
+
+    def __init__(
+        self, drive: DifferentialDrive, tell: Callable[[Event], None], executor: Executor | None = None
+    ) -> None:
+        self.twin = RobotTwin(drive, executor or diagnosing())
+        self._channels = tuple(tacho_column(port) for port in (drive.left, drive.right))
+        self._tell = tell
+        self._ports = tuple(PORTS.index(port) for port in (drive.left, drive.right))
+        self._arena: Arena | None = None
+        self._heading = Heading()
+        self._seen: deque[RobotReading] = deque(maxlen=_KEPT)
+        self._steps = 0
+
+    def open(self, address: str, clock: Clock) -> Link:
+        """Switch on the mock brick of an address, as `open_mock` does, and keep its world.
+
+        Raises:
+            LinkUrlError: the address is not of its form.
+            WorldError: the world file is none.
+        """
+        return open_mock(address, clock, bodies=self._body)
+
+    def _body(self, world: World, file: Path | None, seed: int, *, ready: bool) -> Body:
+        if world.robot is None:
+            return world_bodies(world, file, seed, ready=ready)
+        self._arena = open_arena(setting_of(world, file or Path("world")), seed)
+        self._arena.watchers.append(self._look)
+        return self._arena.body
+
+    def _look(self) -> None:
+        self._steps += 1
+        if self._arena is None or self._steps % _LOOK_STEPS:
+            return
+        pose, counts = self._arena.robot_pose(), self._arena.body.tacho_counts()
+        x_m, y_m = pose.at_m[:2].tolist()
+        left, right = (counts[port] for port in self._ports)
+        self._seen.append(RobotReading(self._arena.time_s, left, right, x_m, y_m, self._heading.of(pose)))
+
+    def tick(self, tick: Tick) -> None:
+        """Compare the robot with its ghost at a poll that read both wheels."""
+        counts = {each.channel: each.measured for each in tick.innovations}
+        left, right = (counts.get(channel) for channel in self._channels)
+        if left is None or right is None or not self._seen:
+            return
+        # The brick went on after it answered; the counts tell at which moment the poll saw it.
+        then = min(
+            reversed(self._seen), key=lambda seen: abs(seen.left_deg - left) + abs(seen.right_deg - right)
+        )
+        for event in self.twin.see(replace(then, left_deg=left, right_deg=right)):
+            self._tell(replace(event, time_s=tick.received_s))
+
+    def event(self, event: Event) -> None:
+        """Nothing: the motors' events are the session's."""
+
+    def close(self) -> None:
+        """Nothing to finish."""

@@ -1,0 +1,77 @@
+"""A robot and its ghost, in a world: they part when a wheel is another, and come together once that is known."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, Future
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from nxt_twin.cli.app import program
+from nxt_twin.physics.robot.drive import drive_from_config
+from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
+from nxt_twin.world.arena import open_arena
+from nxt_twin.world.load import load_setting
+from nxt_twin.world.pose import Heading
+
+LEGS = ((0, 0, 0.2), (35, 35, 2.0), (30, -30, 0.9), (35, 35, 2.0), (-30, 30, 1.2), (0, 0, 0.3), (40, 30, 2.0))
+
+
+class AtOnce(Executor):
+    """Does each thing when it is submitted."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        done = Future()
+        done.set_result(fn(*args, **kwargs))
+        return done
+
+
+def drive(twin, arena, legs):
+    """What the twin says while a robot drives."""
+    said, heading = [], Heading()
+    for left, right, seconds in legs:
+        for port, power in ((1, left), (2, right)):
+            arena.body.set_motor(port, power, brake=True)
+        for _ in range(round(seconds / 0.02)):
+            for _ in range(20):
+                arena.body.step()
+            counts, pose = arena.body.tacho_counts(), arena.robot_pose()
+            x_m, y_m = pose.at_m[:2].tolist()
+            said += twin.see(RobotReading(arena.time_s, counts[1], counts[2], x_m, y_m, heading.of(pose)))
+    return said
+
+
+@pytest.fixture
+def watched(tmp_path):
+    def watch(radius_mm):
+        path = tmp_path / "world.yaml"
+        path.write_text(
+            yaml.safe_dump({"robot": {"like": "castor_bot", "wheels": {"right": {"radius_mm": radius_mm}}}})
+        )
+        return RobotTwin(drive_from_config(load_plant_config("castor_bot")), AtOnce()), open_arena(
+            load_setting(path)
+        )
+
+    return watch
+
+
+def test_robot_and_ghost_part_at_a_smaller_wheel_are_told_why_and_are_together_again(watched):
+    twin, arena = watched(27.0)
+    said = drive(twin, arena, LEGS * 2)
+    assert [event.kind for event in said] == ["divergence", "effect_named", "adopted", "calm"]
+    assert "unequal_wheels" in said[2].words
+    assert twin.drive.geometry.wheel_radius_ratio == pytest.approx(27.0 / 28.0, abs=0.003)
+    assert said[0].time_s < 4.0
+
+
+def test_robot_and_ghost_stay_together_where_the_model_is_right(watched):
+    twin, arena = watched(28.0)
+    assert drive(twin, arena, LEGS) == []
+
+
+def test_a_ghost_is_watched_only_where_a_pose_can_be_seen():
+    result = CliRunner().invoke(program(["live"]), ["live", "mock:", "--robot", "castor_bot", "--yes"])
+    assert result.exit_code == 2
+    assert "mock:?world=FILE" in result.output
