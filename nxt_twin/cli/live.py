@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
@@ -11,12 +11,25 @@ from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import Showing, View
 
 if TYPE_CHECKING:
-    from nxt_twin.api.robots import WatchedRobot
+    from collections.abc import Mapping, Sequence
+
+    from nxt_twin.brick.open import Opener
     from nxt_twin.recording.columns import Port
     from nxt_twin.recording.program import MotorProgram
+    from nxt_twin.twin.records import Sink
 
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
+
+RobotOption = Annotated[
+    str | None,
+    typer.Option(metavar="PLANT", help="A differential_drive: watch its ghost in mock:?world=FILE."),
+]
+
+
+class _Beside(TypedDict, total=False):
+    also: Sequence[Sink]
+    openers: Mapping[str, Opener]
 
 
 def live(
@@ -25,20 +38,13 @@ def live(
     ports: Annotated[str, typer.Option(help="Ports of the motors to watch.")] = "abc",
     sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = _AS_SHIPPED,
     program: Annotated[
-        str, typer.Option(help="A motor program: a file or a name; none: only watch.")
+        str, typer.Option(help="A motor program: file or name; none: only watch.")
     ] = _BUILT_IN,
     seconds: Annotated[
         float, typer.Option(min=0.0, help="Length of the session; 0: until Ctrl-C. The program repeats.")
     ] = 30.0,
-    adopt: Annotated[
-        bool, typer.Option("--adopt", help="Diagnose a divergence and adopt the improved model.")
-    ] = False,
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PLANT", help="A differential_drive: watch its ghost in the world of mock:?world=FILE."
-        ),
-    ] = None,
+    adopt: Annotated[bool, typer.Option("--adopt", help="Diagnose a divergence, adopt the model.")] = False,
+    robot: RobotOption = None,
     out: Annotated[Path | None, typer.Option(help="Record the session: .csv or .parquet.")] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the adopted plant as YAML.")] = None,
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
@@ -83,15 +89,13 @@ def live(
     showing = Showing(
         title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json
     )
-    watched = None if robot is None else _watched(robot, found, silent=json == "-")
-    if watched is None:
-        hold(found, options, seconds or None, showing)
-    else:
-        hold(found, options, seconds or None, showing, [watched], {"mock": watched.open})
+    hold(found, options, seconds or None, showing, **_beside(robot, found, silent=json == "-"))
 
 
-def _watched(robot: str, url: str, *, silent: bool) -> WatchedRobot:
-    """The robot in the world behind a URL, beside its ghost."""
+def _beside(robot: str | None, url: str, *, silent: bool) -> _Beside:
+    """Who else is told of a session: the robot in the world behind the URL, beside its ghost."""
+    if robot is None:
+        return {}
     from nxt_twin.api.robots import WatchedRobot
     from nxt_twin.cli.watching import Printer
     from nxt_twin.physics.robot.drive import drive_from_config
@@ -102,7 +106,8 @@ def _watched(robot: str, url: str, *, silent: bool) -> WatchedRobot:
             "only a robot in mock:?world=FILE has a pose that can be seen", param_hint="--robot"
         )
     drive = drive_from_config(load_plant_config(robot))
-    return WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
+    watched = WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
+    return {"also": [watched], "openers": {"mock": watched.open}}
 
 
 def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:

@@ -55,7 +55,7 @@ class RobotReading:
 
 
 @final
-class Ghost:
+class WheelGhost:
     """A pose by wheels alone.
 
     Args:
@@ -116,7 +116,7 @@ class RobotTwin:
         self.drive = drive
         self._executor = executor
         self._rows: list[RobotReading] = []
-        self._ghost: Ghost | None = None
+        self._ghost: WheelGhost | None = None
         self._driven_s = 0.0
         self._needed_s = GATHERED_S
         self._apart = self._adopted = False
@@ -129,14 +129,14 @@ class RobotTwin:
             return []
         self._rows.append(reading)
         if last is None or self._ghost is None:
-            self._ghost = Ghost(self.drive, reading)
+            self._ghost = WheelGhost(self.drive, reading)
             return []
         if (reading.left_deg, reading.right_deg) != (last.left_deg, last.right_deg):
             self._driven_s += reading.time_s - last.time_s
         self._ghost.follow(reading)
         return [*self._answered(reading), *self._compared(reading, self._ghost)]
 
-    def _compared(self, reading: RobotReading, ghost: Ghost) -> list[Event]:
+    def _compared(self, reading: RobotReading, ghost: WheelGhost) -> list[Event]:
         away_m, turned_deg = ghost.apart()
         where = f"{1e3 * away_m:.0f} mm and {abs(turned_deg):.1f}° apart after {ghost.path_m:.2f} m"
         said: list[Event] = []
@@ -166,7 +166,7 @@ class RobotTwin:
 
     def _adopt(self, answer: RobotAnswer, reading: RobotReading) -> list[Event]:
         """Take over the model, and set the ghost where the robot is."""
-        self.drive, self._ghost = answer.model, Ghost(answer.model, reading)
+        self.drive, self._ghost = answer.model, WheelGhost(answer.model, reading)
         self._rows, self._driven_s, self._needed_s = [reading], 0.0, GATHERED_S
         self._apart, self._adopted = False, True
         names = ", ".join(effect.id for effect in answer.diagnosis.effects)
