@@ -32,9 +32,9 @@ from nxt_twin.diagnose.judging.sight import in_sight
 from nxt_twin.diagnose.judging.verdict import is_patchwork, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
-from nxt_twin.diagnose.search.searched import searched
+from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
-from nxt_twin.diagnose.telling.estimates import refitted
+from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.telling.notes import notes, on_the_load
 from nxt_twin.diagnose.where.mismatch import mismatch_of
@@ -92,7 +92,11 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     """Search for what the baseline lacks, and gather all that the verdict rests on."""
     found = searched(simulator, problem, progress)
     progress("judging on what was held out")
-    return gather(simulator, problem, found, rng)
+    evidence = gather(simulator, problem, found, rng)
+    while (vague := vague_effect(evidence)) is not None:
+        found = lessened(simulator, problem, found, vague)
+        evidence = gather(simulator, problem, found, rng)
+    return evidence
 
 
 def fit_as_it_stands(case: Case) -> Structure:

@@ -20,6 +20,7 @@ from nxt_twin.recording.recording import GOALS, InputKind, Recording
 
 _FEWEST_READINGS = 10
 _QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
+_AT_REST = 0.05  # of the largest effort
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
 _TACHO_STEP_DEG = 1.0
 _MEASURED_SHARE = 0.8  # of the rows with a supply reading, above which the supply is used as measured
@@ -209,7 +210,7 @@ def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray
 
     That line is a robust one through the slow, noisy readings taken at the least command. A reading shows whatever the
     motors drew at that moment; taken one by one, or all alike, few readings would smuggle a part of the sag into the
-    model. Theil-Sen: the median of the slopes between the halves.
+    model. Theil-Sen: the median of the slopes between the halves. Readings at rest, if only one, set its level.
     """
     if readings is None or not np.isfinite(readings).any():
         return np.full(time_s.size, np.nan)
@@ -217,13 +218,15 @@ def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray
     if known.mean() >= _MEASURED_SHARE and np.unique(readings[known]).size > 1:
         return _held(readings, start=float(readings[known][0]))
     effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
-    known &= effort <= max(np.quantile(effort[known], _QUIET_SHARE), 0.05 * float(effort.max()))
+    at_rest = known & (effort <= _AT_REST * float(effort.max()))
+    known &= at_rest | (effort <= np.quantile(effort[known], _QUIET_SHARE))
     t, v = time_s[known], readings[known]
     half = t.size // 2
     slope = 0.0
     if half >= 3 and t[-half:].min() > t[:half].max():
         slope = float(np.median((v[-half:] - v[:half]) / (t[-half:] - t[:half])))
-    return np.asarray(np.median(v - slope * t) + slope * time_s)
+    level = at_rest if at_rest.any() else known
+    return np.asarray(np.median(readings[level] - slope * time_s[level]) + slope * time_s)
 
 
 def _changes(command: FloatArray, mode: FloatArray, supply: FloatArray) -> BoolArray:

@@ -93,7 +93,8 @@ def test_the_battery_that_all_share_is_named_with_its_own_resistance(cases, how,
 
 def test_where_the_battery_hardly_matters_to_a_simulation_it_may_go_unnamed(cases):
     found = _diagnosed(cases["two"], "b")
-    assert found.verdict == "adequate"
+    assert found.verdict != "unexplained"
+    assert {effect.id for effect in found.effects} <= {"battery_sag"}
     assert found.fit.improved < found.tolerance.value
 
 

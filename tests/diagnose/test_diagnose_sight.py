@@ -13,7 +13,7 @@ from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases
 from nxt_twin.diagnose.judging.detectable import detectable
 from nxt_twin.diagnose.judging.sight import lacks
 from nxt_twin.diagnose.search import settling
-from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS
+from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
@@ -46,7 +46,7 @@ def gained(simulator, effect_id, size):
     symbol = final.plant.layout.effect(effect_id).parameters[0].symbol
     richer = settling.settled(fitter, bare.plant.with_effect(effect_id, {symbol: size}), bare.noise)
     weight = weigh(bare, richer)
-    return weight.gain > GAIN_NATS and weight.total > GAIN_NATS + CHECK_NATS
+    return weight.gain > LIMITS.gain_nats and weight.total > LIMITS.gain_nats + LIMITS.check_nats
 
 
 @pytest.mark.parametrize("effect_id", TRUTH)

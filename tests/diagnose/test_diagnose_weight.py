@@ -3,6 +3,7 @@
 import math
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from nxt_twin.diagnose.search.weight import free_run_ratio, weigh
@@ -15,6 +16,11 @@ MOTOR = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
 READINGS = 1000
 
 
+def windows(errors):
+    """Two windows of each kind of run, about errors so large."""
+    return tuple(np.array([0.5 * error, 2.0 * error, np.nan]) for error in errors)
+
+
 def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0):
     """A fitted structure as `weigh` reads one."""
     fitted = SimpleNamespace(variables=[None] * variables, readings=READINGS)
@@ -22,7 +28,7 @@ def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0):
         fitted=fitted,
         fitted_cost=cost,
         check_cost=check_cost,
-        free_run_rms=(1.0, 1.0),
+        window_errors=windows((1.0, 1.0)),
         believed=READINGS,
         plant=plant,
     )
@@ -69,7 +75,7 @@ def weighed(*, runs=(1.0, 1.0), check=0.0, plant=MOTOR, believed=READINGS):
     """A richer structure whose two free runs err by these ratios, with so much more likelihood on check readings."""
     simpler = structure(cost=200.0, check_cost=100.0)
     richer = structure(cost=150.0, variables=8, check_cost=100.0 - check, plant=plant)
-    richer.free_run_rms, simpler.believed = runs, believed
+    richer.window_errors, simpler.believed = windows(runs), believed
     return weigh(simpler, richer)
 
 
@@ -83,7 +89,7 @@ def test_gains_in_likelihood_add_up():
 def test_the_kinder_of_the_two_free_runs_counts(runs):
     assert weighed(runs=runs).free_run_ratio == pytest.approx(0.4)
     simpler, richer = structure(cost=200.0), structure(cost=150.0)
-    richer.free_run_rms = runs
+    richer.window_errors = windows(runs)
     assert free_run_ratio(simpler, richer) == pytest.approx(0.4)
 
 
@@ -126,7 +132,8 @@ def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_
         (1.0, 4.9, False),
         (0.49, -2.9, True),
         (0.51, -2.9, False),
-        (0.49, -3.1, False),
+        (0.49, -4.2, True),  # a tenth of what the fitted readings gain
+        (0.49, -5.0, False),
     ],
 )
 def test_readings_that_were_not_fitted_bear_it_out_by_likelihood_or_much_nearer_runs(ratio, check, borne_out):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import final
 
 from nxt_twin.diagnose.fitting.fit import Fitted
-from nxt_twin.diagnose.fitting.free_run import FreeRunCheck
+from nxt_twin.diagnose.fitting.free_run import FreeRunCheck, mean_error
 from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
@@ -34,7 +34,7 @@ class Checks:
         values, active = plant.vectors()
         tuned = with_noise(self._predicting.with_step(step_s), noise)
         corrected = self._simulator.run(values[None], active[None], tuned.jobs)
-        return self._every_run.rms(self._simulator, plant, noise, corrected, step_s)[0][0]
+        return mean_error(self._every_run.errors(self._simulator, plant, noise, corrected, step_s)[0][0])
 
     def checked(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
         """The fitted plant with its cost on the checking readings and its error in free runs over them.
@@ -50,7 +50,7 @@ class Checks:
         results = self._simulator.run(values[None], active[None], [job for one in tuned for job in one.jobs])
         size = len(checking.jobs)
         costs = [float(one.cost(results[n * size : (n + 1) * size])[0]) for n, one in enumerate(tuned)]
-        rms, believed = self._free_runs.rms(
+        errors, believed = self._free_runs.errors(
             self._simulator, plant, noise, results[: len(self._predicting.jobs)], step_s
         )
-        return Structure(fitted, noise, min(costs), rms, believed)
+        return Structure(fitted, noise, min(costs), errors, believed)

@@ -15,6 +15,8 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator, free_job
 from nxt_twin.physics.start import Start, restarts
 
+_TINY = 1e-12
+
 
 @final
 class FreeRunCheck:
@@ -29,15 +31,13 @@ class FreeRunCheck:
         self._anew = tuple(restarts(job.signals, window_s).at for job in jobs)
         self._windows = [np.asarray(np.cumsum(at), dtype=np.int64) for at in self._anew]
 
-    def rms(
+    def errors(
         self, simulator: Simulator, plant: Plant, noise: Noise, corrected: Sequence[Result], step_s: float
-    ) -> tuple[tuple[float, float], int]:
-        """Error in the readings' SI unit: of runs that start anew every window, and of whole runs.
+    ) -> tuple[tuple[FloatArray, FloatArray], int]:
+        """RMS error of each window in the readings' SI unit: of runs that start anew there, and of whole runs.
 
-        It is the mean of the RMS errors of all windows: one in which a motor on the edge of sticking goes another way
-        does not outweigh all others.
-
-        Readings that a fault explains, as the `corrected` run tells, are left out; how many were not comes with it.
+        Readings that a fault explains, as the `corrected` run tells, are left out; how many were not comes with it. A
+        window without any has NaN.
         """
         known = [
             self._start(simulator, plant, noise, job, anew, step_s)
@@ -65,7 +65,7 @@ class FreeRunCheck:
         believed = sum(
             int((mask & ~job.start.at).sum()) for job, mask in zip(self._jobs, judged, strict=True)
         )
-        return (_mean(errors[:size]), _mean(errors[size:])), believed
+        return (np.concatenate(errors[:size]), np.concatenate(errors[size:])), believed
 
     def _start(
         self, simulator: Simulator, plant: Plant, noise: Noise, job: Job, anew: BoolArray, step_s: float
@@ -78,12 +78,26 @@ class FreeRunCheck:
 def _errors(run: Job, result: Result, judged: BoolArray, window: IntArray) -> FloatArray:
     """RMS error of each window, over the readings that are `judged` but for those that the run was started from."""
     shown = judged & ~run.start.at
+    size = int(window.max(initial=0)) + 1
     square = (run.signals.measured - result.predicted[0])[shown] ** 2
-    count = np.bincount(window[shown])
-    total = np.bincount(window[shown], np.nan_to_num(square, nan=math.inf))
-    return np.asarray(np.sqrt(total[count > 0] / count[count > 0]))
+    count = np.bincount(window[shown], minlength=size)
+    total = np.bincount(window[shown], np.nan_to_num(square, nan=math.inf), minlength=size)
+    return np.asarray(np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), math.nan))
 
 
-def _mean(errors: Sequence[FloatArray]) -> float:
-    every = np.concatenate(errors)
-    return float(np.mean(every)) if every.size else math.inf
+def mean_error(errors: FloatArray) -> float:
+    """The mean of windows' errors: one in which a motor on the edge of sticking goes another way does not outweigh all.
+
+    Infinite where no window has a reading.
+    """
+    known = errors[~np.isnan(errors)]
+    return float(np.mean(known)) if known.size else math.inf
+
+
+def error_ratio(before: FloatArray, after: FloatArray) -> float:
+    """By what factor windows' errors grow: the geometric mean over windows, so that each one counts alike."""
+    known = ~(np.isnan(before) | np.isnan(after))
+    if not known.any():
+        return 1.0
+    factors = np.maximum(after[known], _TINY) / np.maximum(before[known], _TINY)
+    return float(np.exp(np.mean(np.log(factors))))

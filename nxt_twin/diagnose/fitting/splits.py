@@ -14,14 +14,10 @@ from nxt_twin.physics.signals import Signals
 WINDOW_S = 2.0
 """Length of the simulated windows on which models are judged; a longer one rewards lucky drift of an integrator."""
 
-WHOLE_CHECKS = 4
-"""Of so many fitted recordings the last checks as a whole: other inputs are harder than other moments."""
-
 _CYCLE = 6  # windows of a recording: fit, fit, held out, fit, check, held out
 _HELD_OUT = (2, 5)
 _CHECK = 4
-_CHECKS = 4  # without readings held out of the same recordings, each fourth block of time checks
-_MOST_CHECKING = 0.4  # of the readings: where whole recordings hold more, blocks of time check
+_CHECKS = 4
 _LONGEST_BLOCK_S = 2.0
 _SHORTEST_BLOCK_S = 0.5
 _BLOCKS = 16
@@ -52,12 +48,11 @@ def with_windows_held_out(recordings: Sequence[Signals]) -> tuple[list[Split], f
 
 
 def with_blocks_that_check(recordings: Sequence[Signals]) -> list[Split]:
-    """Hold nothing out of `recordings`; whole ones check where there are many, blocks of time otherwise."""
+    """Hold nothing out of `recordings`; each fourth block of time checks.
+
+    No whole recording does: what is put on in that one would be seen by no fit.
+    """
     nothing = [np.zeros(signals.time_s.size, dtype=bool) for signals in recordings]
-    whole = [number % WHOLE_CHECKS == WHOLE_CHECKS - 1 for number in range(len(recordings))]
-    readings = np.array([np.isfinite(signals.measured).sum() for signals in recordings])
-    if 0 < readings[whole].sum() < _MOST_CHECKING * readings.sum():
-        return [Split(none, np.full(none.size, checks)) for none, checks in zip(nothing, whole, strict=True)]
     shortest_s = min(length_s(signals) for signals in recordings)
     block_s = min(_LONGEST_BLOCK_S, max(_SHORTEST_BLOCK_S, shortest_s / _BLOCKS))
     splits, begins_s = [], 0.0

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import Fitted
+from nxt_twin.diagnose.fitting.free_run import mean_error
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -28,21 +30,27 @@ class Structure:
         fitted: the fit on the target's readings.
         noise: under which it was fitted.
         check_cost: negative log-likelihood of the readings that only check, nats.
-        free_run_rms: error over the readings that only check, in their SI unit, of free runs that start anew
-            every few seconds, and of one free run over each whole recording.
+        window_errors: RMS error of each window over the readings that only check, in their SI unit, of free runs that
+            start anew in each, and of one free run over each whole recording; arrays of shape (windows,).
         believed: how many of those readings were taken for readings rather than for faults.
     """
 
     fitted: Fitted
     noise: Noise
     check_cost: float
-    free_run_rms: tuple[float, float]
+    window_errors: tuple[FloatArray, FloatArray]
     believed: int
 
     @property
     def plant(self) -> Plant:
         """The fitted plant."""
         return self.fitted.plant
+
+    @property
+    def free_run_rms(self) -> tuple[float, float]:
+        """The means of both kinds of `window_errors`, SI."""
+        anew, whole = self.window_errors
+        return mean_error(anew), mean_error(whole)
 
     @property
     def fitted_cost(self) -> float:

@@ -14,7 +14,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches
 from nxt_twin.diagnose.fitting.kalman import clean_innovations
 from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
-from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS
+from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.physics.simulate import Simulator
 
 _REPLICATES = 200
@@ -83,7 +83,7 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
         check -= 0.5 * share**2 * np.sum(left[:, ~fitted] ** 2, axis=1)
         further = [max(len(t.effect.parameters) - len(t.effect.supersedes), 1) for t in trials[part]]
         penalty = 0.5 * readings * np.array(further)
-        alarmed |= ((gain - penalty > GAIN_NATS) & (check > CHECK_NATS)).any(axis=1)
+        alarmed |= ((gain - penalty > LIMITS.gain_nats) & (check > LIMITS.check_nats)).any(axis=1)
     return alarmed
 
 

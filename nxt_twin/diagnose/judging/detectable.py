@@ -14,7 +14,8 @@ from nxt_twin.diagnose.fitting.batch import batches
 from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.search.explain import CHECK_NATS, GAIN_NATS, candidates
+from nxt_twin.diagnose.search.explain import candidates
+from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
@@ -48,8 +49,8 @@ class Detectable:
 def needed_nats(effect: Effect, readings: int) -> tuple[float, float]:
     """What an effect has to gain on average in fitted and in checking readings to be accepted nine times of ten."""
     penalty = 0.5 * max(len(effect.parameters) - len(effect.supersedes), 1) * math.log(max(readings, 2))
-    fitted = 0.5 * (math.sqrt(2.0 * (GAIN_NATS + penalty)) + _NINE_OF_TEN) ** 2
-    checked = 0.5 * (_NINE_OF_TEN + math.sqrt(_NINE_OF_TEN**2 + 2.0 * CHECK_NATS)) ** 2
+    fitted = 0.5 * (math.sqrt(2.0 * (LIMITS.gain_nats + penalty)) + _NINE_OF_TEN) ** 2
+    checked = 0.5 * (_NINE_OF_TEN + math.sqrt(_NINE_OF_TEN**2 + 2.0 * LIMITS.check_nats)) ** 2
     return fitted, checked
 
 

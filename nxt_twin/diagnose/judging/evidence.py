@@ -38,6 +38,9 @@ from nxt_twin.physics.simulate import Simulator
 STRUCTURED_NATS = 15.0
 """Least leftover of a clean recording, nats, below which no synthetic one puts the limit."""
 
+_CLEARLY_LESS = (
+    0.9  # of the baseline's error: a noise that explains as much without the effects proves nothing
+)
 _CLEAN_LEFTOVERS = 40
 _FEWEST_LEFTOVERS = 8
 _MOST_CELLS = 4_000_000  # synthetic readings held at a time, which bounds the memory of an hour's recording
@@ -113,7 +116,7 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         errors_of(simulator, problem, plant, final.plant, final.noise)
         for plant in (problem.plant, baseline.plant, final.plant)
     )
-    floors = floors_of(problem, final.noise, final_errors.seconds)
+    floors = floors_of(problem, final.noise, (given_errors, baseline_errors, final_errors))
     left = leftover_nats(after), limit
     return Evidence(
         problem=problem,
@@ -179,16 +182,18 @@ def _record(
         torque_after=torque_share(problem, final),
         run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
         off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
-        matters=bool(mattering) and not (found and _at_the_floor(after, floors)),
+        matters=bool(mattering) and not (found and _at_the_floor(after, before, floors)),
         stalled_share=problem.stalled_share if physical else 0.0,
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 
 
-def _at_the_floor(errors: Errors, floors: Sequence[float]) -> bool:
-    """Whether windows of two seconds or shorter are off by no more than noise makes them."""
-    own = zip(errors.seconds, errors.rms, floors, strict=True)
-    return all(rms <= floor for seconds, rms, floor in own if seconds <= WINDOW_S)
+def _at_the_floor(errors: Errors, before: Errors, floors: Sequence[float]) -> bool:
+    """Whether windows of two seconds or shorter are off by no more than noise makes them, and by less than `before`."""
+    own = zip(errors.seconds, errors.rms, before.rms, floors, strict=True)
+    return all(
+        rms <= min(floor, _CLEARLY_LESS * other) for seconds, rms, other, floor in own if seconds <= WINDOW_S
+    )
 
 
 def torque_share(problem: Problem, structure: Structure) -> float:

@@ -57,22 +57,24 @@ def errors_of(simulator: Simulator, problem: Problem, plant: Plant, best: Plant,
     return Errors(seconds, tuple(found))
 
 
-def floors_of(problem: Problem, noise: Noise, seconds: Sequence[float]) -> tuple[float, ...]:
+def floors_of(problem: Problem, noise: Noise, reached: Sequence[Errors]) -> tuple[float, ...]:
     """The RMS error of a model that lacks nothing, at each horizon: what noise makes of a simulation, SI.
 
     Linear theory says how an unknown torque's effect grows. It takes the torque to act at rest too, where friction
-    holds the motor, so it is scaled by what simulated readings that were fitted really show.
+    holds the motor, so it is scaled by what simulated readings that were fitted really show. No floor lies above
+    what some plant has `reached`.
     """
     scale = min(noise.drift, 1.0)
     found = []
-    for horizon_s in seconds:
+    for number, horizon_s in enumerate(reached[0].seconds):
         variances = []
         for part in problem.held_out:
             start = restarts(part.signals, horizon_s)
             variances.append((free_run_std(part.signals, noise, start) ** 2)[part.counted & ~start.at])
         quantum = max(part.signals.quantum for part in problem.held_out)
         mean = float(np.mean(np.concatenate(variances)))
-        found.append(float(np.sqrt(max(scale**2 * mean, quantum**2 / 12.0))))
+        floor = float(np.sqrt(max(scale**2 * mean, quantum**2 / 12.0)))
+        found.append(min(floor, *(errors.rms[number] for errors in reached)))
     return tuple(found)
 
 

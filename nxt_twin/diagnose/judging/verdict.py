@@ -57,7 +57,7 @@ class Record:
         run_ratio: error in free runs of the improved plant over that of the baseline, on readings that check.
         off: error of the improved plant in free runs over that of noise alone, on readings that check.
         matters: whether what is left matters: windows of two seconds, or shorter, err by more than the tolerance, and
-            beside found effects by more than the floor.
+            beside found effects by more than the floor or hardly less than those of the baseline.
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
             where it matters.
         stalled_share: largest share of a recording's time in which the host or the link stood still.
@@ -92,8 +92,11 @@ def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether the host or the link stood still for too long to trust what the stamps say."""
-    return record.stalled_share > limits.most_stalled
+    """Whether the host or the link stood still for too long to trust what the stamps say.
+
+    One effect that leaves nothing that matters is trusted all the same: no stall explains the rest of a recording.
+    """
+    return record.stalled_share > limits.most_stalled and (record.matters or record.named > 1)
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:

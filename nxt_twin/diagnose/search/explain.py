@@ -8,77 +8,25 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
+import numpy as np
+
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
-from nxt_twin.diagnose.search.moments import moments_gained
-from nxt_twin.diagnose.search.notable import is_notable, is_repeated
+from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
+from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
-from nxt_twin.diagnose.search.weight import Weight, free_run_ratio, weigh
+from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
+from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
 Progress = Callable[[str], None]
-
-MOST_EFFECTS = 4
-GAIN_NATS = 8.0  # of which some three pay for having thirty effects to choose from
-SILENT_NATS = 12.0  # where a simulation of two seconds is off by less than the tolerance already
-CHECK_NATS = 2.0
-KEEP_NATS = 3.0
-RIVAL_NATS = 6.0
-SWAP_NATS = 1.0
-_RIVAL_RATIO = 1.03  # of errors in free runs, from which they speak against a likelier rival
-
-_DRAFTED = 10
-_PROMISED = 0.1  # of the gain that is needed: with less of it no linear look at an effect has been that wrong
-_RIVALS_DRAFTED = 4
-_SHORT_LIST = 5
-_LEADING = 2
-_SLACK_NATS = 10.0  # what is further behind, unfitted or under other noise, does not come out ahead
-_LIFTED = 2.5  # so many times a draft's gain other noise makes of it, or what it made of the leading one's
-_MANY_NATS = 100.0
-_FEW_MOMENTS = (
-    3.5  # from which alone less than that may come by chance: a few turns a little off, and a period found
-)
-_COMB = 5  # so many starts are separate peaks
-_BETTER_NATS = 1.0
-_SETTLED_SHARE = 0.1  # of the best draft's gain: with less of it, other noise makes no winner of a draft
-_IN_REACH = 0.25  # of the best draft's gain: slow effects with so much of it are settled too
-_RIVAL_REACH_NATS = 40.0
-_FAR_REACH_NATS = 400.0  # for the only rival to show how far behind it is
-_EXCHANGES = 4
-_SOBER = 0.3
-_LEFT_OUT_NATS = 3.0
-_OUR_OWN = "our own"  # the source of a law that nobody published
-_FORM_SHARE = 0.04  # of what is explained: an equation a fifth off in size leaves so much
-
-
-@final
-@dataclass(frozen=True)
-class Rival:
-    """An effect that does nearly as well in the place of a found one.
-
-    Attributes:
-        effect: the other.
-        behind: nats, negative if it is likelier.
-        structure: with it in the found one's place.
-        simulates_worse: whether free runs over checking readings speak against it.
-    """
-
-    effect: Effect
-    behind: float
-    structure: Structure
-    simulates_worse: bool
-
-    @property
-    def doubt_nats(self) -> float:
-        """How far behind it counts when beliefs are shared: where likelihood and simulation disagree, a tie."""
-        return max(self.behind, 0.0) if self.simulates_worse else self.behind
 
 
 @final
@@ -105,12 +53,12 @@ def explain(fitter: Fitter, baseline: Structure, progress: Progress) -> Explanat
     """Search the library for what the re-fitted `baseline` lacks."""
     search = _Search(fitter, baseline)
     best = baseline
-    for _ in range(_EXCHANGES + 1):
+    for _ in range(EFFORT.exchanges + 1):
         best, refused = search.grown(best, progress)
         progress("checking each effect's place")
         found = search.found(best)
         rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-        better = _better(rivals)
+        better = likelier_structure(rivals)
         if better is None:
             break
         best = search.pruned(better)
@@ -141,6 +89,7 @@ class _Search:
         self._fitter = fitter
         self._baseline = baseline
         self._settled = Settled(fitter, baseline)
+        self._standard = Standard(fitter, baseline, self._settled)
         self._drafts = Drafts(fitter)
         self._tried: list[Effect] = []
         self._settle_suspected()
@@ -163,13 +112,16 @@ class _Search:
         """Add effects to `best` while one earns its place; what came near is noted."""
         been = {best.plant.active: best.fitted_cost}
         refused: tuple[tuple[Effect, Weight], ...] = ()
-        while len(best.plant.active - self._baseline.plant.active) < MOST_EFFECTS:
+        while len(best.plant.active - self._baseline.plant.active) < LIMITS.most_effects:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
             added = self._added(best, ranked) if ranked else None
-            if added is None or added.fitted_cost > been.get(added.plant.active, math.inf) - _BETTER_NATS:
+            if (
+                added is None
+                or added.fitted_cost > been.get(added.plant.active, math.inf) - EFFORT.better_nats
+            ):
                 return best, refused  # the latter where what is added is taken out again: round and round
             been[added.plant.active] = added.fitted_cost
             best = added
@@ -178,7 +130,7 @@ class _Search:
     def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
         """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""
         effect, weight, trial = ranked[0]
-        if self._worth_it(effect, weight, best):
+        if self._standard.worth_it(effect, weight, best):
             return self._still_worth_it(self.pruned(trial), effect)
         return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
 
@@ -188,10 +140,10 @@ class _Search:
         Where more than one thing is missing, the one that is right may well run further off by itself.
         """
         effect, weight, trial = tried
-        if not (self._likelier(effect, weight, best) and self._lasts(weight, best, trial)):
+        if not (self._standard.likelier(effect, weight, best) and self._standard.lasts(weight, best, trial)):
             return None
         ranked = self._forward(trial)
-        if not ranked or not self._worth_it(ranked[0][0], ranked[0][1], trial):
+        if not ranked or not self._standard.worth_it(ranked[0][0], ranked[0][1], trial):
             return None
         both = self.pruned(ranked[0][2])
         kept = {effect.id, ranked[0][0].id} <= both.plant.active
@@ -204,7 +156,9 @@ class _Search:
             return added
         simpler = self._settled.without(added, effect.id)
         weight = weigh(simpler, added)
-        kept = self._worth_it(effect, weight, simpler) and self._lasts(weight, simpler, added)
+        kept = self._standard.worth_it(effect, weight, simpler) and self._standard.lasts(
+            weight, simpler, added
+        )
         return added if kept else simpler
 
     def pruned(self, best: Structure) -> Structure:
@@ -214,8 +168,8 @@ class _Search:
             for effect_id in sorted(best.plant.active - self._baseline.plant.active):
                 simpler = self._settled.without(best, effect_id)
                 weight = weigh(simpler, best)
-                kept = self._is_notable(best, effect_id) and _keeps_its_place(
-                    weight, KEEP_NATS + self._belief_in_what_returns(simpler, best)
+                kept = self._standard.is_notable(best, effect_id) and keeps_its_place(
+                    weight, LIMITS.keep_nats + self._belief_in_what_returns(simpler, best)
                 )
                 if not kept and (weakest is None or weight.total < weakest[0]):
                     weakest = (weight.total, simpler)
@@ -223,26 +177,10 @@ class _Search:
                 return best
             best = weakest[1]
 
-    def _is_notable(self, best: Structure, effect_id: str) -> bool:
-        problem, effect = self._fitter.problem, best.plant.layout.effect(effect_id)
-        repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
-        return repeats and is_notable(best.plant, effect, problem.scale)
-
-    def _belief(self, effect: Effect) -> float:
-        """What speaks for an effect beforehand, nats.
-
-        What plant files mostly state is likely missing where left out. Where windows alone decide, and few readings
-        are independent, a curve of our own that stands for many mechanisms is no match for one that is known.
-        """
-        first = effect.parameters[0]
-        stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
-        own = self._fitter.problem.by_windows and effect.source.startswith(_OUR_OWN)
-        return _LEFT_OUT_NATS * (stated - own)
-
     def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
         """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
         back = simpler.plant.active - best.plant.active - self._baseline.plant.active
-        return sum(self._belief(best.plant.layout.effect(effect_id)) for effect_id in back)
+        return sum(self._standard.belief(best.plant.layout.effect(effect_id)) for effect_id in back)
 
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best`, the weightiest first."""
@@ -261,23 +199,23 @@ class _Search:
         rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
         equal = self._drafts.cost(best, bare.noise)
-        for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, _RIVALS_DRAFTED)):
-            reach = _RIVAL_REACH_NATS if rank or known else _FAR_REACH_NATS
+        for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, EFFORT.rivals_drafted)):
+            reach = EFFORT.rival_reach_nats if rank or known else EFFORT.far_reach_nats
             if draft.cost - equal < reach:
                 trial = self._settled.settle(draft.fitted.plant, bare.noise)
                 rivals.append(self._rival(best, effect, other, trial))
-        notable = [one for one in rivals if self._is_notable(one.structure, one.effect.id)]
-        return tuple(sorted(notable, key=lambda rival: rival.doubt_nats)[:_SHORT_LIST])
+        notable = [one for one in rivals if self._standard.is_notable(one.structure, one.effect.id)]
+        return tuple(sorted(notable, key=lambda rival: rival.doubt_nats)[: EFFORT.short_list])
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
-        behind = weigh(trial, best).total + self._leaning(effect) - self._leaning(other)
-        return Rival(other, behind, trial, free_run_ratio(best, trial) >= _RIVAL_RATIO)
+        behind = weigh(trial, best).total + self._standard.leaning(effect) - self._standard.leaning(other)
+        return Rival(other, behind, trial, simulates_worse(best, trial, other))
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
-        needed = self._needed(best)
-        drafts = self._drafts.of(best, self._candidates(best.plant), _DRAFTED, _PROMISED * needed)
+        needed = self._standard.needed(best)
+        drafts = self._drafts.of(best, self._candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
         if not drafts:
             return []
         cost = self._drafts.cost(best, best.noise)
@@ -286,14 +224,14 @@ class _Search:
             (effect, draft)
             for rank, (effect, draft) in enumerate(drafts)
             if rank == 0
-            or (rank < _LEADING and draft.cost - cost < _SLACK_NATS)
-            or (rank < _SHORT_LIST and cost - draft.cost > _SETTLED_SHARE * leading)
-            or (effect.states and cost - draft.cost > _IN_REACH * leading)
+            or (rank < EFFORT.leading and draft.cost - cost < EFFORT.slack_nats)
+            or (rank < EFFORT.short_list and cost - draft.cost > EFFORT.settled_share * leading)
+            or (effect.states and cost - draft.cost > EFFORT.in_reach * leading)
         ]
-        settled = self._leaders(best, cost, within)
+        settled = [*self._leaders(best, cost, within), *self._scattering(best, [e for e, _ in within])]
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         lowest = min(trial.fitted_cost for _, trial in settled)
-        in_reach = _IN_REACH * max(best.fitted_cost - lowest, needed)
+        in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
         ranked = []
         for effect, trial in settled:
             if best.fitted_cost - trial.fitted_cost > in_reach:
@@ -306,24 +244,48 @@ class _Search:
     def _rank(
         self, effect: Effect, weight: Weight, trial: Structure, best: Structure
     ) -> tuple[bool, bool, float]:
-        worth_it = self._worth_it(effect, weight, best)
-        return worth_it, worth_it and self._lasts(weight, best, trial), weight.total + self._leaning(effect)
+        worth_it = self._standard.worth_it(effect, weight, best)
+        return (
+            worth_it,
+            worth_it and self._standard.lasts(weight, best, trial),
+            weight.total + self._standard.leaning(effect),
+        )
 
     def _leaders(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
     ) -> list[tuple[Effect, Structure]]:
         """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
-        needed, lifted = self._needed(best), _LIFTED
+        needed, lifted = self._standard.needed(best), EFFORT.lifted
         settled: list[tuple[Effect, Structure]] = []
         for effect, draft in drafts:
             promise = cost - draft.cost
-            if settled and lifted * promise + _SLACK_NATS < needed:
+            if settled and lifted * promise + EFFORT.slack_nats < needed:
                 continue
             trial = self._settled.settle(draft.fitted.plant, best.noise)
             if not settled and promise > 0.0:
                 gain = best.fitted_cost + best.check_cost - trial.fitted_cost - trial.check_cost
                 lifted = max(lifted, gain / promise)
             settled.append((effect, trial))
+        return settled
+
+    def _scattering(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
+        """Effects that scatter readings, settled where these are rough.
+
+        No linear look shows them: the baseline's noise has taken the scatter in, and has to give it back first.
+        """
+        quantum = max(signals.quantum for signals in self._fitter.problem.signals)
+        fine = EFFORT.fine * quantum / math.sqrt(12.0)
+        if best.noise.reading_std < fine or quantum <= 0.0:
+            return []
+        noise = replace(best.noise, reading_std=fine)
+        settled = []
+        for effect in self._candidates(best.plant):
+            if "scatter" not in effect.terms or effect in known:
+                continue
+            starts = starts_of(effect, self._fitter.problem.scale)
+            plants = [best.plant.with_effect(effect.id, start) for start in starts]
+            costs = draft_costs(self._fitter, plants, noise)
+            settled.append((effect, self._settled.settle(plants[int(np.argmin(costs))], noise)))
         return settled
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
@@ -334,7 +296,7 @@ class _Search:
         """
         if not is_mechanical(effect):
             return trial
-        sober = replace(best.noise, disturbance_std=_SOBER * best.noise.disturbance_std)
+        sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
         drafts = [drafted(self._fitter, p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
         leading = min(drafts, key=lambda made: made.cost)
@@ -342,88 +304,10 @@ class _Search:
         costs = draft_costs(self._fitter, [elsewhere, trial.plant], trial.noise)
         return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
-    def _worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
-        """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
-
-        What readings that count for little explain does not count: there is no form in them that could be wrong.
-        """
-        return self._likelier(effect, weight, best) and not weight.runs_worse
-
-    def _likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
-        """The same, were there no free runs."""
-        needed = self._needed(best) + _choice_nats(effect) - min(self._belief(effect), 0.0)
-        return weight.gain > needed and weight.borne_out(CHECK_NATS)
-
-    def _lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
-        """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
-
-        Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
-        """
-        first = simpler.plant.active == self._baseline.plant.active
-        return (
-            first or weight.gain > _MANY_NATS or moments_gained(self._fitter, simpler, richer) > _FEW_MOMENTS
-        )
-
-    def _needed(self, best: Structure) -> float:
-        """What a further effect has to gain; more where what `best` leaves does not matter to a simulation."""
-        explained = self._doubting(best).fitted_cost - best.fitted_cost
-        silent = best.free_run_rms[0] <= self._fitter.problem.tolerance
-        return max(SILENT_NATS if silent else GAIN_NATS, _FORM_SHARE * explained)
-
-    def _doubting(self, best: Structure) -> Structure:
-        """The baseline with just those of `best`'s effects that doubt readings."""
-        plant = self._baseline.plant
-        for effect in best.plant.effects:
-            if "outlier" in effect.terms and effect.id not in plant.active:
-                shares = {p.symbol: best.plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters}
-                plant = plant.with_effect(effect.id, shares)
-        if plant.active == self._baseline.plant.active:
-            return self._baseline
-        return self._settled.like(plant) or self._settled.settle(plant, best.noise)
-
-    def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
-        """What was settled at first, where it adds one effect to `best` and is not `listed` already."""
-        asked = [
-            effect
-            for effect in self._candidates(best.plant)
-            if effect.id in self._fitter.problem.leaning and effect.id not in listed
-        ]
-        known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
-        return [(effect, settled) for effect, settled in known if settled is not None]
-
-    def _leaning(self, effect: Effect) -> float:
-        """What speaks for an effect before these readings do, nats."""
-        return self._belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
-
+        settled += self._suspected(best, {effect.id for effect, _ in settled})
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fitter.problem
         return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
-
-
-def _better(rivals: dict[str, tuple[Rival, ...]]) -> Structure | None:
-    """The structure with one effect exchanged that is clearly likelier, and simulates no worse."""
-    beating = [
-        rival
-        for near in rivals.values()
-        for rival in near
-        if rival.behind < -SWAP_NATS and not rival.simulates_worse
-    ]
-    return min(beating, key=lambda rival: rival.behind).structure if beating else None
-
-
-def _choice_nats(effect: Effect) -> float:
-    """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
-    return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= _COMB)
-
-
-def _keeps_its_place(weight: Weight, needed: float) -> bool:
-    return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse
-
-
-def probability(behind: float, others: list[float]) -> float:
-    """The share of belief for a structure `behind` the best by so many nats, among `others` so far behind."""
-    nearest = min(behind, *others, behind)
-    return math.exp(nearest - behind) / sum(math.exp(nearest - other) for other in [behind, *others])
 
 
 def _names(plant: Plant, baseline: Plant) -> str:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
@@ -17,6 +17,7 @@ from nxt_twin.physics.signals import Signals
 _CLEAR = 1.3
 _ABOVE = 1.1
 _PERIODS = 2.0
+_LEAST_SHARE = 0.06  # of the inertia of both bodies
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 
 
@@ -32,8 +33,10 @@ def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
     most_worth_a_name = _carried(main, effect.notable_most, plant, scale)
     size = _size(plant, effect, value, nothing)
     sized = makes_a_difference and least_worth_a_name <= size <= most_worth_a_name
-    return sized and not any(
-        _on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:]
+    return (
+        sized
+        and not _is_light(plant, effect)
+        and not any(_on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:])
     )
 
 
@@ -48,6 +51,12 @@ def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> 
         plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters if p.name.endswith("per_turn")
     ]
     return all(turns * each >= _PERIODS for each in cycles)
+
+
+def _is_light(plant: Plant, effect: Effect) -> bool:
+    """Whether a second body is too light to be one: friction that yields a little is taken for such."""
+    load = plant.values.get(Slot(effect.id, "load_inertia"))
+    return load is not None and load < _LEAST_SHARE * (load + plant.values[Slot(BASE_OWNER, "inertia")])
 
 
 def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale) -> bool:

@@ -11,7 +11,10 @@ from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.explain import Explanation, Progress, explain
+from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.diagnose.search.settling import settled
+from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 
 _AS_GIVEN = replace(SETTLED, iterations=0)
@@ -40,11 +43,41 @@ def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Sear
     baseline = settled_baseline(fitter)
     explanation = explain(fitter, baseline, progress)
     progress("fitting on every reading that is not held out")
+    return _fitted(fitter, explanation)
+
+
+def lessened(simulator: Simulator, problem: Problem, found: Searched, effect: Effect) -> Searched:
+    """`found` less one effect, with all that was found besides fitted again."""
+    fitter = Fitter(simulator, problem)
+    return _fitted(fitter, _without(fitter, found.explanation, effect))
+
+
+def _fitted(fitter: Fitter, explanation: Explanation) -> Searched:
+    """Both plants fitted on everything that is not held out; what turns out too small for a name goes."""
     final = fit_everything(fitter, explanation.best.plant, explanation.best.noise)
-    refit = best_baseline(fitter, baseline, final)
-    if not explanation.found:
-        final = refit
-    return Searched(explanation, refit, final)
+    while faint := _faint(fitter, explanation, final):
+        explanation = _without(fitter, explanation, faint)
+        final = fit_everything(fitter, explanation.best.plant, final.noise)
+    refit = best_baseline(fitter, explanation.baseline, final)
+    return Searched(explanation, refit, final if explanation.found else refit)
+
+
+def _faint(fitter: Fitter, explanation: Explanation, final: Structure) -> Effect | None:
+    """A found effect that is too small for a name once all readings have been fitted."""
+    scale = fitter.problem.scale
+    return next((e for e, _ in reversed(explanation.found) if not is_notable(final.plant, e, scale)), None)
+
+
+def _without(fitter: Fitter, explanation: Explanation, faint: Effect) -> Explanation:
+    """The explanation less one effect."""
+    plant = simpler(explanation.best.plant, faint.id, fitter.problem.plant)
+    kept = tuple(one for one in explanation.found if one[0] is not faint)
+    return replace(
+        explanation,
+        best=settled(fitter, plant, explanation.best.noise),
+        found=kept,
+        rivals={effect.id: explanation.rivals[effect.id] for effect, _ in kept},
+    )
 
 
 def settled_baseline(fitter: Fitter) -> Structure:

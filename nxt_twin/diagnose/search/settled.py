@@ -46,7 +46,7 @@ class Settled:
 
         An effect that merely led out of a dead end would else be named for it.
         """
-        plant = _simpler(best.plant, effect_id, self._fitter.problem.plant)
+        plant = simpler(best.plant, effect_id, self._fitter.problem.plant)
         before = self.like(plant)
         if before is not None:
             cost, _ = draft_cost(self._fitter, plant, best.noise, SETTLED.step_for(plant))
@@ -55,7 +55,7 @@ class Settled:
         return self.settle(plant, best.noise)
 
 
-def _simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
+def simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:
     """`plant` without the effect; the plain terms that it had replaced come back."""
     effect = plant.layout.effect(effect_id)
     bare = plant.without([effect_id])

@@ -6,15 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import final
 
-from nxt_twin.diagnose.fitting.structure import Structure, shares
+from nxt_twin.diagnose.fitting.free_run import error_ratio
+from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical, shares
 
 FREE_RUN_RATIO = 1.01
 _DOUBTING_RATIO = 1.1  # doubt in readings moves what is fitted by little, while other physics may still lack
 _SURE_RATIO = 1.05
 _SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
+_HIDDEN_RATIO = 1.15
+_BORNE_OUT_NATS = 10.0
 _UNKIND_RATIO = 2.5
 _MUCH_NEARER = 0.5
 _DENIED_NATS = 3.0
+_DENIED_SHARE = 0.1  # of the gain: where more is missing, few readings may deny what all others call for
 _AS_MANY = 0.97
 
 
@@ -45,7 +49,8 @@ class Weight:
 
         A few of them say little one by one, and free runs much nearer say more.
         """
-        nearer = self.free_run_ratio < _MUCH_NEARER and self.check_gain > -_DENIED_NATS
+        denied = max(_DENIED_NATS, _DENIED_SHARE * self.gain)
+        nearer = self.free_run_ratio < _MUCH_NEARER and self.check_gain > -denied
         return self.check_gain > least_nats or nearer
 
 
@@ -58,12 +63,14 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     check_gain = simpler.check_cost - richer.check_cost
     kind, unkind = _free_run_ratios(simpler, richer)
     sure = check_gain > _SURE_NATS
+    hidden = _adds_a_second_body(simpler, richer) and check_gain > _BORNE_OUT_NATS
+    least = max(_SURE_RATIO if sure else 0.0, _HIDDEN_RATIO if hidden else 0.0)
     unkind_only = sure and kind < _MUCH_NEARER  # a start anew in the middle may lie on the edge of sticking
     return Weight(
         gain - penalty,
         check_gain,
         kind,
-        runs_worse=kind >= max(_most_ratio(simpler, richer), _SURE_RATIO if sure else 0.0)
+        runs_worse=kind >= max(_most_ratio(simpler, richer), least)
         or (unkind >= _UNKIND_RATIO and not unkind_only and not _dodges(simpler, richer)),
     )
 
@@ -75,6 +82,12 @@ def _most_ratio(simpler: Structure, richer: Structure) -> float:
     added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
     doubting = bool(added) and all("outlier" in effect.terms for effect in added)
     return _DOUBTING_RATIO if doubting else FREE_RUN_RATIO
+
+
+def _adds_a_second_body(simpler: Structure, richer: Structure) -> bool:
+    """Whether the richer one has a body whose place a start anew cannot know."""
+    added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
+    return any(is_mechanical(effect) for effect in added)
 
 
 def _dodges(simpler: Structure, richer: Structure) -> bool:
@@ -91,6 +104,6 @@ def free_run_ratio(simpler: Structure, richer: Structure) -> float:
 
 
 def _free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
-    pairs = zip(simpler.free_run_rms, richer.free_run_rms, strict=True)
-    kind, unkind = sorted(after / max(before, 1e-15) for before, after in pairs)
+    pairs = zip(simpler.window_errors, richer.window_errors, strict=True)
+    kind, unkind = sorted(error_ratio(before, after) for before, after in pairs)
     return kind, unkind

@@ -21,7 +21,7 @@ from nxt_twin.diagnose.diagnosis import (
     NextExperiment,
     Verdict,
 )
-from nxt_twin.diagnose.search.explain import probability
+from nxt_twin.diagnose.search.rivals import probability
 from nxt_twin.diagnose.sensor import words
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.explain import RIVAL_NATS, SensorExplanation, explain

@@ -21,6 +21,8 @@ ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)
 _NORMAL_95 = 1.959964
 _KNOWN = 0.5
+_SEVERAL = 2
+_VAGUE = 0.75
 
 
 def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
@@ -32,6 +34,23 @@ def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
         for slot, parameter in plant.layout.parameters.items()
         if slot.owner == effect.id
     }
+
+
+def vague_effect(evidence: Evidence) -> Effect | None:
+    """The weakest of several found effects whose size is hardly clear of zero: it stands for something else."""
+    found = [effect for effect, _ in evidence.explanation.found]
+    if len(found) < _SEVERAL:
+        return None
+    return next((effect for effect in reversed(found) if _is_vague(evidence, effect)), None)
+
+
+def _is_vague(evidence: Evidence, effect: Effect) -> bool:
+    main = effect.parameters[0]
+    found = estimates(evidence, effect)[main.name]
+    size, std = abs(found.value - effect.neutral), found.std
+    if found.ratio is not None:  # what resistance and torque constant leave open is no doubt about the effect
+        size, std = abs(found.ratio.value), found.ratio.std
+    return std > _VAGUE * size
 
 
 def refitted(evidence: Evidence) -> dict[str, Moved]:

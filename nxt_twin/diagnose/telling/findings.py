@@ -8,13 +8,9 @@ from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nea
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.judge import free_runs, overall
-from nxt_twin.diagnose.search.explain import (
-    CHECK_NATS,
-    GAIN_NATS,
-    RIVAL_NATS,
-    Rival,
-    probability,
-)
+from nxt_twin.diagnose.judging.verdict import Record, is_patchwork, is_stalled, is_worse
+from nxt_twin.diagnose.search.limits import LIMITS
+from nxt_twin.diagnose.search.rivals import Rival, probability
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import estimates
@@ -49,7 +45,7 @@ def near_rivals(evidence: Evidence) -> list[tuple[Effect, Rival]]:
         (effect, rival)
         for effect, _ in evidence.explanation.found
         for rival in evidence.explanation.rivals.get(effect.id, ())
-        if rival.doubt_nats < RIVAL_NATS
+        if rival.doubt_nats < LIMITS.rival_nats
     ]
     return sorted(pairs, key=lambda pair: pair[1].doubt_nats)
 
@@ -58,7 +54,7 @@ def _confusions(
     simulator: Simulator, evidence: Evidence, effect: Effect, rivals: Sequence[Rival]
 ) -> tuple[Confusion, ...]:
     """The rivals that do nearly as well when fitted in the effect's place, with how alike their traces are here."""
-    near = [rival for rival in rivals if rival.doubt_nats < RIVAL_NATS]
+    near = [rival for rival in rivals if rival.doubt_nats < LIMITS.rival_nats]
     if not near:
         return ()
     bare = without(evidence.final.plant, effect.id, evidence.problem.plant)
@@ -93,17 +89,26 @@ def nearest(evidence: Evidence, verdict: Verdict) -> Nearest | None:
     if verdict != "unexplained" or not (refused or found):
         return None
     if not refused:
-        why = f"it takes {len(found)} effects together, more than are likely to be missing at once"
-        return Nearest(found[0][0].id, found[0][0].name, why)
+        return Nearest(found[0][0].id, found[0][0].name, _why_not_enough(evidence.record))
     effect, weight = max(refused, key=lambda pair: pair[1].total)
     return Nearest(effect.id, effect.name, _why_refused(weight))
 
 
+def _why_not_enough(record: Record) -> str:
+    if is_patchwork(record):
+        return f"it takes {record.named} effects together, more than are likely to be missing at once"
+    if is_stalled(record):
+        return f"host or link stood still for {100.0 * record.stalled_share:.0f} % of a recording"
+    if is_worse(record):
+        return "the re-fitted baseline predicts held-out readings better"
+    return "what it leaves is more than noise"
+
+
 def _why_refused(weight: Weight) -> str:
     reasons = []
-    if weight.gain <= GAIN_NATS:
-        reasons.append(f"it gains {weight.gain:.1f} nats where {GAIN_NATS:g} are asked for")
-    if not weight.borne_out(CHECK_NATS):
+    if weight.gain <= LIMITS.gain_nats:
+        reasons.append(f"it gains {weight.gain:.1f} nats where {LIMITS.gain_nats:g} are asked for")
+    if not weight.borne_out(LIMITS.check_nats):
         reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
     if weight.runs_worse:
         reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")

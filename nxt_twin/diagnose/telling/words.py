@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
 from nxt_twin.diagnose.judging.confusion import Alike
-from nxt_twin.diagnose.search.explain import Rival
+from nxt_twin.diagnose.search.rivals import Rival
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.library import library
 

@@ -311,7 +311,7 @@ FRICTION_WARMUP = Effect(
             3.0,
             elsewhere={"linear": ("cold_extra_force_n", "N")},
         ),
-        Parameter("time_constant_s", "time_constant", "s", NUMBER, (5.0, 20.0), 2.0, 300.0, spread=3.0),
+        Parameter("time_constant_s", "time_constant", "s", NUMBER, (5.0, 20.0, 2.0), 0.5, 300.0, spread=3.0),
     ),
     terms={"friction": _warmup},
     confusable_with={"battery_sag": "a rest and a second run tell: what has run in stays so"},

@@ -1,0 +1,103 @@
+"""The numbers that a search decides by, and those that bound its work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True)
+class SearchLimits:
+    """What an effect must show. Set on development seeds of the truth families that docs/proof.md names.
+
+    Attributes:
+        most_effects: effects that a plant may lack at once.
+        gain_nats: least gain of an effect on fitted readings, of which about three pay for the choice.
+        silent_nats: that gain where a simulation of two seconds errs by less than the tolerance already.
+        check_nats: least gain on readings that were not fitted.
+        half: share of the gain that will do where readings that were not fitted make up for the rest.
+        altogether: how many times the least gain both kinds of readings then have to gain together.
+        form_share: share of what is explained that a further effect has to gain: an equation whose size is off by a
+            fifth leaves as much.
+        idle_share: such a share where a simulation needs no further effect.
+        nearer: ratio of errors in free runs above which a silent simulation does not need the effect.
+        much_nearer: ratio of errors in free runs that no better equation of the effects found could reach.
+        much_nearer_share: share of what is explained that an effect with such a ratio has to gain on all readings.
+        keep_nats: least gain of an effect that is in, with readings that were not fitted.
+        many_nats: gain from which it does not matter how few moments it comes from.
+        few_moments: least number of moments that a smaller gain of a further effect comes from.
+        rival_nats: distance below which two effects cannot be told apart.
+        swap_nats: by how much a rival has to be likelier to take an effect's place.
+        rival_ratio: ratio of errors in free runs from which they speak against a likelier rival.
+        sure_rival_ratio: that ratio for a rival with states of its own that is likelier by `sure_nats`.
+        sure_nats: see `sure_rival_ratio`.
+        left_out_nats: what speaks beforehand for a term that plant files mostly state.
+    """
+
+    most_effects: int = 4
+    gain_nats: float = 8.0
+    silent_nats: float = 12.0
+    check_nats: float = 2.0
+    half: float = 0.5
+    altogether: float = 1.5
+    form_share: float = 0.04
+    idle_share: float = 0.25
+    nearer: float = 0.65
+    much_nearer: float = 0.5
+    much_nearer_share: float = 0.02
+    keep_nats: float = 3.0
+    many_nats: float = 100.0
+    few_moments: float = 3.5
+    rival_nats: float = 8.0
+    swap_nats: float = 1.0
+    rival_ratio: float = 1.03
+    sure_rival_ratio: float = 1.3
+    sure_nats: float = 100.0
+    left_out_nats: float = 3.0
+
+
+@final
+@dataclass(frozen=True)
+class SearchEffort:
+    """How much is tried.
+
+    Attributes:
+        drafted: effects that are fitted roughly beside a structure.
+        promised: share of the gain that is needed below which no linear look at an effect has been wrong.
+        rivals_drafted: rivals of an effect that are fitted roughly.
+        short_list: effects or rivals that are settled at most.
+        leading: drafts that are settled where they are not far behind.
+        slack_nats: how far behind a draft may be to come out ahead under other noise.
+        lifted: how many times a draft's gain other noise makes of it.
+        settled_share: share of the best draft's gain below which a draft is not settled.
+        in_reach: that share for effects with states, which settle slowly.
+        rival_reach_nats: how far behind a rival's draft may be.
+        far_reach_nats: that distance for the only rival, to show how far behind it is.
+        exchanges: effects exchanged for likelier ones at most.
+        better_nats: gain below which a structure has not become another.
+        sober: share of the unknown torque under which other starts are followed.
+        fine: how many times an encoder's step readings have to scatter before held readings are looked for.
+        comb: starts of a period from which its likelihood has separate peaks.
+    """
+
+    drafted: int = 10
+    promised: float = 0.1
+    rivals_drafted: int = 4
+    short_list: int = 5
+    leading: int = 2
+    slack_nats: float = 10.0
+    lifted: float = 2.5
+    settled_share: float = 0.1
+    in_reach: float = 0.25
+    rival_reach_nats: float = 40.0
+    far_reach_nats: float = 400.0
+    exchanges: int = 4
+    better_nats: float = 1.0
+    sober: float = 0.3
+    fine: float = 1.5
+    comb: int = 5
+
+
+LIMITS = SearchLimits()
+EFFORT = SearchEffort()

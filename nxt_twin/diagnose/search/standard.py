@@ -1,0 +1,123 @@
+"""What an effect has to show to be added to a structure, or kept in it."""
+
+from __future__ import annotations
+
+import math
+from typing import final
+
+from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
+from nxt_twin.diagnose.search.moments import moments_gained
+from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.settled import Settled
+from nxt_twin.diagnose.search.weight import Weight
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+
+
+@final
+class Standard:
+    """What one search asks of effects, beside its `baseline` and what it has `settled`."""
+
+    def __init__(self, fitter: Fitter, baseline: Structure, settled: Settled) -> None:
+        self._fitter = fitter
+        self._baseline = baseline
+        self._settled = settled
+
+    def is_notable(self, best: Structure, effect_id: str) -> bool:
+        """Whether the effect is large enough in `best` to have a name."""
+        return is_notable(best.plant, best.plant.layout.effect(effect_id), self._fitter.problem.scale)
+
+    def worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
+
+        What readings that count for little explain does not count: there is no form in them that could be wrong.
+        """
+        return self.likelier(effect, weight, best) and not weight.runs_worse
+
+    def likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
+        """Whether it earns its place, were there no free runs that are worse; much nearer ones ask for less."""
+        chosen = _choice_nats(effect)
+        if not weight.borne_out(LIMITS.check_nats):
+            return False
+        needed = self.needed(best, weight) + chosen
+        clear = weight.gain > needed or (
+            weight.gain > LIMITS.half * needed
+            and weight.total > LIMITS.altogether * needed
+            and weight.check_gain > LIMITS.check_nats
+        )
+        nearer = (
+            weight.free_run_ratio < LIMITS.much_nearer and weight.gain > 0.0 and not self._is_silent(best)
+        )
+        return clear or (
+            nearer
+            and weight.total
+            > max(LIMITS.silent_nats, LIMITS.much_nearer_share * self._explained(best)) + chosen
+        )
+
+    def lasts(self, weight: Weight, simpler: Structure, richer: Structure) -> bool:
+        """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
+
+        Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
+        """
+        first = simpler.plant.active == self._baseline.plant.active
+        return (
+            first
+            or weight.gain > LIMITS.many_nats
+            or moments_gained(self._fitter, simpler, richer) > LIMITS.few_moments
+        )
+
+    def needed(self, best: Structure, weight: Weight | None = None) -> float:
+        """What a further effect has to gain; more where what `best` leaves does not matter to a simulation.
+
+        Unless the effect's `weight` shows that a simulation gets much nearer still.
+        """
+        explained = self._explained(best)
+        silent = self._is_silent(best)
+        idle = silent and weight is not None and weight.free_run_ratio > LIMITS.nearer
+        share = (
+            LIMITS.idle_share * (self._baseline.fitted_cost - best.fitted_cost)
+            if idle
+            else LIMITS.form_share * explained
+        )
+        return max(LIMITS.silent_nats if silent else LIMITS.gain_nats, share)
+
+    def _explained(self, best: Structure) -> float:
+        """What `best` has gained over the baseline, nats, but for readings that it doubts."""
+        return self._doubting(best).fitted_cost - best.fitted_cost
+
+    def _is_silent(self, best: Structure) -> bool:
+        """Whether what `best` leaves does not matter to a simulation of two seconds."""
+        return best.free_run_rms[0] <= self._fitter.problem.tolerance
+
+    def _doubting(self, best: Structure) -> Structure:
+        """The baseline with just those of `best`'s effects that doubt readings."""
+        plant = self._baseline.plant
+        for effect in best.plant.effects:
+            if "outlier" in effect.terms and effect.id not in plant.active:
+                shares = {p.symbol: best.plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters}
+                plant = plant.with_effect(effect.id, shares)
+        if plant.active == self._baseline.plant.active:
+            return self._baseline
+        return self._settled.like(plant) or self._settled.settle(plant, best.noise)
+
+    def leaning(self, effect: Effect) -> float:
+        """What speaks for an effect before these readings do, nats."""
+        return belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
+
+
+def _choice_nats(effect: Effect) -> float:
+    """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
+    return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= EFFORT.comb)
+
+
+def belief(effect: Effect) -> float:
+    """What speaks for an effect beforehand, nats: what plant files mostly state is likely missing where left out."""
+    first = effect.parameters[0]
+    return LIMITS.left_out_nats if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
+
+
+def keeps_its_place(weight: Weight, needed: float) -> bool:
+    """Whether an effect that is in stays, for so many nats `needed`."""
+    return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse
