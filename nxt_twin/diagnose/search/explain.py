@@ -17,7 +17,6 @@ from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
@@ -236,7 +235,7 @@ class _Search:
         for effect, trial in settled:
             if best.fitted_cost - trial.fitted_cost > in_reach:
                 trial = self._settled_anew(best, effect, trial)
-            if self._is_notable(trial, effect.id):
+            if self._standard.is_notable(trial, effect.id):
                 ranked.append((effect, weigh(best, trial), trial))
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked

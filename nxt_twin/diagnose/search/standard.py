@@ -9,11 +9,14 @@ from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.moments import moments_gained
-from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.notable import is_notable, is_repeated
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
+
+_OUR_OWN = "our own"
+"""Begins the source of a law that nobody published."""
 
 
 @final
@@ -27,7 +30,9 @@ class Standard:
 
     def is_notable(self, best: Structure, effect_id: str) -> bool:
         """Whether the effect is large enough in `best` to have a name."""
-        return is_notable(best.plant, best.plant.layout.effect(effect_id), self._fitter.problem.scale)
+        problem, effect = self._fitter.problem, best.plant.layout.effect(effect_id)
+        repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
+        return repeats and is_notable(best.plant, effect, problem.scale)
 
     def worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
@@ -41,7 +46,7 @@ class Standard:
         chosen = _choice_nats(effect)
         if not weight.borne_out(LIMITS.check_nats):
             return False
-        needed = self.needed(best, weight) + chosen
+        needed = self.needed(best, weight) + chosen - min(self.belief(effect), 0.0)
         clear = weight.gain > needed or (
             weight.gain > LIMITS.half * needed
             and weight.total > LIMITS.altogether * needed
@@ -102,20 +107,25 @@ class Standard:
             return self._baseline
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
 
+    def belief(self, effect: Effect) -> float:
+        """What speaks for an effect beforehand, nats.
+
+        What plant files mostly state is likely missing where left out. Where windows alone decide, and few readings
+        are independent, a curve of our own that stands for many mechanisms is no match for one that is known.
+        """
+        first = effect.parameters[0]
+        stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
+        own = self._fitter.problem.by_windows and effect.source.startswith(_OUR_OWN)
+        return LIMITS.left_out_nats * (stated - own)
+
     def leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
-        return belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
+        return self.belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
 
 
 def _choice_nats(effect: Effect) -> float:
     """What the best of many separate likelihood peaks gains by chance, as those of a search for a period are."""
     return sum(math.log(len(p.starts)) for p in effect.parameters[1:] if len(p.starts) >= EFFORT.comb)
-
-
-def belief(effect: Effect) -> float:
-    """What speaks for an effect beforehand, nats: what plant files mostly state is likely missing where left out."""
-    first = effect.parameters[0]
-    return LIMITS.left_out_nats if effect.plain and (first.frozen or math.isfinite(first.doubt)) else 0.0
 
 
 def keeps_its_place(weight: Weight, needed: float) -> bool:
