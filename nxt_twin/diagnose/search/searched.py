@@ -17,6 +17,7 @@ from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 
+_AS_GOOD = 2.0  # with an effect of next to no size
 _AS_GIVEN = replace(SETTLED, iterations=0)
 
 
@@ -56,8 +57,11 @@ def _fitted(fitter: Fitter, explanation: Explanation) -> Searched:
     """Both plants fitted on everything that is not held out; what turns out too small for a name goes."""
     final = fit_everything(fitter, explanation.best.plant, explanation.best.noise)
     while faint := _faint(fitter, explanation, final):
-        explanation = _without(fitter, explanation, faint)
-        final = fit_everything(fitter, explanation.best.plant, final.noise)
+        lesser = _without(fitter, explanation, faint)
+        refitted = fit_everything(fitter, lesser.best.plant, final.noise)
+        if _simulates_worse(fitter, final, refitted):
+            break
+        explanation, final = lesser, refitted
     refit = best_baseline(fitter, explanation.baseline, final)
     return Searched(explanation, refit, final if explanation.found else refit)
 
@@ -66,6 +70,12 @@ def _faint(fitter: Fitter, explanation: Explanation, final: Structure) -> Effect
     """A found effect that is too small for a name once all readings have been fitted."""
     scale = fitter.problem.scale
     return next((e for e, _ in reversed(explanation.found) if not is_notable(final.plant, e, scale)), None)
+
+
+def _simulates_worse(fitter: Fitter, richer: Structure, simpler: Structure) -> bool:
+    """Whether `simpler` simulates what was fitted worse, and by more than does not matter."""
+    after, before = (fitter.simulated_error(one.plant, richer.noise) for one in (simpler, richer))
+    return after > max(_AS_GOOD * before, fitter.problem.tolerance)
 
 
 def _without(fitter: Fitter, explanation: Explanation, faint: Effect) -> Explanation:

@@ -45,8 +45,9 @@ def vague_effect(evidence: Evidence) -> Effect | None:
 
 
 def _is_vague(evidence: Evidence, effect: Effect) -> bool:
-    main = effect.parameters[0]
-    found = estimates(evidence, effect)[main.name]
+    if effect.supersedes:  # what stands for both directions is no size that could be zero
+        return False
+    found = next(iter(estimates(evidence, effect).values()))  # the main one comes first
     size, std = abs(found.value - effect.neutral), found.std
     if found.ratio is not None:  # what resistance and torque constant leave open is no doubt about the effect
         size, std = abs(found.ratio.value), found.ratio.std
