@@ -304,6 +304,7 @@ class _Search:
         return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
         settled += self._suspected(best, {effect.id for effect, _ in settled})
+
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fitter.problem
         return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
