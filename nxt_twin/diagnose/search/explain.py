@@ -303,7 +303,15 @@ class _Search:
         costs = draft_costs(self._fitter, [elsewhere, trial.plant], trial.noise)
         return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
-        settled += self._suspected(best, {effect.id for effect, _ in settled})
+    def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
+        """What was settled at first, where it adds one effect to `best` and is not `listed` already."""
+        asked = [
+            effect
+            for effect in self._candidates(best.plant)
+            if effect.id in self._fitter.problem.leaning and effect.id not in listed
+        ]
+        known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
+        return [(effect, settled) for effect, settled in known if settled is not None]
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fitter.problem
