@@ -3,7 +3,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check effects picture lock clean
+.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
@@ -52,6 +52,16 @@ docs: $(VENV)/ready-dev
 # A dead link; or a verb, an option, a key, an effect or an exit status that no page tells. `make check` asks it too.
 docs-check: $(VENV)/ready-dev
 	$(BIN)/python tools/docs_check.py
+
+licences: $(VENV)/ready-dev
+	$(BIN)/python tools/licences_page.py
+
+# Both need a network, and say so where there is none.
+audit: $(VENV)/ready-dev
+	$(BIN)/python tools/audit.py
+
+wheel-check: $(VENV)/ready-dev
+	$(BIN)/python tools/wheel_check.py
 
 effects: $(VENV)/ready-run
 	$(BIN)/python tools/effects_page.py
