@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import FrozenInstanceError, replace
 from enum import IntEnum
 
 import pytest
@@ -38,6 +39,17 @@ EARLIER = {"size": 3, "kind": 15}
 )
 def test_a_kind_has_a_label_and_a_width(wire, label, fixed, width):
     assert (wire.label, wire.fixed_width, wire.width(EARLIER, 7)) == (label, fixed, width)
+
+
+@pytest.mark.parametrize(
+    "wire",
+    [Number(1), Choice(Colour), Text(20), FixedBytes(16), Counted("size"), Truth(), Remaining(), BY_KIND],
+    ids=lambda wire: wire.label,
+)
+def test_a_kind_never_changes_and_its_like_is_the_same_kind(wire):
+    assert {wire, replace(wire)} == {wire}
+    with pytest.raises(FrozenInstanceError):
+        wire.size = 3
 
 
 def test_a_number_whose_width_nobody_lists_takes_no_bytes():
