@@ -8,7 +8,9 @@ from dataclasses import replace
 from nxt_twin.diagnose.changed.answer import Changes
 from nxt_twin.diagnose.changed.engine import Progress, compare
 from nxt_twin.diagnose.changed.telling import told
-from nxt_twin.recording.case import Case
+from nxt_twin.errors import DiagnosisError
+from nxt_twin.recording.case import ROBOT_KIND, Case
+from nxt_twin.recording.configs import load_plant_config
 
 
 def changed(
@@ -30,6 +32,10 @@ def changed(
     Raises:
         NxtTwinError: a side cannot be compared; its text says why.
     """
+    plant = load_plant_config(before.plant) if isinstance(before.plant, str) else before.plant
+    if plant.get("kind") == ROBOT_KIND:
+        mend = "run diagnose on each side, and compare the parameters"
+        raise DiagnosisError("a robot's recordings cannot be compared yet", where=before.name, mend=mend)
     return [told(each) for each in compare(before, afters, tolerance, progress)]
 
 
