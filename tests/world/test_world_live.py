@@ -59,7 +59,7 @@ def watched(tmp_path):
 
 def test_robot_and_ghost_part_at_a_smaller_wheel_are_told_why_and_are_together_again(watched):
     twin, arena = watched(27.0)
-    said = drive(twin, arena, LEGS * 2)
+    said = drive(twin, arena, (*LEGS, *LEGS, (35, 35, 1.5)))
     assert [event.kind for event in said] == ["divergence", "effect_named", "adopted", "calm"]
     assert "unequal_wheels" in said[2].words
     assert twin.drive.geometry.wheel_radius_ratio == pytest.approx(27.0 / 28.0, abs=0.003)
