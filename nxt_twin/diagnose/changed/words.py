@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from nxt_twin.diagnose.changed.answer import Change, ChangeVerdict
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.diagnosis import Fit
@@ -37,6 +39,7 @@ _PART_OF = {
     },
     "supply": {"supply_v", "battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
 }
+_OTHER_SUPPLY = 0.03  # of the supply before
 _NEARER = 0.8  # of an error: what a reader would call better
 _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
 
@@ -80,9 +83,23 @@ def notes(compared: Compared, fit: Fit) -> tuple[str, ...]:
     if common:
         what = listed([names[each] for each in common])
         found.append(f"the model leaves out {what} on both sides, so this is no change")
+    found += _supply_note(compared)
     if not 0.0 < fit.improved < 1e6:
         found.append("the simulated windows diverge; check units and signs of the recordings")
     return tuple(found)
+
+
+def _supply_note(compared: Compared) -> list[str]:
+    """A remark where the supply was read and is another after: the model has it as an input."""
+    before_v, after_v = (
+        float(np.median(np.concatenate([one.command_supply_v for one in problem.signals])))
+        for problem in (compared.before, compared.after)
+    )
+    if not abs(after_v - before_v) > _OTHER_SUPPLY * before_v:
+        return []
+    return [
+        f"the supply was {before_v:.2f} V before and {after_v:.2f} V after; the model takes it as an input"
+    ]
 
 
 def parameter_words(name: str) -> str:
