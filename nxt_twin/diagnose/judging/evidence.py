@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -24,6 +24,7 @@ from nxt_twin.diagnose.judging.horizons import (
     best_at_every_horizon,
     errors_of,
     floors_of,
+    least_wrong,
 )
 from nxt_twin.diagnose.judging.intervals import robust_covariance
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
@@ -53,7 +54,7 @@ class Evidence:
 
     Attributes:
         problem, units, explanation: as their types say.
-        baseline: the re-fitted baseline at its best.
+        baseline: the re-fitted baseline at its best, or the given one where that predicts unseen readings better.
         final: the best structure, fitted on everything that is not held out.
         before, after: what the two leave at each reading.
         baseline_runs, final_runs: their free runs over what is held out.
@@ -100,6 +101,7 @@ class Evidence:
 
 def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:
     """Run both structures over everything, and synthetic clean recordings beside them."""
+    searched = _no_worse_than_given(simulator, problem, searched)
     baseline, final = searched.refit, searched.final
     before, after = (
         residuals(simulator, structure.plant, problem.everything(), final.noise)
@@ -141,6 +143,19 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
             colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
         ),
     )
+
+
+def _no_worse_than_given(simulator: Simulator, problem: Problem, searched: Searched) -> Searched:
+    """`searched` with the parameters as given for its baseline, where these predict unseen readings better."""
+    final = searched.final
+    errors = [
+        errors_of(simulator, problem, one.plant, final.plant, final.noise)
+        for one in (searched.refit, searched.given)
+    ]
+    if least_wrong(errors, problem.tolerance) == 0:
+        return searched
+    found = searched.explanation.found
+    return replace(searched, refit=searched.given, final=final if found else searched.given)
 
 
 def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:

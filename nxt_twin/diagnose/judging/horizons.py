@@ -91,9 +91,13 @@ def best_at_every_horizon(ranked: Sequence[tuple[Plant, Errors]], tolerance: flo
             (np.array(errors.rms) <= np.maximum(slack * rms, tolerance)).all() for rms in rivals
         ):
             return plant
-    ranked = ranked[1:]
-    sizes = [float(np.sum(np.log(np.maximum(errors.rms, max(tolerance, 1e-15))))) for _, errors in ranked]
-    return ranked[int(np.argmin(sizes))][0]
+    return ranked[1 + least_wrong([errors for _, errors in ranked[1:]], tolerance)][0]
+
+
+def least_wrong(every: Sequence[Errors], tolerance: float) -> int:
+    """Which has the least error over all horizons, in logarithms, above what does not matter."""
+    sizes = [float(np.sum(np.log(np.maximum(errors.rms, max(tolerance, 1e-15))))) for errors in every]
+    return int(np.argmin(sizes))
 
 
 def _errors(

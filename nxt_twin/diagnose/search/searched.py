@@ -15,6 +15,7 @@ from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Simulator
 
 _AS_GOOD = 2.0  # with an effect of next to no size
@@ -29,11 +30,13 @@ class Searched:
     Attributes:
         explanation: what was found.
         refit: the re-fitted baseline at its best, fitted on all that is not held out.
+        given: the baseline with its parameters as they came.
         final: the best structure, fitted on all that is not held out.
     """
 
     explanation: Explanation
     refit: Structure
+    given: Structure
     final: Structure
 
 
@@ -63,7 +66,8 @@ def _fitted(fitter: Fitter, explanation: Explanation) -> Searched:
             break
         explanation, final = lesser, refitted
     refit = best_baseline(fitter, explanation.baseline, final)
-    return Searched(explanation, refit, final if explanation.found else refit)
+    given = as_given(fitter, explanation.baseline.noise)
+    return Searched(explanation, refit, given, final if explanation.found else refit)
 
 
 def _faint(fitter: Fitter, explanation: Explanation, final: Structure) -> Effect | None:
@@ -97,18 +101,22 @@ def settled_baseline(fitter: Fitter) -> Structure:
     return settled(fitter, problem.plant, noise)
 
 
+def as_given(fitter: Fitter, noise: Noise) -> Structure:
+    """The problem's own plant with its parameters as they came."""
+    return fitter.checked(fitter.fit(fitter.problem.plant, noise, _AS_GIVEN)[0], noise)
+
+
 def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Structure:
     """The re-fitted baseline that simulates best, so that what was found is not held against a straw man.
 
     It is fitted under its own noise, under that of the improved plant, and on simulation alone; the parameters as they
     were given stand beside.
     """
-    given = fitter.problem.plant
     simulating, drifting = fitter.simulating(baseline.plant, baseline.noise, everything=True)
     fits = [
         roughly_everything(fitter, baseline.plant, baseline.noise, rounds=2),
-        roughly_everything(fitter, given, final.noise, rounds=0),
+        roughly_everything(fitter, fitter.problem.plant, final.noise, rounds=0),
         fitter.checked(simulating, drifting),
-        fitter.checked(fitter.fit(given, baseline.noise, _AS_GIVEN)[0], baseline.noise),
+        as_given(fitter, baseline.noise),
     ]
     return min(fits, key=lambda one: fitter.simulated_error(one.plant, final.noise))
