@@ -85,6 +85,15 @@ def find_changes(
 
     Raises:
         NxtTwinError: the sides cannot be compared; the text says why.
+
+    >>> import nxt_twin as nt
+    >>> import numpy as np
+    >>> time_s = np.arange(0.0, 6.0, 0.01)
+    >>> power = np.repeat([30, -60, 90, -20, 50, -80], 100)
+    >>> commands = nt.Recording("run", {"time_s": time_s, "a_power_pct": power})
+    >>> before = nt.simulate("nxt_motor", commands)
+    >>> nt.find_changes(before, before, "nxt_motor").verdict
+    'unchanged'
     """
     return changed(_case(before, plant, port), [_case(after, plant, port)])[0]
 

@@ -147,7 +147,18 @@ class _Search:
         both = self.pruned(ranked[0][2])
         kept = {effect.id, ranked[0][0].id} <= both.plant.active
         kept = kept and all(self._still_worth_it(both, one) is both for one in (effect, ranked[0][0]))
-        return both if kept and not weigh(best, both).runs_worse else None
+        if kept:
+            return both if not weigh(best, both).runs_worse else None
+        return self._alone(best, both, (effect, ranked[0][0]))
+
+    def _alone(self, best: Structure, left: Structure, tried: tuple[Effect, Effect]) -> Structure | None:
+        """`left`, to which two that were tried together have led, if it has one of them and that is worth it."""
+        added = left.plant.active - best.plant.active
+        for effect in tried:
+            worth_it = added == {effect.id} and self._standard.worth_it(effect, weigh(best, left), best)
+            if worth_it:
+                return left
+        return None
 
     def _still_worth_it(self, added: Structure, effect: Effect) -> Structure:
         """`added`, or less `effect` where that, settled anew from there, comes too near to add it."""
