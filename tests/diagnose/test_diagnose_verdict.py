@@ -86,3 +86,14 @@ def test_with_nothing_found_and_nothing_left_nothing_is_missing():
 
 def test_what_was_found_and_leaves_noise_explains():
     assert verdict_of(FOUND) == "explained"
+
+
+def test_stalls_speak_against_several_effects_and_not_against_one_that_leaves_nothing_that_matters():
+    stalled = replace(FOUND, stalled_share=1.0, matters=False)
+    assert verdict_of(replace(stalled, named=1)) == "explained"
+    assert verdict_of(replace(stalled, named=2)) == "unexplained"
+    assert verdict_of(replace(stalled, named=1, matters=True)) == "unexplained"
+
+
+def test_three_effects_are_the_most_that_are_likely_to_be_missing_at_once():
+    assert LIMITS.most_named == 3
