@@ -122,17 +122,21 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     held_out = tuple(_held_out(evidence))
     refit = refitted(evidence)
     alarms = evidence.false_alarms
+    load = on_the_load(refit)
+    sentence = words.sentence(
+        verdict,
+        effects,
+        fit,
+        excitation,
+        {one.id: one.name for one in sizes},
+        patchwork=is_patchwork(evidence.record),
+    )
+    if verdict == "adequate":  # a parameter that the data set anew is the answer then
+        sentence, load = " ".join([sentence, *load]), ()
     return Diagnosis(
         name=problem.name,
         verdict=verdict,
-        sentence=words.sentence(
-            verdict,
-            effects,
-            fit,
-            excitation,
-            {one.id: one.name for one in sizes},
-            patchwork=is_patchwork(evidence.record),
-        ),
+        sentence=sentence,
         refit=refit,
         mismatch=mismatch_of(simulator, evidence, verdict, seed),
         effects=effects,
@@ -141,7 +145,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=(
             *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
-            *on_the_load(refit),
+            *load,
             *_what_is_written(evidence),
         ),
         held_out=held_out,

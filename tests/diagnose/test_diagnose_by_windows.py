@@ -7,7 +7,7 @@ import pytest
 from diagnose_cases import concealed
 
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.diagnose.diagnosis import Moved
+from nxt_twin.diagnose.diagnosis import Moved, Ratio
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judging.colour import COLOURED, colour
 from nxt_twin.diagnose.search.notable import is_repeated
@@ -81,6 +81,13 @@ def test_another_load_is_named_with_what_the_motor_kept():
 @pytest.mark.parametrize(("after", "std"), [(0.80, 0.001), (1.14, 0.2)])
 def test_a_load_that_moved_by_little_or_is_in_doubt_is_not_named(after, std):
     assert on_the_load({"gravity_torque_nm": moved(0.744, after, std, "N·m")}) == ()
+
+
+def test_what_anchors_leave_open_is_no_doubt_about_another_load():
+    gravity = replace(moved(0.744, 1.15, 0.26, "N·m"), ratio=Ratio(30.8, 2.3, "1/s²", "inertia_kg_m2"))
+    assert len(on_the_load({"gravity_torque_nm": gravity})) == 1
+    vague = replace(gravity, ratio=Ratio(30.8, 10.0, "1/s²", "inertia_kg_m2"))
+    assert on_the_load({"gravity_torque_nm": vague}) == ()
 
 
 def test_a_motor_without_an_arm_has_no_such_load():

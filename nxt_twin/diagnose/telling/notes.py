@@ -64,7 +64,7 @@ def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
     if gravity is None or not min(gravity.before, gravity.after) > 0.0:
         return ()
     apart = abs(gravity.after - gravity.before)
-    if apart < max(_ANOTHER * gravity.before, _SURE_STDS * gravity.std):
+    if apart < max(_ANOTHER * gravity.before, _SURE_STDS * _own_std(gravity)):
         return ()
     moved = [
         f"{name} is {refit[name].after:.3g} {refit[name].unit} (given: {refit[name].before:.3g})"
@@ -75,6 +75,13 @@ def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
     most = max((abs(one.after / one.before - 1.0) for one in constants), default=0.0)
     motor = f" The motor's own constants moved by {100.0 * most:.0f} % at most." if constants else ""
     return (f"The load is another than the given one: {listed(moved)}.{motor}",)
+
+
+def _own_std(moved: Moved) -> float:
+    """Its doubt without that of resistance and torque constant, which the given value shares."""
+    if moved.ratio is None or not moved.ratio.value > 0.0:
+        return moved.std
+    return min(moved.std, moved.after * moved.ratio.std / moved.ratio.value)
 
 
 def _bad_runs(problem: Problem, runs: Sequence[HeldOutRun]) -> list[str]:
