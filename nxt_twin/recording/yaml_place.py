@@ -34,7 +34,10 @@ def _line(file: Path, keys: tuple[str, ...]) -> int:
     """The line of the deepest of nested keys that the file holds, from 1; 0 if it holds not even the first."""
     if not file.is_file():  # what is said of no file, as of a mock's own world
         return 0
-    node, line = yaml.compose(file.read_text(encoding="utf-8-sig"), Loader=yaml.SafeLoader), 0
+    try:
+        node, line = yaml.compose(file.read_text(encoding="utf-8-sig"), Loader=yaml.SafeLoader), 0
+    except yaml.YAMLError:  # the compiled parser that read the file is a little kinder than this one
+        return 0
     for key in keys:
         found = _below(node, key)
         if found is None:

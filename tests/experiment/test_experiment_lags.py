@@ -53,7 +53,8 @@ def test_nothing_is_missing_from_a_motor_that_is_the_models(tmp_path: Path, prof
     assert named(out) == []
     for sidecar in (out / "recordings").glob("*.yaml"):
         sidecar.unlink()
-    assert named(out) == ["command_delay"]
+    expected = [] if profile == "none" else ["command_delay"]  # two milliseconds are too little for a name
+    assert named(out) == expected
 
 
 @pytest.mark.parametrize("profile", ["none", "usb"])

@@ -22,6 +22,7 @@ from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
 from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -295,8 +296,15 @@ class _Search:
             starts = starts_of(effect, self._fitter.problem.scale)
             plants = [best.plant.with_effect(effect.id, start) for start in starts]
             costs = draft_costs(self._fitter, plants, noise)
-            settled.append((effect, self._settled.settle(plants[int(np.argmin(costs))], noise)))
+            trial = self._settled.settle(plants[int(np.argmin(costs))], noise)
+            if self._outlasts_a_poll(trial, effect):
+                settled.append((effect, trial))
         return settled
+
+    def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
+        """Whether readings are held for longer than they are apart; the jitter of a link scatters them as well."""
+        held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
+        return held_s > max(signals.interval_s for signals in self._fitter.problem.signals)
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
         """The best of `trial` and of what other starts lead to, for effects with mechanical states of their own.
