@@ -6,13 +6,12 @@ import shlex
 from pathlib import Path
 from typing import Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 import nxt_twin
 from nxt_twin.diagnose.units import after_number
 from nxt_twin.fleet.findings.values import LEVEL, UNKNOWN, Findings, Outlier
 from nxt_twin.view import numbers
 from nxt_twin.view.fleet_plot import drifts_figure, parameters_figure
+from nxt_twin.view.pages import environment
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.wording import capitalise, counted, spelled_out
 
@@ -37,14 +36,8 @@ def write_fleet_page(findings: Findings, folder: Path, table: str) -> Path:
 
 def render_fleet_page(findings: Findings, table: str) -> str:
     """The page's text: self-contained; the same findings give the same text."""
-    environment = Environment(
-        loader=PackageLoader("nxt_twin.view"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
+    templates = environment()
+    templates.filters |= {
         "after_number": after_number,
         "capitalise": capitalise,
         "chance": numbers.chance,
@@ -52,8 +45,8 @@ def render_fleet_page(findings: Findings, table: str) -> str:
         "rate": _rate,
         "spelled_out": spelled_out,
     }
-    environment.globals |= {"with_doubt": numbers.with_doubt, "counted": counted, "unknown": UNKNOWN}
-    return environment.get_template("fleet.html.j2").render(
+    templates.globals |= {"with_doubt": numbers.with_doubt, "counted": counted, "unknown": UNKNOWN}
+    return templates.get_template("fleet.html.j2").render(
         findings=findings,
         table=table,
         sentence=sentence(findings),

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 import nxt_twin
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view import numbers, wording
 from nxt_twin.view.live_plot import NIS_BOUND, link_figure, motor_figure, sensors_figure
+from nxt_twin.view.pages import environment
 from nxt_twin.view.svg import inline_svg
 
 MOST_TICKS: Final = 8000
@@ -132,23 +131,17 @@ def render_live_report(
     kept: Keeper, *, title: str, sentence: str = "", findings: Sequence[LinkedDiagnosis] = ()
 ) -> str:
     """The report as the text of one self-contained HTML page; the same session gives the same text."""
-    environment = Environment(
-        loader=PackageLoader("nxt_twin.view"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
+    templates = environment()
+    templates.filters |= {
         "capitalise": wording.capitalise,
         "ordinal": wording.ordinal,
         "plain": numbers.plain,
         "quantity": wording.quantity,
         "seconds": numbers.seconds,
     }
-    environment.globals["counted"] = wording.counted
+    templates.globals["counted"] = wording.counted
     said = [event.words for event in kept.events]
-    return environment.get_template("live.html.j2").render(
+    return templates.get_template("live.html.j2").render(
         title=title,
         sentence=sentence or (said[-1] if said else "Nothing was said."),
         kept=kept,

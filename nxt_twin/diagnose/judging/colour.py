@@ -9,8 +9,8 @@ from nxt_twin.arrays import FloatArray, IntArray
 COLOURED = 1.6
 """Colour, over that of noise, from which a likelihood of single steps counts readings that are no evidence.
 
-Of synthetic recordings whose missing effects were found it is 1.0 to 1.3; of servos that were logged on another clock
-than they were read by, 2 to 3.
+Seen by hand on a few cases: of synthetic recordings whose missing effects were found it is 1.0 to 1.3. Of servos that
+were logged on another clock than they were read by it is 2 to 3.
 """
 
 _LAGS = 20
