@@ -86,7 +86,7 @@ class Watched:
         if view is None or motion is None:
             return
         floor = arena.setting.scene.floor
-        shades = FloorPicture(floor, arena.setting.folder).shades
+        shades = FloorPicture(floor, arena.setting.file).shades
         view.floor(shades, (1e-3 * floor.size_mm[0], 1e-3 * floor.size_mm[1]))
         view.bodies(motion.time_s, motion.bodies())
         view.echoes(motion.time_s, motion.rays_m)

@@ -13,8 +13,11 @@ from nxt_twin.mock.body.battery import Battery
 from nxt_twin.mock.body.body import Body as BrickBody
 from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.physics.layout import BASE_OWNER, Slot
-from nxt_twin.recording.columns import PORTS
+from nxt_twin.physics.plant import Plant
+from nxt_twin.recording.columns import PORTS, Port
+from nxt_twin.recording.yaml_place import Place
 from nxt_twin.world.assembly import Assembly, Vector, rotation
+from nxt_twin.world.blame import blaming
 from nxt_twin.world.bullet import Bullet
 from nxt_twin.world.carpets import Carpets
 from nxt_twin.world.engine import Body
@@ -73,8 +76,7 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
         seed: of the sensors' noise.
 
     Raises:
-        WorldError: PyBullet is not installed, or what the file says cannot be built.
-        PlantError: a motor's plant is none.
+        WorldError: PyBullet is not installed, or what the file says or names cannot be built.
     """
     scene, robot = setting.scene, setting.robot
     engine = Bullet(scene.floor.friction, _downhill(scene))
@@ -82,7 +84,7 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
         name: engine.add(thing.assembly(name), _put(thing.at_mm, thing.turned_deg))
         for name, thing in scene.things.items()
     }
-    plants = {port: setting.world.plant(port, setting.folder) for port in PORTS}
+    plants = {port: _plant(setting, port) for port in PORTS}
     assembly = robot.assembly(
         {port: plant.values[Slot(BASE_OWNER, "inertia")] for port, plant in plants.items()}
     )
@@ -104,15 +106,19 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
     world_plants = WorldPlants([plants[port] for port in PORTS], engine, ports, after)
     cells = setting.world.battery
     battery = Battery(cells.voltage_v, cells.internal_resistance_ohm, cells.drain_v_per_c)
-    around = Surroundings(
-        engine, body, things, scene, FloorPicture(scene.floor, setting.folder), setting.folder
-    )
+    floor = FloorPicture(scene.floor, setting.file)
+    around = Surroundings(engine, body, things, scene, floor, setting.robot_at)
     brick = BrickBody(
         battery,
         MotorBank(world_plants),
         sockets({int(port): mount for port, mount in robot.sensors.items()}, around, seed),
     )
     return Arena(setting, engine, body, assembly, things, brick, watchers)
+
+
+def _plant(setting: Setting, port: Port) -> Plant:
+    with blaming(Place(setting.file), "motors", port):
+        return setting.world.plant(port, setting.file.parent)
 
 
 def _downhill(scene: Scene) -> Vector:

@@ -153,7 +153,7 @@ def _show_floor(arena: Arena) -> None:
     """Put the floor's picture, which only eyes see, on the floor."""
     p, number = arena.engine.client
     floor: Floor = arena.setting.scene.floor
-    shades = FloorPicture(floor, arena.setting.folder).shades
+    shades = FloorPicture(floor, arena.setting.file).shades
     grey = Image.fromarray(np.flipud(np.round(255.0 * shades.T).astype(np.uint8)))
     width, depth = (1e-3 * size for size in floor.size_mm)
     right, far = 0.5 * width, 0.5 * depth

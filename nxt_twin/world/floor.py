@@ -9,6 +9,8 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.mock.errors import WorldError
+from nxt_twin.recording.yaml_place import Place
+from nxt_twin.world.blame import blaming
 from nxt_twin.world.scene import Floor, Print, Spot
 
 _GREATEST_SPOTS = 25_000_000
@@ -20,24 +22,26 @@ class FloorPicture:
 
     Args:
         floor: what was written.
-        folder: where paths of pictures start.
+        file: the world file, beside which paths of pictures start.
 
     Raises:
         WorldError: a picture cannot be read, or the floor has too many spots.
     """
 
-    def __init__(self, floor: Floor, folder: Path) -> None:
+    def __init__(self, floor: Floor, file: Path) -> None:
+        place = Place(file, ("scene", "floor"))
         width, depth = (round(size / floor.grain_mm) for size in floor.size_mm)
         if width * depth > _GREATEST_SPOTS:
             mend = f"at most {_GREATEST_SPOTS} spots: make size_mm smaller or grain_mm larger"
-            raise WorldError("has too many spots", where="scene, floor", mend=mend)
+            raise WorldError("has too many spots", where=place.of(("size_mm",)), mend=mend)
         self._grain_m = 1e-3 * floor.grain_mm
         self._corner_m = -0.5 * self._grain_m * np.array([width, depth])
         self.shades = np.full((width, depth), floor.shade)
         x = (self._corner_m[0] + self._grain_m * (np.arange(width) + 0.5)) * 1e3
         y = (self._corner_m[1] + self._grain_m * (np.arange(depth) + 0.5)) * 1e3
-        for each in floor.prints:
-            _put(self.shades, each, x[:, None], y[None, :], folder)
+        for number, each in enumerate(floor.prints):
+            with blaming(place, "prints", str(number), "picture"):
+                _put(self.shades, each, x[:, None], y[None, :], file.parent)
         self._framed = np.pad(self.shades, 1, constant_values=floor.shade)
         self._corner_m -= self._grain_m
         self._last = np.array(self._framed.shape) - 0.5
@@ -85,10 +89,12 @@ def _picture(what: Print, x: FloatArray, y: FloatArray, folder: Path) -> FloatAr
     from matplotlib.image import imread
 
     path = folder / (what.picture or "")
+    if not path.is_file():
+        raise WorldError("there is no such file", where=str(what.picture), mend="give a PNG file")
     try:
         pixels = np.asarray(imread(path), dtype=np.float64)
-    except (OSError, SyntaxError, ValueError) as error:
-        raise WorldError(f"is no picture: {error}", where=str(path), mend="give a PNG file") from None
+    except (OSError, SyntaxError, ValueError):
+        raise WorldError("is no picture", where=str(what.picture), mend="give a PNG file") from None
     grey = pixels[..., :3].mean(axis=2) if pixels.ndim == 3 else pixels
     (x0, y0), (x1, y1) = what.patch_mm or ((0.0, 0.0), (1.0, 1.0))
     column = np.clip((x - min(x0, x1)) / abs(x1 - x0) * grey.shape[1], 0, grey.shape[1] - 1).astype(np.int64)

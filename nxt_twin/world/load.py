@@ -20,6 +20,7 @@ from nxt_twin.world.scene import Scene
 ModelT = TypeVar("ModelT", bound=BaseModel)
 _YAML = (".yaml", ".yml")
 _LIKE = "like"
+_ROBOT = "robot"
 
 
 @final
@@ -31,13 +32,15 @@ class Setting:
         world: the brick.
         robot: what it is built into.
         scene: what that stands in.
-        folder: where the paths in the file start.
+        file: the world file, beside which the paths in it start.
+        robot_at: where the robot is written: in a file of its own, or in the world file.
     """
 
     world: World
     robot: Robot
     scene: Scene
-    folder: Path
+    file: Path
+    robot_at: Place
 
 
 def load_setting(path: str | Path) -> Setting:
@@ -61,26 +64,35 @@ def setting_of(world: World, file: Path) -> Setting:
     """
     if world.robot is None:
         mend = "write robot: castor_bot, or another of configs/robots"
-        raise WorldError("holds no robot", where=str(file), mend=mend)
-    robot = _robot(world.robot, file)
+        raise WorldError("holds no robot", where=Place(file).of((_ROBOT,)), mend=mend)
+    robot, robot_at = _robot(world.robot, Place(file, (_ROBOT,)))
     scene = read_part(world.scene or {}, Scene, WorldError, where=Place(file, ("scene",)))
-    return Setting(world, robot, scene, file.parent)
+    return Setting(world, robot, scene, file, robot_at)
 
 
-def _robot(given: str | dict[str, Any], file: Path) -> Robot:
+def _robot(given: str | dict[str, Any], place: Place) -> tuple[Robot, Place]:
     """The robot that a world names, or holds; one that is `like` another takes from it what it does not say itself."""
     if isinstance(given, str):
-        return read_model(_robot_file(given, file), Robot, WorldError)
+        file = _robot_file(given, place)
+        return read_model(file, Robot, WorldError), Place(file)
     changed = dict(given)
     like = changed.pop(_LIKE, None)
     if like is not None:
-        changed = changed_by(read_yaml(_robot_file(str(like), file), WorldError), changed)
-    return read_part(changed, Robot, WorldError, where=Place(file, ("robot",)))
+        changed = changed_by(read_yaml(_robot_file(str(like), place, _LIKE), WorldError), changed)
+    return read_part(changed, Robot, WorldError, where=place), place
 
 
-def _robot_file(given: str, file: Path) -> Path:
-    own = Path(given).suffix not in _YAML
-    return named(given, "robots", where=str(file)) if own else file.parent / given
+def _robot_file(given: str, place: Place, *keys: str) -> Path:
+    """The file of a robot that is named at some place of a world file."""
+    where = Place(place.file).of((*place.under, *keys))
+    if Path(given).suffix not in _YAML:
+        return named(given, "robots", where=where)
+    beside = place.file.parent / given
+    if not beside.is_file():
+        raise WorldError(
+            f"there is no file {quoted(given)}", where=where, mend="check the name and the folder"
+        )
+    return beside
 
 
 def changed_by(robot: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Final, Literal, final
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from nxt_twin.recording.columns import Port
 from nxt_twin.world.assembly import Assembly, Grip, Joint, RigidLink, Shape, lumped
@@ -160,6 +160,20 @@ class Robot(Written):
     sensors: dict[Literal[1, 2, 3, 4], SensorModel] = Field(default_factory=dict)
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.4
     fixed: bool = False
+
+    @field_validator("wheels", "arms")
+    @classmethod
+    def _one_a_motor(
+        cls, turning: dict[str, Wheel] | dict[str, Arm], info: ValidationInfo
+    ) -> dict[str, Wheel] | dict[str, Arm]:
+        taken = {wheel.port: name for name, wheel in info.data.get("wheels", {}).items()}
+        for name, part in turning.items():
+            other = taken.setdefault(part.port, name)
+            if other != name:
+                raise ValueError(
+                    f"{other} and {name} are on one port, {part.port}; each needs a motor of its own"
+                )
+        return turning
 
     @property
     def motors(self) -> dict[Port, str]:

@@ -161,7 +161,7 @@ class StartPose(Written):
         pitch_deg: forward from upright, about the frame's y axis.
     """
 
-    at_mm: tuple[float, float] | Place = (0.0, 0.0)
+    at_mm: Annotated[tuple[float, ...], Field(min_length=2, max_length=3)] = (0.0, 0.0)
     heading_deg: float = 0.0
     pitch_deg: float = 0.0
 

@@ -17,6 +17,7 @@ from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.recording.files import read_recording
 from nxt_twin.world import bullet
+from nxt_twin.world.arena import open_arena
 from nxt_twin.world.load import load_setting
 
 PLAYGROUND = Path(__file__).parents[2] / "configs" / "worlds" / "playground.yaml"
@@ -127,12 +128,30 @@ def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
             "robot: {name: X, parts: [{box_mm: [1, 2, 3], mass_g: 3}], sensors: {4: {kind: ultrasonic}}}\n",
             r"robot, key sensors\.4\.at_mm: is missing",
         ),
+        ("robot: {like: castor_bt}\n", r"bad.yaml, line 1, key robot\.like: .*castor_bot"),
+        ("name: X\nrobot: mine.yaml\n", r"bad.yaml, line 2, key robot: there is no file 'mine.yaml'"),
+        (
+            "robot: {like: castor_bot, wheels: {right: {port: b}}}\n",
+            r"line 1, robot, key wheels: left and right are on one port, b",
+        ),
+        (
+            "robot: castor_bot\nmotors: {b: worn}\n",
+            r"bad.yaml, line 2, key motors\.b: .*no plant named 'worn'",
+        ),
+        (
+            "robot: castor_bot\nscene: {floor: {prints: [{patch_mm: [[0, 0], [9, 9]], picture: map.png}]}}\n",
+            r"line 2, scene\.floor, key prints\.0\.picture: map.png: there is no such file",
+        ),
+        (
+            "robot:\n  like: line_follower\n  sensors:\n    3: {model: nxt_ligt}\n",
+            r"line 4, robot, key sensors\.3: .*nxt_light",
+        ),
     ],
 )
 def test_a_bad_world_file_is_refused_by_file_line_and_key(tmp_path, text, told):
     path = tmp_path / "bad.yaml"
     path.write_text(text)
     with pytest.raises(WorldError, match=told) as caught:
-        load_setting(path)
+        open_arena(load_setting(path))
     assert "\n" not in str(caught.value)
     assert "bad.yaml" in str(caught.value)

@@ -103,7 +103,7 @@ def test_another_engine_drives_the_castor_bot_alike():
     setting = load_setting("playground")
     arena = open_arena(setting)
     oracle = MuJoCo(arena.assembly, ["left", "right"])
-    plants = [setting.world.plant(port, setting.folder) for port in PORTS]
+    plants = [setting.world.plant(port, setting.file.parent) for port in PORTS]
     other = MotorBank(WorldPlants(plants, oracle, [1, 2], lambda: None))
     for left, right in ((40, 40), (30, 45)):
         ours, theirs = course(arena.body.motors, left, right), course(other, left, right)

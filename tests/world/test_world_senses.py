@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -164,5 +165,5 @@ def test_a_floor_shows_lines_discs_patches_and_gradients():
         }
     )
     places = 1e-3 * np.array([(0, 0), (0, 15), (10, 105), (0, -100), (50, -100), (500, 0)])
-    shades = FloorPicture(floor, None).shade(places)
+    shades = FloorPicture(floor, Path("world.yaml")).shade(places)
     assert shades == pytest.approx([0.1, 0.8, 0.2, 0.5, 0.75, 0.8], abs=0.02)

@@ -9,6 +9,7 @@ from numpy.random import Generator
 
 from nxt_twin.mock.body.sensor import Analog, Sensor, Touch, empty_socket
 from nxt_twin.mock.body.ultrasonic import UltrasonicBody
+from nxt_twin.world.blame import blaming
 from nxt_twin.world.senses.asked import Asked
 from nxt_twin.world.senses.gyro import GyroSense
 from nxt_twin.world.senses.held import Held
@@ -33,15 +34,18 @@ def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> 
     """The sensors on ports 1 to 4; nothing is on a port that is not named.
 
     Raises:
-        PlantError: a sensor's configuration is none.
-        SensorError: likewise.
+        WorldError: a sensor's configuration is none.
     """
     ultrasonic: list[UltrasonicBody] = []
     streams = np.random.default_rng(seed).spawn(len(SOCKETS))
-    return [
-        Asked(_socket(mounts[port], port, around, rng, ultrasonic)) if port in mounts else empty_socket()
-        for port, rng in zip(SOCKETS, streams, strict=True)
-    ]
+    found: list[Sensor] = []
+    for port, rng in zip(SOCKETS, streams, strict=True):
+        with blaming(around.robot_at, "sensors", str(port)):
+            mount = mounts.get(port)
+            found.append(
+                empty_socket() if mount is None else Asked(_socket(mount, port, around, rng, ultrasonic))
+            )
+    return found
 
 
 def _socket(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, final
 
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.recording.yaml_place import Place
 from nxt_twin.world.bullet import Bullet
 from nxt_twin.world.engine import Body
 from nxt_twin.world.floor import FloorPicture
@@ -25,7 +25,7 @@ class Surroundings:
         things: by name.
         scene: what was written.
         floor: what is printed.
-        folder: where paths of sensor configurations start.
+        robot_at: where the robot is written; paths of its sensors' configurations start beside that file.
     """
 
     engine: Bullet
@@ -33,16 +33,17 @@ class Surroundings:
     things: dict[str, Body]
     scene: Scene
     floor: FloorPicture
-    folder: Path
+    robot_at: Place
 
     def pose(self) -> Pose:
         """The robot's."""
         return self.engine.pose(self.robot)
 
     def model(self, name: str) -> dict[str, Any]:
-        """A sensor's configuration by its name, or by a path beside the world file.
+        """A sensor's configuration by its name, or by a path beside the robot's file.
 
         Raises:
             PlantError: there is none.
         """
-        return load_plant_config(self.folder / name if name.endswith((".yaml", ".yml")) else name)
+        beside = self.robot_at.file.parent / name
+        return load_plant_config(beside if beside.suffix in (".yaml", ".yml") else name)
