@@ -140,6 +140,31 @@ def test_turning_one_way_only_leaves_open_whether_track_or_ratio_is_off():
     assert {"wrong_track", "unequal_wheels"} <= either
 
 
+def test_turning_on_the_spot_tells_a_radius_from_a_track_by_no_noise():
+    time_s = np.arange(0.0, 40.0, 0.05)
+    angle = 12.0 * np.sin(0.8 * time_s)
+    heading = 2.0 * 0.028 * angle / 0.125
+    aside = 4e-4 * np.sin(0.4 * time_s)  # tyres creep a little, always alike: this is no travel
+    columns = {
+        "time_s": time_s,
+        "b_tacho_deg": np.floor(np.degrees(-angle)),
+        "c_tacho_deg": np.floor(np.degrees(angle) + 3.0 * np.sin(0.8 * time_s)),
+        "pose_x_m": aside,
+        "pose_y_m": -aside,
+        "pose_heading_deg": np.degrees(heading),
+    }
+    said = diagnose_robot(
+        Case("spins", robot_case().folder, PLANT, (Recording("r.csv", columns),), (), None)
+    ).diagnosis
+    named = {effect.id: effect for effect in said.effects}
+    assert not {"wheel_radius", "unequal_wheels"} & set(named)
+    assert named["wrong_track"].params["track_m"].value == pytest.approx(0.125, rel=0.01)
+    assert [other.id for other in named["wrong_track"].confusable_with] == ["wheel_radius"]
+    assert list(said.refit) == ["track_m"]
+    assert any("only the ratio of wheel radius to track" in note for note in said.notes)
+    assert said.next_experiment is not None
+
+
 def test_the_report_draws_the_path_on_the_floor():
     page = render_report(found(track_m=0.125).diagnosis)
     assert "path on the floor" in page

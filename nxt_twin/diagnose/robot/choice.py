@@ -14,7 +14,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.robot.effects import GEOMETRY, RobotEffect
+from nxt_twin.diagnose.robot.effects import GEOMETRY, WHEEL_RADIUS, WRONG_TRACK, RobotEffect
 from nxt_twin.diagnose.robot.fit import FittedGeometry, robust_nats
 from nxt_twin.diagnose.robot.windows import PARAMETERS
 
@@ -59,11 +59,23 @@ def choose(full: FittedGeometry, given: FloatArray) -> GeometryChoice:
         given: the values as the model came, shape (6,).
     """
     off = full.state.geometry - given
-    able = {effect.id: places_of(effect) for effect in GEOMETRY if _matters(off, given, effect)}
+    able = {
+        effect.id: [place for place in places_of(effect) if full.free[place]]
+        for effect in GEOMETRY
+        if _matters(off, given, effect)
+    }
     weighed = weigh(able, off, full.covariance, full.clusters)
     named = tuple(effect for effect in GEOMETRY if effect.id in weighed.best)
     probability = {effect.id: weighed.probability.get(effect.id, 0.0) for effect in GEOMETRY}
-    return GeometryChoice(named, probability, weighed.rivals, weighed.second)
+    return GeometryChoice(named, probability, _with_untold(weighed.rivals, full), weighed.second)
+
+
+def _with_untold(rivals: dict[str, tuple[str, ...]], full: FittedGeometry) -> dict[str, tuple[str, ...]]:
+    """Rivals, with the wheels' radius beside a track where the paths tell only the ratio of both."""
+    if WRONG_TRACK.id not in rivals or full.free[places_of(WHEEL_RADIUS)].all():
+        return rivals
+    others = dict.fromkeys((WHEEL_RADIUS.id, *rivals[WRONG_TRACK.id]))
+    return {**rivals, WRONG_TRACK.id: tuple(others)}
 
 
 @final

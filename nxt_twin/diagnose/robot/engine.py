@@ -37,6 +37,7 @@ from nxt_twin.diagnose.robot.powered_search import PoweredFindings, search_power
 from nxt_twin.diagnose.robot.runs import RobotRun, has_powers, robot_runs
 from nxt_twin.diagnose.robot.search import RobotFindings, mend, search, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
+from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from_config
 from nxt_twin.physics.robot.powered import dynamics_config, is_powered
@@ -154,8 +155,7 @@ def fit_robot(case: Case) -> tuple[dict[str, Any], DifferentialDrive]:
     runs = robot_runs(case.recordings, drive)
     if not runs:
         raise DiagnosisError("lists no recording", where=case.name)
-    free = np.ones(6, dtype=bool)
-    fitted = fit_windows(stacked(runs), start_of(drive.geometry, len(runs)), free, clock=False)
+    fitted = fit_windows(stacked(runs), start_of(drive.geometry, len(runs)), tellable(runs), clock=False)
     model = DifferentialDrive(
         drive.left, drive.right, fitted.state.as_geometry, drive.dynamics, drive.effects
     )

@@ -34,7 +34,7 @@ def found_effects(found: RobotFindings) -> tuple[FoundEffect, ...]:
 
 
 def moved_parameters(found: RobotFindings, given: Geometry) -> dict[str, Moved]:
-    """Wheels and track, from where they were given to where the final fit has them."""
+    """Wheels and track as far as these paths tell them: from where they were given to where the final fit has them."""
     after = found.final.state.as_geometry
     covariance = _covariance(found)
     radius, ratio = after.mean_wheel_radius_m, after.wheel_radius_ratio
@@ -43,7 +43,7 @@ def moved_parameters(found: RobotFindings, given: Geometry) -> dict[str, Moved]:
         "right_wheel_radius_m": np.array([2.0 * ratio / (1.0 + ratio), 2.0 * radius / (1.0 + ratio) ** 2]),
     }
     moved = {}
-    for name, slope in slopes.items():
+    for name, slope in slopes.items() if found.full.free[:2].all() else ():
         std = float(np.sqrt(slope @ covariance[:2, :2] @ slope))
         moved[name] = _moved(getattr(given, name), getattr(after, name), std, found)
     moved["track_m"] = _moved(given.track_m, after.track_m, float(np.sqrt(covariance[2, 2])), found)
@@ -56,9 +56,9 @@ def sizes_seen(found: RobotFindings) -> tuple[DetectableSize, ...]:
     needed = float(np.sqrt(_squared_for(NEEDED_NATS, found.full.clusters)))
     sizes = []
     for effect in GEOMETRY:
-        if effect.id in named:
-            continue
         name = tuple(effect.units)[-1]
+        if effect.id in named or not found.full.free[PARAMETERS.index(name)]:
+            continue
         std = float(np.sqrt(found.full.covariance[PARAMETERS.index(name), PARAMETERS.index(name)]))
         size = (needed + _NINE_OF_TEN) * std
         sizes.append(DetectableSize(effect.id, effect.name, name, size, effect.units[name], seen_above=True))
@@ -75,6 +75,8 @@ def _of_geometry(effect: RobotEffect, found: RobotFindings) -> FoundEffect:
     params = {}
     for name, unit in effect.units.items():
         place = PARAMETERS.index(name)
+        if not found.full.free[place]:
+            continue
         std = float(np.sqrt(covariance[place, place]))
         params[name] = _estimate(float(found.final.state.geometry[place]), std, unit, found.final)
     confusable = tuple(

@@ -26,6 +26,7 @@ from nxt_twin.diagnose.robot.judge import (
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.search import RobotFindings, refit, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
+from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import PosePath
 
@@ -97,25 +98,22 @@ def judge_held_out(
     """Judge on `held`; where none are held out, on each fold of the fitted runs by a fit of the others."""
     if held:
         models = model_of(found.baseline), model_of(found.final)
-        return [_judged(run, given, *models, found) for run in held]
+        return [_judged(run, given, *models) for run in held]
     judged = []
     folds = min(_FOLDS, len(fitted_runs))
     for fold in range(folds):
         kept = tuple(run for index, run in enumerate(fitted_runs) if index % folds != fold)
         baseline, final = refit(kept, given, found, found.slips)
         judged += [
-            _judged(run, given, model_of(baseline), model_of(final), found)
+            _judged(run, given, model_of(baseline), model_of(final))
             for index, run in enumerate(fitted_runs)
             if index % folds == fold
         ]
     return judged
 
 
-def _judged(
-    run: RobotRun, given: Geometry, baseline: RobotModel, improved: RobotModel, found: RobotFindings
-) -> JudgedRun:
-    everything = np.ones_like(found.final.free)
-    own = fit_windows(stacked([run]), start_of(improved.geometry, 1), everything, clock=True)
+def _judged(run: RobotRun, given: Geometry, baseline: RobotModel, improved: RobotModel) -> JudgedRun:
+    own = fit_windows(stacked([run]), start_of(improved.geometry, 1), tellable([run]), clock=True)
     lag_s = float(np.abs(own.state.lag_s[0]) + np.abs(own.state.rate[0]) * 0.5 * run.duration_s)
     left, right = wheels_at(stacked([run]), own.state)[0]
     clocked = replace(run, left_rad=left, right_rad=right)

@@ -15,7 +15,8 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, without_slip
 from nxt_twin.diagnose.robot.spread import SessionSpread, spreads
 from nxt_twin.diagnose.robot.stack import RunStack, stacked
-from nxt_twin.diagnose.robot.windows import PARAMETERS, DriveState, vector_of
+from nxt_twin.diagnose.robot.tellable import tellable
+from nxt_twin.diagnose.robot.windows import DriveState, vector_of
 from nxt_twin.physics.robot.drive import Geometry
 
 Progress = Callable[[str], None]
@@ -26,7 +27,6 @@ CLOCK_NATS: Final = 12.0
 _SHARE_NATS: Final = 4.0  # of each recording's two numbers
 _LEAST_LAG_S: Final = 8e-3
 _BASE: Final = np.array([True, True, True, False, False, False])
-_ALL: Final = np.ones(len(PARAMETERS), dtype=bool)
 _ROUNDS: Final = 2
 _MOVED_SIGMAS: Final = 2.0
 
@@ -71,13 +71,14 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
         progress: told in words what is being done.
     """
     start = start_of(given, len(runs))
+    told = tellable(runs)
     progress("re-fitting wheels and track")
-    baseline = fit_windows(stacked(runs), start, _BASE, clock=False)
+    baseline = fit_windows(stacked(runs), start, _BASE & told, clock=False)
     progress("fitting markers and clocks")
     slips: tuple[SlipSpell, ...] = ()
     for _ in range(_ROUNDS):
         mended = mend(runs, slips)
-        full = _with_clock_if_needed(stacked(mended), start)
+        full = _with_clock_if_needed(stacked(mended), start, told)
         more = find_slip(mended, full.state.as_geometry, wheels_at(stacked(mended), full.state))
         if not more:
             break
@@ -100,7 +101,7 @@ def refit(
     """Baseline and final structure fitted anew to other runs, of which `slips` are known."""
     start = start_of(given, len(runs))
     stack = stacked(mend(runs, slips))
-    baseline = fit_windows(stacked(runs), start, _BASE, clock=False)
+    baseline = fit_windows(stacked(runs), start, found.baseline.free, clock=False)
     return baseline, fit_windows(stack, start, found.final.free, clock=found.final.clock)
 
 
@@ -136,15 +137,15 @@ def clock_gain(fitted: FittedGeometry) -> float:
 def _moved(full: FittedGeometry, start: DriveState) -> BoolArray:
     """Which of the wheels and the track the recordings move at all; what they do not stays as given."""
     std = np.sqrt(np.maximum(np.diag(full.covariance), 1e-30))
-    return _BASE & (np.abs(full.state.geometry - start.geometry) > _MOVED_SIGMAS * std)
+    return _BASE & full.free & (np.abs(full.state.geometry - start.geometry) > _MOVED_SIGMAS * std)
 
 
-def _with_clock_if_needed(stack: RunStack, start: DriveState) -> FittedGeometry:
-    clocked = fit_windows(stack, start, _ALL, clock=True)
+def _with_clock_if_needed(stack: RunStack, start: DriveState, told: BoolArray) -> FittedGeometry:
+    clocked = fit_windows(stack, start, told, clock=True)
     ends = np.abs(clocked.state.lag_s) + np.abs(clocked.state.rate) * stack.half_s
     if (
         clock_gain(clocked) > CLOCK_NATS
         and np.max(ends[clocked.lag_nats > _SHARE_NATS], initial=0.0) > _LEAST_LAG_S
     ):
         return clocked
-    return fit_windows(stack, start, _ALL, clock=False)
+    return fit_windows(stack, start, told, clock=False)

@@ -12,6 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.stack import stacked
+from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.diagnose.robot.windows import PARAMETERS, DriveState
 
 _FEWEST_GROUPS: Final = 3
@@ -48,7 +49,7 @@ def spreads(runs: tuple[RobotRun, ...], whole: FittedGeometry, start: DriveState
         return {}
     own = [_fit_group(runs, rows, whole, start) for rows in groups.values()]
     values = np.array([fitted.state.geometry for fitted in own])
-    variances = np.array([np.diag(fitted.covariance) for fitted in own])
+    variances = np.array([np.where(one.free, np.diag(one.covariance), np.inf) for one in own])
     return {
         name: _spread(list(groups), values[:, place], variances[:, place])
         for place, name in enumerate(PARAMETERS)
@@ -69,12 +70,13 @@ def _fit_group(
     runs: tuple[RobotRun, ...], rows: list[int], whole: FittedGeometry, start: DriveState
 ) -> FittedGeometry:
     some = DriveState(start.geometry, start.lag_s[rows], start.rate[rows])
-    return fit_windows(stacked([runs[row] for row in rows]), some, whole.free, clock=whole.clock)
+    group = [runs[row] for row in rows]
+    return fit_windows(stacked(group), some, whole.free & tellable(group), clock=whole.clock)
 
 
 def _spread(names: list[str], values: FloatArray, variances: FloatArray) -> SessionSpread:
     """The method of moments of DerSimonian and Laird (1986) for a random effect."""
-    kept: BoolArray = variances <= _TELLS**2 * np.min(variances)
+    kept: BoolArray = np.isfinite(variances) & (variances <= _TELLS**2 * np.min(variances))
     if np.count_nonzero(kept) < _FEWEST_GROUPS:
         return SessionSpread(0.0, 1.0, {})
     v, weight = values[kept], 1.0 / variances[kept]

@@ -14,6 +14,7 @@ from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.spread import SessionSpread
+from nxt_twin.diagnose.robot.tellable import tellable
 
 _ONE_WAY: Final = 0.1
 _HARDLY_TURNS_RAD: Final = 2.0
@@ -149,6 +150,11 @@ def _leftover(left: RobotLeft | None) -> list[str]:
 
 def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
     """What these paths leave open."""
+    if not tellable(runs).all():
+        return [
+            "The robot turns on the spot and hardly travels. These paths show only the ratio of wheel radius to "
+            "track: not the radius itself, not unequal wheels, and not the heading of the markers."
+        ]
     turns = np.concatenate([np.diff(run.pose.heading_rad[:: max(1, run.time_s.size // 200)]) for run in runs])
     to_left, to_right = float(np.sum(turns[turns > 0.0])), float(-np.sum(turns[turns < 0.0]))
     if to_left + to_right < _HARDLY_TURNS_RAD:
