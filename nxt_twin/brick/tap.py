@@ -194,7 +194,7 @@ def read_tap(lines: Iterable[str]) -> Tap:
         complete = [line for line in rest if line.endswith("\n")]
         events = tuple(_event(json.loads(line)) for line in complete)
         return Tap(str(opening["link"]), events)
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise BrickError(f"is not a tap's file ({SCHEMA}): {error}") from error
 
 

@@ -13,7 +13,8 @@ from nxt_twin.recording.columns import Port, Slot
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.program import Run
 from nxt_twin.recording.source import nearest, quoted
-from nxt_twin.recording.yaml_file import read_model, read_yaml
+from nxt_twin.recording.yaml_file import read_part, read_yaml
+from nxt_twin.recording.yaml_place import Place
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,40}$"
@@ -312,11 +313,12 @@ def read_experiment(name_or_path: str | Path) -> Experiment:
         if str(name_or_path) not in known:
             mend = f"nearest known: {nearest(str(name_or_path), known)}; or name a .yaml file"
             raise ProgramError(f"there is no experiment named {quoted(str(name_or_path))}", mend=mend)
-    kind = read_yaml(path, ProgramError).get("kind")
+    document = read_yaml(path, ProgramError)
+    kind = document.get("kind")
     if not isinstance(kind, str) or kind not in _KINDS:
         what = f"{quoted(kind)} is no kind of experiment" if kind else "has no kind"
         raise ProgramError(what, where=f"{path}, key kind", mend=f"one of {', '.join(_KINDS)}")
-    return read_model(path, _KINDS[kind], ProgramError)
+    return read_part(document, _KINDS[kind], ProgramError, where=Place(path))
 
 
 def dump_experiment(experiment: Experiment) -> str:

@@ -15,7 +15,7 @@ _LARGEST_INTEGER: Final = 2**63
 _LONGEST_NUMBER: Final = 400
 _NUMBER: Final = re.compile(r"[-+.]?[0-9]")
 # libyaml's parser where PyYAML was built with it: ten times as fast.
-_Loader: Final[type[yaml.SafeLoader]] = cast(
+LOADER: Final[type[yaml.SafeLoader]] = cast(
     "type[yaml.SafeLoader]", getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 )
 
@@ -28,7 +28,7 @@ def parse_yaml(text: str) -> object:
         ValueError: it is nested too deeply, unfolds to too much, refers to itself, or holds a number that is too large.
     """
     _Extent().check(text)
-    loader = _Loader(text)
+    loader = LOADER(text)
     try:
         document = loader.get_single_data()
     except (AttributeError, LookupError, TypeError, ArithmeticError):  # PyYAML takes a tag's word for it
@@ -54,7 +54,7 @@ class _Extent:
 
     def check(self, text: str) -> None:
         """Go through a document's events, without building anything of it."""
-        for event in yaml.parse(text, Loader=_Loader):
+        for event in yaml.parse(text, Loader=LOADER):
             match event:
                 case yaml.CollectionStartEvent():
                     self._begin(event.anchor)

@@ -168,7 +168,23 @@ def _recording(table: Table, path: Path, mapping: Mapping, name: str) -> Recordi
         raise RecordingError("is empty", where=where, mend=mend)
     for column, values in table.numbers.items():
         check_finite(table, column, values)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        columns = _columns(table, path, mapping, output)
+    for signal, values in columns.items():
+        if np.isinf(values).any():
+            mend = "check the mapping's gain and unit"
+            raise RecordingError("becomes larger than a number can be", where=f"{path}, {signal}", mend=mend)
     output_kind, to_si = _OUTPUT_SI[mapping.output.kind]
+    return Recording(
+        name=name,
+        columns=columns,
+        kinds=SignalKinds(_INPUT_SI.get(mapping.input.kind, (mapping.input.kind, 1.0))[0], output_kind),
+        output_quantum=_quantum(output, mapping.output) * to_si,
+    )
+
+
+def _columns(table: Table, path: Path, mapping: Mapping, output: FloatArray) -> dict[str, FloatArray]:
+    rows, (_, to_si) = output.size, _OUTPUT_SI[mapping.output.kind]
     columns = {
         "time_s": _time_s(table, mapping.time, rows),
         "input": _input(table, mapping.input, path, rows),
@@ -179,12 +195,7 @@ def _recording(table: Table, path: Path, mapping: Mapping, name: str) -> Recordi
     if mapping.supply is not None:
         supply = table.numbers[mapping.supply.column]
         columns["supply_v"] = supply * mapping.supply.gain + mapping.supply.offset
-    return Recording(
-        name=name,
-        columns=columns,
-        kinds=SignalKinds(_INPUT_SI.get(mapping.input.kind, (mapping.input.kind, 1.0))[0], output_kind),
-        output_quantum=_quantum(output, mapping.output) * to_si,
-    )
+    return columns
 
 
 def _time_s(table: Table, source: TimeSource, rows: int) -> FloatArray:

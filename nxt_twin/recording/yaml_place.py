@@ -8,6 +8,8 @@ from typing import final
 
 import yaml
 
+from nxt_twin.recording.bounded_yaml import LOADER
+
 
 @final
 @dataclass(frozen=True)
@@ -35,8 +37,8 @@ def _line(file: Path, keys: tuple[str, ...]) -> int:
     if not file.is_file():  # what is said of no file, as of a mock's own world
         return 0
     try:
-        node, line = yaml.compose(file.read_text(encoding="utf-8-sig"), Loader=yaml.SafeLoader), 0
-    except yaml.YAMLError:  # the compiled parser that read the file is a little kinder than this one
+        node, line = yaml.compose(file.read_text(encoding="utf-8-sig"), Loader=LOADER), 0
+    except yaml.YAMLError:  # the file has become another since it was read
         return 0
     for key in keys:
         found = _below(node, key)

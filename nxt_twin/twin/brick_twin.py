@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
@@ -159,9 +160,13 @@ class BrickTwin:
         """Take a reading of the battery."""
         self._supply.read(terminal_v, self._drawn_a(), self.now_s)
 
-    def place(self, port: Port, count: int) -> None:
+    def place(self, port: Port, count: int, speed_rad_s: float = 0.0) -> None:
         """Begin anew at a count: the brick was away, and may have been switched off."""
-        self._motors[port].place(self._batch, count)
+        self._motors[port].place(self._batch, count, speed_rad_s)
+
+    def speed_rad_s(self, port: Port) -> float:
+        """The estimate of a motor's speed."""
+        return math.radians(self.state(port).speed_deg_per_s)
 
     def forget_evidence(self, port: Port) -> None:
         """Let the model that is believed begin anew where the motor is."""

@@ -156,8 +156,13 @@ class Logbook:
             if self._driver is None or port not in self._driver.ports:
                 self._told[port] = reported(reply.value)
         self._dating.row(self._began_s + received_s)
-        if self._driver is not None and (seconds is None or received_s < seconds):
-            self._command(self._driver, received_s)
+        try:
+            if self._driver is not None and (seconds is None or received_s < seconds):
+                self._command(self._driver, received_s)
+        finally:  # what was read is kept, whether or not the brick answers a command
+            self._put_down(received_s, row)
+
+    def _put_down(self, received_s: float, row: dict[str, float]) -> None:
         for port in self._ports:
             power_pct, mode = self._told.get(port, (0, "coast"))
             row[power_column(port)] = float(power_pct)

@@ -123,15 +123,15 @@ class MotorTwin:
         """Whether it knows where the motor is."""
         return self._placed
 
-    def place(self, batch: Batch, count: int) -> None:
-        """Begin at a count; the motor may be turning already, nobody knows how fast."""
+    def place(self, batch: Batch, count: int, speed: float = 0.0) -> None:
+        """Begin at a count, with a speed (rad/s) that nobody knows well: the motor may be turning already."""
         angle = math.radians((count + 0.5) * self._noise.quantum_deg)
         variances = (math.radians(self._noise.quantum_deg) ** 2 / 12.0, _SPEED_DOUBT**2)
         for strand in self._strands:
-            strand.place(batch, angle, 0.0, variances)
+            strand.place(batch, angle, speed, variances)
         if shift := batch.shift(self.row):
             for strand in self._strands:
-                strand.place(batch, angle - shift, 0.0, variances)
+                strand.place(batch, angle - shift, speed, variances)
         self._reaped_s = self._weighed_s = batch.now_s
         self._due_s = batch.now_s + self._wait_s
         self._weigher = self._new_weigher()

@@ -9,6 +9,7 @@ from typing import final
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
+from nxt_twin.brick.commands.motors import MotorState
 from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
 from nxt_twin.diagnose.engine import Answer
 from nxt_twin.recording.columns import (
@@ -30,7 +31,7 @@ from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import ReadingEvidence
-from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, reported, tell
+from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, alike, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import Pace
@@ -115,6 +116,7 @@ class Session:
         self._history = {port: History(port) for port in parts.twin.ports}
         self._sensors = {slot: SensorTwin(slot, kind) for slot, kind in parts.plan.sensors.items()}
         self._counts: dict[Port, int] = {}
+        self._presumed: set[Port] = set()
         self._battery_due_s = 0.0
         self._battery_low = False
         self._misses = 0
@@ -195,18 +197,23 @@ class Session:
         innovations = [self._motor(brick, port, row) for port in self._twin.ports]
         received_s = row[TIME]
         self.row_lags.row(received_s)
-        self._drive(brick, received_s)
-        for port in self._twin.ports:
-            power_pct, mode = self._twin.commanded(port)
-            row[power_column(port)] = float(power_pct)
-            row[mode_column(port)] = float(DRIVE_MODES.index(mode))
+        try:
+            self._drive(brick, received_s)
+        finally:  # what was read is kept, whether or not the brick answers a command
+            self._put_down(row)
         states = tuple(self._twin.state(port) for port in self._twin.ports)
         read = (*innovations, *of_sensors)
         self._sink.tick(Tick(self.polls, sent_s, received_s, states, read, battery_v))
         self.polls += 1
+        self._adopt()
+
+    def _put_down(self, row: dict[str, float]) -> None:
+        for port in self._twin.ports:
+            power_pct, mode = self._twin.commanded(port)
+            row[power_column(port)] = float(power_pct)
+            row[mode_column(port)] = float(DRIVE_MODES.index(mode))
         if self._parts.recorder is not None:
             self._parts.recorder.row(row)
-        self._adopt()
 
     def _drive(self, brick: Brick, now_s: float) -> None:
         if self._parts.driver is None:
@@ -214,12 +221,33 @@ class Session:
         for port, (power_pct, mode) in self._parts.driver.at(now_s, self._counts).items():
             if self._twin.commanded(port) == (power_pct, mode) and self.polls > 0:
                 continue
-            reply = tell(brick, port, power_pct, mode)
-            taken = self._taken(reply.sent_s, reply.received_s)
+            taken = self._told(brick, port, power_pct, mode)
             after_s, doubt_s = self._parts.lags.acted_after_s(port)
             taken = taken._replace(at_s=taken.at_s + after_s, std_s=math.hypot(taken.std_s, doubt_s))
             self._commanded(port, taken, power_pct, mode)
             self.row_lags.acted(port, taken.at_s + self._parts.pace.command_lag_s - now_s, taken.std_s)
+
+    def _told(self, brick: Brick, port: Port, power_pct: int, mode: DriveMode) -> Moment:
+        """Command a motor; when the brick took it up.
+
+        A brick that does not answer has taken it up all the same, as a rule: so it is presumed until the next reading.
+        """
+        sent_s = self.now_s
+        try:
+            reply = tell(brick, port, power_pct, mode)
+        except (LinkTimeoutError, GarbageError):
+            self._presumed.add(port)
+            self._commanded(port, self._timing.presumed(sent_s), power_pct, mode)
+            raise
+        return self._taken(reply.sent_s, reply.received_s)
+
+    def _settle(self, port: Port, at_s: float, state: MotorState) -> None:
+        """After a command without an answer: take the brick's word for what is in force, and begin where it is."""
+        self._presumed.discard(port)
+        self._twin.move(at_s)
+        if not alike(reported(state), self._twin.commanded(port)):
+            self._commanded(port, Moment(at_s, 0.0, late=True, stall_s=0.0), *reported(state))
+        self._twin.place(port, state.tacho_deg, self._twin.speed_rad_s(port))
 
     def _commanded(
         self, port: Port, taken: Moment, power_pct: int, mode: DriveMode, *, fading: bool = False
@@ -246,6 +274,8 @@ class Session:
             if (power_pct, mode) != self._twin.commanded(port):
                 then = taken._replace(at_s=min(at_s, self._twin.now_s))
                 self._commanded(port, then, power_pct, mode, fading=True)
+        if port in self._presumed:
+            self._settle(port, at_s, reply.value)
         power_pct, _ = self._twin.commanded(port)
         evidence = self._twin.read_tacho(port, at_s, count, std_s)
         self._counts[port] = count
@@ -338,6 +368,7 @@ class Session:
             self._commanded(port, taken, power_pct, mode)
             self._twin.place(port, reply.value.tacho_deg)
             self._counts[port] = reply.value.tacho_deg
+            self._presumed.discard(port)
             self.monitors[port].forget(taken.at_s)
             self._begin_anew(port)
         self._tell("link_back", "the link is back; the model starts at the counts just read")

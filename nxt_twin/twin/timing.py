@@ -69,6 +69,11 @@ class Timing:
             stall_s=stall_s if stall_s > _STALL_S else 0.0,
         )
 
+    def presumed(self, sent_s: float) -> Moment:
+        """Date what was asked at `sent_s` and never answered: as in a usual round trip, if at all."""
+        trip_s, pace = self._usual_s, self._pace
+        return Moment(sent_s + pace.share * trip_s, pace.share_std * trip_s, late=True, stall_s=0.0)
+
     def _learn(self, trip_s: float) -> None:
         """A step towards each round trip, of a size that does not depend on how far off it is: the median's way."""
         self._seen += 1

@@ -77,7 +77,7 @@ def test_a_last_line_that_a_crash_cut_off_is_left_out(recorded: str):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x\n", "[]\n", '{"schema": "other", "link": "x"}\n',
+    ["", "x\n", "[]\n", "[" * 30_000, '{"schema": "other", "link": "x"}\n',
      '{"schema": "nxt-twin/tap/1", "link": "x"}\n{}\n',
      '{"schema": "nxt-twin/tap/1", "link": "x"}\n{"at_s": 1, "way": "in", "hex": "0g"}\n'],
 )  # fmt: skip

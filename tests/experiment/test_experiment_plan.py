@@ -86,6 +86,12 @@ def test_positioners_are_read_with_their_keys() -> None:
         "nx100:",
         "nx100:h,along=w",
         "nx100:h,up=1",
+        "nx100:h:0",
+        "nx100:h:65536",
+        "nx100:h:" + "9" * 5000,
+        "nx100:h,along=x,value_now=nan",
+        "rail:b,mm_per_deg=inf",
+        "rail:b,mm_per_deg=1,touch_slot=" + "9" * 400,
     ],
 )
 def test_what_is_no_positioner_is_refused(text: str) -> None:

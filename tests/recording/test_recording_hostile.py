@@ -121,6 +121,25 @@ def test_a_parquet_file_that_repeats_one_row_for_ever_is_refused(tmp_path, refus
     assert "unfolds to 2000000 cells" in refusal(RecordingError, read_recording, path)
 
 
+def test_a_parquet_file_with_half_a_character_is_refused_with_its_column(tmp_path, refusal):
+    path = tmp_path / "run.parquet"
+    words = pa.StringArray.from_buffers(
+        2, pa.py_buffer(np.array([0, 5, 6], np.int32)), pa.py_buffer(b"driv\xe5x")
+    )
+    pyarrow.parquet.write_table(pa.table({"time_s": [0.0, 0.1], "a_mode": words}), path)
+    assert "column a_mode: holds text that is not UTF-8" in refusal(RecordingError, read_recording, path)
+
+
+def test_a_table_whose_gain_leaves_no_number_is_refused(put, refusal):
+    path = put("run.csv", "t,u,y\n0,1,1e308\n0.1,1,2e307\n")
+    output = {"column": "y", "kind": "position_rad", "gain": 35.0}
+    plain = MAT_MAPPING.model_dump(exclude={"table", "output"}, exclude_none=True)
+    mapping = Mapping.model_validate({**plain, "output": output})
+    assert "output: becomes larger than a number can be" in refusal(
+        RecordingError, read_mapped, path, mapping
+    )
+
+
 LAUGHS = "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
     f"a{n}: &a{n} [{','.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 9)
 )

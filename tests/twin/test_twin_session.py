@@ -5,6 +5,7 @@ import re
 import pytest
 from twin_rig import EVERY_SENSOR, Rig, mean_square, run, steady, world_with
 
+from nxt_twin.brick.errors import LinkTimeoutError
 from nxt_twin.twin.sinks import Memory
 
 
@@ -129,8 +130,6 @@ def test_one_lost_reply_is_no_lost_link():
         def sometimes(port):
             taken["count"] += 1
             if taken["count"] % 50 == 0:
-                from nxt_twin.brick.errors import LinkTimeoutError
-
                 raise LinkTimeoutError("late")
             return read(port)
 
@@ -140,6 +139,35 @@ def test_one_lost_reply_is_no_lost_link():
     rig.open = flaky
     outcome = run(rig, 3.0)
     assert outcome.kinds() == ["started", "stopped"]
+
+
+@pytest.mark.parametrize("taken_up", [True, False])
+def test_a_command_without_an_answer_is_no_divergence_and_its_row_is_kept(taken_up):
+    rig = Rig()
+    real = rig.open
+    commands = {"count": 0}
+
+    def flaky():
+        brick = real()
+        drive = brick.motors.drive
+
+        def sometimes(*args, **options):
+            commands["count"] += 1
+            if commands["count"] % 3:
+                return drive(*args, **options)
+            if taken_up:
+                drive(*args, **options)
+            rig.clock.sleep(1.0)
+            raise LinkTimeoutError("late")
+
+        brick.motors.drive = sometimes
+        return brick
+
+    rig.open = flaky
+    outcome = run(rig, 12.0, candidates=("coulomb_friction", "stiction"))
+    assert outcome.kinds() == ["started", "stopped"]
+    assert commands["count"] >= 9
+    assert len(outcome.rows) == outcome.session.polls + commands["count"] // 3
 
 
 def test_without_a_driver_the_bricks_word_is_taken_for_what_it_does():

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Final, Literal, final, get_args
 
+from nxt_twin.brick.errors import LinkUrlError
+from nxt_twin.brick.url import host_and_port
 from nxt_twin.errors import ProgramError
 from nxt_twin.experiment.positioner.nx100 import RobotSetUp
 from nxt_twin.experiment.positioner.nx100_session import TCP_PORT
@@ -68,13 +71,20 @@ def read_spec(text: str) -> PositionerSpec:
             raise ProgramError("has no mm_per_deg", where=text, mend="such as rail:b,mm_per_deg=0.3")
         return PositionerSpec("rail", axis, address, set_up=RailSetUp(**given), text=text)
     if kind == "nx100" and address:
-        host, colon, port = address.partition(":")
-        if colon and not (port.isascii() and port.isdigit()):
-            raise ProgramError(f"'{port}' is no TCP port", where=text)
+        host, port = _controller(address, text)
         set_up = RobotSetUp(**_options(options, RobotSetUp, text))
-        return PositionerSpec("nx100", axis, host, int(port) if colon else TCP_PORT, set_up, text)
+        return PositionerSpec("nx100", axis, host, port, set_up, text)
     mend = "such as hand, rail:b,mm_per_deg=0.3 or nx100:192.168.255.1,along=z,value_now=100"
     raise ProgramError(f"is no positioner of kind {', '.join(_KINDS)}", where=text, mend=mend)
+
+
+def _controller(address: str, where: str) -> tuple[str, int]:
+    if ":" not in address:
+        return address, TCP_PORT
+    try:
+        return host_and_port(address)
+    except LinkUrlError:
+        raise ProgramError(f"'{address}' is not HOST:PORT", where=where) from None
 
 
 def _options(text: str, of: type[RailSetUp] | type[RobotSetUp], where: str) -> dict[str, Any]:
@@ -92,7 +102,10 @@ def _options(text: str, of: type[RailSetUp] | type[RobotSetUp], where: str) -> d
             found[key] = value
             continue
         try:
-            found[key] = int(value) if types[key] == "int" else float(value)
+            finite = math.isfinite(float(value))  # of whole numbers too: one of 400 digits is none
+            found[key] = int(value) if finite and types[key] == "int" else float(value)
         except ValueError:
             raise ProgramError(f"{key}: '{value}' is no number", where=where) from None
+        if not finite:
+            raise ProgramError(f"{key}: '{value}' is not finite", where=where)
     return found

@@ -69,15 +69,25 @@ def arrow_table(columns: pa.Table, wanted: Mapping[str, CellKind], path: Path) -
     """The wanted columns as a table.
 
     Raises:
-        RecordingError: one holds text where a number is due.
+        RecordingError: one holds text where a number is due, or text that is damaged.
     """
+    numbers: dict[str, FloatArray] = {}
+    words: dict[str, tuple[str, ...]] = {}
+    for name, kind in wanted.items():
+        column = arrow_column(columns, name)
+        if kind == "number":
+            numbers[name] = _numbers(column, path, name)
+            continue
+        try:
+            words[name] = _words(column, path, name) if kind == "word" else _labels(column)
+        except UnicodeDecodeError:
+            where = f"{path}, column {name}"
+            raise RecordingError(
+                "holds text that is not UTF-8", where=where, mend="check that the file is whole"
+            ) from None
     return Table(
-        numbers={n: _numbers(arrow_column(columns, n), path, n) for n, k in wanted.items() if k == "number"},
-        words={
-            n: _words(arrow_column(columns, n), path, n) if k == "word" else _labels(arrow_column(columns, n))
-            for n, k in wanted.items()
-            if k != "number"
-        },
+        numbers=numbers,
+        words=words,
         place=lambda index, name: f"{path}, row {index + 1}, column {name}",
     )
 
