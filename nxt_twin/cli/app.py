@@ -17,6 +17,7 @@ import typer
 from nxt_twin import __version__
 from nxt_twin.cli.output import fail
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.threads import ask_for_one_thread
 
 _PAGES = "Files, JSON and exit statuses: docs/formats.md. The physical effects: docs/effects.md."
 _COMPLETION = "_NXT_TWIN_COMPLETE"  # what a shell sets to be told how a line can go on
@@ -94,6 +95,7 @@ def _wanted(arguments: list[str]) -> typer.Typer:
 
 def main() -> None:
     """Run the program and leave with its exit status."""
+    ask_for_one_thread()
     arguments = _with_json_target(sys.argv[1:])
     try:
         _wanted(arguments)(arguments)

@@ -58,3 +58,22 @@ def test_help_on_a_command_needs_neither_numbers_nor_the_compiler(verb, names):
     found, said = imported_by_program(verb, "--help")
     assert names in said
     assert not found & (COMPILER | PICTURES | NUMBERS)
+
+
+THREADS = (
+    "import atexit, os, sys\n"
+    "atexit.register(lambda: print(os.environ.get('OPENBLAS_NUM_THREADS'), file=sys.stderr))\n"
+    "from nxt_twin.cli import main\nmain()"
+)
+
+
+@pytest.mark.parametrize(("asked", "given"), [({}, "1"), ({"OMP_NUM_THREADS": "4"}, "None")])
+def test_the_program_does_linear_algebra_in_one_thread_unless_the_user_says_otherwise(
+    monkeypatch, asked, given
+):
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    found, _ = imported(THREADS, "--help")
+    assert found == {given}

@@ -28,3 +28,7 @@ def mortal(task: tuple[int, str]) -> int:
 
 def own_pid(_task: int) -> int:
     return os.getpid()
+
+
+def own_threads(_task: int) -> str:
+    return os.environ.get("OPENBLAS_NUM_THREADS", "as many as there are cores")

@@ -1,7 +1,7 @@
 import os
 
 import pytest
-from fleet_tasks import doubled, mortal, own_pid, picky
+from fleet_tasks import doubled, mortal, own_pid, own_threads, picky
 
 from nxt_twin.fleet.errors import FleetError
 from nxt_twin.fleet.workers.each import each
@@ -83,3 +83,13 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(monkeypatch):
     monkeypatch.setattr("nxt_twin.fleet.workers.cluster._CONNECT_S", 0.2)
     with pytest.raises(FleetError, match="no Dask scheduler answers"):
         list(each(doubled, [1], Cluster("tcp://127.0.0.1:9")))
+
+
+@pytest.mark.parametrize(("asked", "given"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "2"}, "2")])
+def test_a_worker_does_linear_algebra_in_one_thread_unless_the_user_says_otherwise(monkeypatch, asked, given):
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        monkeypatch.setenv(name, "")  # so that it is as before when the test ends
+        monkeypatch.delenv(name)
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    assert results(own_threads, [0], Processes(1)) == {0: given}

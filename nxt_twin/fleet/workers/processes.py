@@ -19,6 +19,7 @@ from nxt_twin.fleet.workers.outcome import (
     died,
     raised,
 )
+from nxt_twin.threads import ask_for_one_thread
 
 # Compiled kernels and threads do not survive a fork.
 _CONTEXT: Final = get_context("spawn")
@@ -96,6 +97,7 @@ class _Worker:
 
     def __init__(self, work: Callable[[Any], Any]) -> None:
         self.pipe, theirs = _CONTEXT.Pipe()
+        ask_for_one_thread()  # a process inherits it, and imports numpy before anything of ours runs
         self._process = _CONTEXT.Process(target=_serve, args=(theirs, work), daemon=True)
         self._process.start()
         theirs.close()
