@@ -24,6 +24,12 @@ from nxt_twin.twin.records import Event
 T = TypeVar("T")
 
 ENOUGH_S = 12.0
+CHECK_S = 15.0
+"""After so much of a model without a divergence it is diagnosed all the same, and again after twice as much.
+
+Only until an effect is adopted: what a second one explains is too often the error of the first one's numbers.
+"""
+_CHECKS = 3
 _TRIES = 4
 _WORTHWHILE = 0.7
 _SURE = 0.8
@@ -44,6 +50,7 @@ class Finished:
         gain: what its plant gains over the model in use; None where there is no answer.
         weak_battery: the probability that the battery gives way notably more than was taken for granted.
         experiment: what to run, so that the next diagnosis can tell more; None where nothing is to be run.
+        unasked: whether the motor was not off its model when the diagnosis began.
     """
 
     port: Port
@@ -53,6 +60,19 @@ class Finished:
     gain: Gain | None = None
     weak_battery: float = 0.0
     experiment: MotorProgram | None = None
+    unasked: bool = False
+
+
+@final
+@dataclass(frozen=True)
+class _Running:
+    """A diagnosis that is under way; fields as of `Finished`, and of what it was given."""
+
+    port: Port
+    began_s: float
+    leaning: Mapping[str, float]
+    unasked: bool
+    future: Future[tuple[Answer, Gain]]
 
 
 @final
@@ -91,8 +111,9 @@ class Adopter:
         self._enough_s = enough_s
         self._experimenting = experimenting
         self._doubted: set[Port] = set()
-        self._running: tuple[Port, float, Mapping[str, float], Future[tuple[Answer, Gain]]] | None = None
+        self._running: _Running | None = None
         self._tries: dict[Port, int] = {}
+        self._checks: dict[Port, int] = {}
         self.diagnoses: list[tuple[Port, Diagnosis]] = []
 
     def wants(self, port: Port, seen_s: float, *, asked: bool = False) -> bool:
@@ -104,46 +125,67 @@ class Adopter:
         enough = asked or seen_s >= self._enough_s * 2.0**tries
         return self._running is None and tries < _TRIES and enough
 
+    def may_check(self, port: Port, seen_s: float) -> bool:
+        """Whether a motor that has been on its model for so long is diagnosed all the same."""
+        checks = self._checks.get(port, 0)
+        return self._running is None and checks < _CHECKS and seen_s >= CHECK_S * 2.0**checks
+
     def start(
-        self, port: Port, plant: Plant, recording: Recording, weighed: Mapping[str, float] | None = None
+        self,
+        port: Port,
+        plant: Plant,
+        recording: Recording,
+        weighed: Mapping[str, float] | None = None,
+        *,
+        unasked: bool = False,
     ) -> None:
         """Diagnose a motor, from a recording of it, against the model that it has.
 
-        `weighed` is how probable each effect has come out while the motor was watched.
+        Args:
+            port: of the motor.
+            plant: its model.
+            recording: of it.
+            weighed: how probable each effect has come out while the motor was watched.
+            unasked: whether the motor is not off its model.
         """
-        self._tries[port] = self._tries.get(port, 0) + 1
+        counted = self._checks if unasked else self._tries
+        counted[port] = counted.get(port, 0) + 1
         case = Case("live", Path(), plant.to_config(), (recording,), (), port)
         began_s = float(recording.time_s[0])
         leaning = leaning_to(weighed or {})
         future = self._executor.submit(_diagnosed, case, plant, port, leaning)
-        self._running = (port, began_s, leaning, future)
+        self._running = _Running(port, began_s, leaning, unasked, future)
 
     def finished(self) -> Finished | None:
         """What came of the diagnosis, once, when it is over."""
-        if self._running is None or not self._running[-1].done():
+        if self._running is None or not self._running.future.done():
             return None
-        port, began_s, leaning, future = self._running
-        self._running = None
-        error = future.exception()
+        run, self._running = self._running, None
+        error = run.future.exception()
         if error is not None:
-            return Finished(port, began_s, None, _why(error))
-        answer, gained = future.result()
-        self.diagnoses.append((port, answer.diagnosis))
-        weak = weak_battery(answer.diagnosis, leaning.get(BATTERY_SAG.id, 0.0))
+            return Finished(run.port, run.began_s, None, _why(error), unasked=run.unasked)
+        answer, gained = run.future.result()
+        self.diagnoses.append((run.port, answer.diagnosis))
+        weak = weak_battery(answer.diagnosis, run.leaning.get(BATTERY_SAG.id, 0.0))
         named = bool(answer.diagnosis.effects) or weak >= _SURE
         why_not = _why_not(answer.diagnosis, gained, named=named)
-        experiment = self._asked_for(port, answer.diagnosis, found=not why_not)
+        surely = is_earned(answer.diagnosis) and gained.any if named else gained.large
+        if run.unasked and not surely:
+            why_not = why_not or "nothing is surely missing"
+        experiment = self._asked_for(run, answer.diagnosis, found=not why_not)
         if experiment is not None:
             why_not = why_not or _doubt(answer.diagnosis)
         if why_not:
-            return Finished(port, began_s, None, why_not, experiment=experiment)
-        self._tries[port] = 0 if named else self._tries[port]
-        self._doubted.discard(port)
-        return Finished(port, began_s, answer, "", gained, weak)
+            return Finished(run.port, run.began_s, None, why_not, experiment=experiment, unasked=run.unasked)
+        if named:
+            self._tries[run.port], self._checks[run.port] = 0, _CHECKS
+        self._doubted.discard(run.port)
+        return Finished(run.port, run.began_s, answer, "", gained, weak, unasked=run.unasked)
 
-    def _asked_for(self, port: Port, diagnosis: Diagnosis, *, found: bool) -> MotorProgram | None:
+    def _asked_for(self, run: _Running, diagnosis: Diagnosis, *, found: bool) -> MotorProgram | None:
         """What to run before the next diagnosis: always where nothing was found, once where it is in doubt."""
-        if not self._experimenting or diagnosis.next_experiment is None:
+        port = run.port
+        if not self._experimenting or diagnosis.next_experiment is None or run.unasked:
             return None
         if found and (port in self._doubted or is_earned(diagnosis)):
             return None

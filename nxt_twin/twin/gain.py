@@ -17,6 +17,7 @@ from nxt_twin.recording.recording import Recording
 
 _RUN_S = 2.0
 _WORTHWHILE = 0.95
+_LARGE = 0.8
 
 
 @final
@@ -36,6 +37,16 @@ class Gain:
     def worthwhile(self) -> bool:
         """Whether the other is nearer by more than what reading it differently would bring."""
         return self.after_deg < _WORTHWHILE * self.before_deg
+
+    @property
+    def any(self) -> bool:
+        """Whether the other is nearer at all."""
+        return self.after_deg < self.before_deg
+
+    @property
+    def large(self) -> bool:
+        """Whether the other is nearer by so much that nobody has to ask for it."""
+        return self.after_deg < _LARGE * self.before_deg
 
 
 def gain(before: Plant, after: Plant, recording: Recording, port: Port) -> Gain:

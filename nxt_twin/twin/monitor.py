@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import final
 
 from nxt_twin.recording.columns import Port, tacho_column
+from nxt_twin.twin.blocked import TurnedBack
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN
 from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.records import Event, EventKind
@@ -18,6 +19,8 @@ _MOVING_RAD_S = 0.5
 _BRIEF_S = 1.0
 _SURE = 0.8
 _ENOUGH_S = 2.0
+_SEEN_S = 5.0
+"""By so much later all is said to be well again where a motor was stopped: whatever stopped it is seldom met."""
 
 
 @final
@@ -42,6 +45,7 @@ class MotorMonitor:
         self._strays = Strays(watch)
         self._regimes = Regimes()
         self._standstill = Standstill(watch)
+        self._turned_back = TurnedBack()
         self._last_s: float | None = None
         self._well_s = 0.0
         self._named: str | None = None
@@ -61,11 +65,17 @@ class MotorMonitor:
     ) -> Iterator[Event]:
         """Take what one reading said, and the probabilities of the effects; yield what is to be said."""
         moving_s = self._moving_s(time_s, evidence.speed)
-        if self._standstill.take(time_s, evidence.tacho_deg, power_pct):
+        if self._standstill.take(time_s, evidence.tacho_deg, power_pct, evidence.believed.normalised_square):
+            self._turned_back.blocked(
+                self._standstill.since_s, evidence.tacho_deg, 1 if power_pct > 0 else -1
+            )
             yield self._trouble(time_s, power_pct)
         if self._standstill.trouble:
             self._tally.clear(time_s)
             return
+        blocked_s = self._turned_back.take(evidence.tacho_deg)
+        if blocked_s is not None and not self.diverging:
+            yield self._alarm_at_block(time_s, blocked_s)
         regime = self._regimes.of(time_s, evidence.speed, power_pct)
         self._tally.add(evidence.nats, time_s, evidence.speed, evidence.torque, regime)
         doubted = self._doubt.take(time_s, effects.get(NOTHING, 1.0))
@@ -87,6 +97,7 @@ class MotorMonitor:
         self._tally.clear(time_s)
         self._doubt.clear(time_s)
         self._strays.clear()
+        self._turned_back.clear()
         self.diverging = False
         self._proving = proving
         self._well_s = 0.0
@@ -122,6 +133,16 @@ class MotorMonitor:
         words = f"{self._who}: from {self.since_s:.1f} s on, the motor does not turn as its model predicts"
         strength = -math.log(max(effects[NOTHING], 1e-30))
         yield self._event(time_s, "divergence", words, self.since_s, strength)
+
+    def _alarm_at_block(self, time_s: float, blocked_s: float) -> Event:
+        """What it ran against is no trouble if it stays there: its model lacks it."""
+        self._well_s, self._pushed_s, self.since_s = -_SEEN_S, time_s, blocked_s
+        self.diverging, self._proving, self._named = True, False, None
+        words = (
+            f"{self._who}: from {blocked_s:.1f} s on, something stopped the motor, which then turned back freely: "
+            "its model has no such stop"
+        )
+        return self._event(time_s, "divergence", words, blocked_s, None)
 
     def _alarm_by_readings(self, time_s: float) -> Iterator[Event]:
         """Single readings are far off, again and again, and those between them are not."""

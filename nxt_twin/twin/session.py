@@ -11,7 +11,6 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.commands.motors import MotorState
 from nxt_twin.brick.errors import GarbageError, LinkError, LinkLostError, LinkTimeoutError
-from nxt_twin.diagnose.engine import Answer
 from nxt_twin.recording.columns import (
     BATTERY,
     DRIVE_MODES,
@@ -23,12 +22,11 @@ from nxt_twin.recording.columns import (
     tacho_column,
 )
 from nxt_twin.recording.lags import KnownLags, RowLags
-from nxt_twin.recording.program import MotorProgram
-from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
-from nxt_twin.twin.apart import Apart
+from nxt_twin.twin.adopt import Adopter
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
+from nxt_twin.twin.improver import Experiment, Improver
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, alike, reported, tell
@@ -40,9 +38,6 @@ from nxt_twin.twin.timing import Moment, Stalls, Timing
 _MISSES_MOST = 3
 _ALONE_S = 0.1
 _WAITS_S = (0.5, 1.0, 2.0, 4.0, 5.0)
-_BEFORE_ONSET_S = 20.0
-"""So much from before the onset is diagnosed as well: what came on is told by what was before, and may have come on a
-while before it showed."""
 _LOW_AGAIN_V = 0.3
 _STALL_TOLD_EVERY_S = 10.0
 _FULL_RAD_S = 16.0
@@ -80,7 +75,7 @@ class Parts:
     driver: Driver | None = None
     recorder: Recorder | None = None
     adopter: Adopter | None = None
-    experiment: Callable[[MotorProgram, float], float] | None = None
+    experiment: Experiment | None = None
     enough: Callable[[], bool] = lambda: False
     lags: KnownLags = field(default_factory=KnownLags)
 
@@ -121,8 +116,9 @@ class Session:
         self._battery_low = False
         self._misses = 0
         self._timing = Timing(parts.pace)
-        self._gathered_s: dict[Port, float] = {}
-        self._apart = Apart()
+        self._improver = Improver(
+            parts.adopter, parts.twin, self.monitors, self._history, parts.sink, parts.experiment
+        )
         self._stall_told_s = -_STALL_TOLD_EVERY_S
         self.stalls = Stalls()
         self.row_lags = RowLags()
@@ -205,7 +201,7 @@ class Session:
         read = (*innovations, *of_sensors)
         self._sink.tick(Tick(self.polls, sent_s, received_s, states, read, battery_v))
         self.polls += 1
-        self._adopt()
+        self._improver.step(self.now_s)
 
     def _put_down(self, row: dict[str, float]) -> None:
         for port in self._twin.ports:
@@ -370,7 +366,7 @@ class Session:
             self._counts[port] = reply.value.tacho_deg
             self._presumed.discard(port)
             self.monitors[port].forget(taken.at_s)
-            self._begin_anew(port)
+            self._improver.begin_anew(port)
         self._tell("link_back", "the link is back; the model starts at the counts just read")
 
     def _alone(self, duration_s: float, seconds: float | None) -> None:
@@ -381,59 +377,6 @@ class Session:
             self._twin.move(now_s)
             states = tuple(self._twin.state(port) for port in self._twin.ports)
             self._sink.tick(Tick(self.polls, now_s, now_s, states, (), link_up=False))
-
-    def _adopt(self) -> None:
-        adopter = self._parts.adopter
-        if adopter is None:
-            return
-        for port, monitor in self.monitors.items():
-            if monitor.diverging:
-                self._diagnose(adopter, port, self._apart.since(port, monitor.since_s, self.now_s))
-        finished = adopter.finished()
-        if finished is None:
-            return
-        if finished.answer is None:
-            self._go_on(finished)
-        else:
-            self._take_over(finished, finished.answer)
-
-    def _diagnose(self, adopter: Adopter, port: Port, since_s: float) -> None:
-        history = self._history[port]
-        gathered = self.now_s >= self._gathered_s.get(port, math.inf)
-        if adopter.wants(port, history.seconds_since(since_s), asked=gathered):
-            self._gathered_s.pop(port, None)
-            recording = history.recording(since_s - _BEFORE_ONSET_S, self._twin.supply_at)
-            adopter.start(
-                port, self._twin.plant_as_run(port), recording, self._twin.motor(port).probabilities
-            )
-
-    def _go_on(self, finished: Finished) -> None:
-        """With the model that there is, and with what the diagnosis asks for, if that can be run."""
-        port, now_s, onset_s = finished.port, self.now_s, self.monitors[finished.port].since_s
-        where, experiment = f"port {port.upper()}:", finished.experiment
-        if experiment is None or self._parts.experiment is None:
-            words = f"{where} {finished.why_not}; the twin keeps its model"
-            self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=onset_s))
-            return
-        self._gathered_s[port] = self._parts.experiment(experiment, now_s)
-        lasts_s = self._gathered_s[port] - now_s
-        words = f"{where} {finished.why_not}; the motor now runs '{experiment.name}' for {lasts_s:.0f} s to tell more"
-        self._sink.event(Event(now_s, "gathering", words, port, onset_s=onset_s))
-
-    def _take_over(self, finished: Finished, answer: Answer) -> None:
-        port, now_s, told_of_battery = finished.port, self.now_s, battery_is_another(answer.diagnosis.refit)
-        held = self._history[port].held(finished.began_s)
-        self._twin.adopt(port, answer.plant, finished.began_s, held, told_of_battery=told_of_battery)
-        self.monitors[port].forget(now_s, proving=True)
-        if answer.diagnosis.effects:  # some change with time, which counts from where that recording began
-            self._begin_anew(port)
-        for event in told(finished, answer.diagnosis, now_s):
-            self._sink.event(event)
-
-    def _begin_anew(self, port: Port) -> None:
-        """What was seen of a motor is not to be compared with what comes."""
-        self._history[port].clear()
-        self._apart.forget(port)
 
     def _tell(self, kind: EventKind, words: str) -> None:
         self._sink.event(Event(self.now_s, kind, words))

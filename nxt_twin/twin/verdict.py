@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, final
 
+from nxt_twin.physics.effects.load import END_STOP
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event
 
@@ -65,7 +66,8 @@ def verdict(events: Sequence[Event], diverging: Sequence[Port], seen: Seen) -> S
     """The verdict on a session, by its events, the motors that are off their models at its end, and what was seen."""
     adopted = [event for event in events if event.kind == "adopted"]
     apart = [event for event in events if event.kind == "divergence"]
-    troubles = [event for event in events if event.kind in _TROUBLES]
+    stopped = {event.port for event in adopted if END_STOP.name in event.effects}
+    troubles = [event for event in events if event.kind in _TROUBLES and event.port not in stopped]
     if diverging:
         last = next(event for event in reversed(apart) if event.port in diverging)
         return SessionVerdict("diverges", f"brick and model diverge; {last.words}")

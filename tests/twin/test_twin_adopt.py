@@ -12,7 +12,11 @@ from nxt_twin.diagnose.diagnosis import Moved, NextExperiment
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.physics.simulate import Simulator, free_job, with_supply
+from nxt_twin.physics.start import restarts
 from nxt_twin.physics.stepper import Stepper
+from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.adopt import (
     Adopter,
     AtOnce,
@@ -250,6 +254,49 @@ def test_a_refit_is_taken_over_only_if_it_gains_something(tmp_path, resistance_o
     assert ("adopted" in outcome.kinds()) == adopted
     if not adopted:
         assert "re-fitted parameters do not improve the model" in outcome.first("undiagnosed").words
+
+
+@pytest.mark.parametrize(
+    ("resistance_ohm", "probability", "taken"),
+    [(9.9, None, True), (7.6, 0.9, False), (9.9, 0.9, True), (9.9, 0.6, False)],
+)
+def test_a_motor_on_its_model_is_checked_and_only_what_is_sure_is_taken_over(
+    resistance_ohm, probability, taken
+):
+    found = SimpleNamespace(id="stiction", name="sticking", probability=probability)
+    names = () if probability is None else (found,)
+    answering = _Answering(resistance_ohm, effects=names, verdict="explained" if names else "adequate")
+    adopter = Adopter(answering, experimenting=True)
+    assert not adopter.may_check("a", 14.9)
+    assert adopter.may_check("a", 15.0)
+    adopter.start("a", nxt_motor(), _coasting(9.9), unasked=True)
+    finished = adopter.finished()
+    assert finished.unasked
+    assert (finished.answer is not None) == taken
+    assert not adopter.may_check("a", 15.0)
+    assert adopter.may_check("a", 30.0) != (taken and bool(names))
+
+
+def _coasting(resistance_ohm):
+    """A second of a motor of that resistance at 60 %."""
+    time_s = np.arange(0.0, 3.0, 0.02)
+    plant = plant_from_config(nxt_motor().to_config() | {"resistance_ohm": resistance_ohm}, "power_pct")
+    driven = Recording(
+        "r", {"time_s": time_s, "a_power_pct": np.full(time_s.size, 60.0), "a_tacho_deg": 0.0 * time_s}
+    )
+    signals = signals_of(driven, "a")
+    with Simulator(plant.layout, workers=1) as simulator:
+        angle = simulator.trace(plant, free_job(with_supply(signals, plant), restarts(signals, 10.0)))[
+            "predicted"
+        ]
+    return Recording("r", {**driven.columns, "a_tacho_deg": np.floor(np.degrees(angle))})
+
+
+def test_a_session_on_its_model_is_checked_after_a_while_and_says_nothing():
+    answering = _Answering(7.6)
+    kinds = run(Rig(), 16.0, program=steady(40, 60.0), period_s=0.05, adopter=Adopter(answering)).kinds()
+    assert len(answering.leanings) == 1
+    assert kinds == ["started", "stopped"]
 
 
 def _asking(name):

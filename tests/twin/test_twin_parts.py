@@ -9,6 +9,7 @@ from nxt_twin.errors import PlantError
 from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.batch import Batch
+from nxt_twin.twin.blocked import TurnedBack
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import DRIVE, FLOAT, Hold, firmware_bridge, plain_bridge
 from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates, delay_s
@@ -166,6 +167,25 @@ def test_a_motor_without_a_count_either_way_is_not_there():
     for n, power in enumerate(powers):
         still.take(0.05 * n, 0, power)
     assert still.trouble == "disconnected"
+
+
+def test_a_motor_that_stands_as_its_model_does_is_in_no_trouble():
+    still, blocked = Standstill(Watch()), Standstill(Watch())
+    for n in range(40):
+        count = 10 * min(n, 10)
+        assert not still.take(0.05 * n, count, 60, 1.0)
+        blocked.take(0.05 * n, count, 60, 25.0)
+    assert still.trouble is None
+    assert blocked.trouble == "stall"
+
+
+@pytest.mark.parametrize(("counts", "since_s"), [((101, 95, 79, 60), 3.0), ((101, 119, 130, 60), None)])
+def test_a_motor_that_was_blocked_and_turns_back_ran_against_something(counts, since_s):
+    turned = TurnedBack()
+    turned.blocked(3.0, 100, 1)
+    assert [since for count in counts if (since := turned.take(count)) is not None] == [since_s] * bool(
+        since_s
+    )
 
 
 def test_a_motor_that_is_not_driven_may_stand():

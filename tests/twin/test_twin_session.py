@@ -3,9 +3,12 @@
 import re
 
 import pytest
+from twin_feed import nxt_motor
 from twin_rig import EVERY_SENSOR, Rig, mean_square, run, steady, world_with
 
 from nxt_twin.brick.errors import LinkTimeoutError
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.sinks import Memory
 
 
@@ -94,6 +97,24 @@ def test_a_blocked_motor_is_no_missing_physics(tmp_path):
     outcome = run(rig, 3.0, program=steady(50))
     assert outcome.first("divergence") is None
     assert {"stall", "disconnected"} & set(outcome.kinds())
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_a_motor_that_turns_back_from_a_stop_is_off_a_model_that_has_none(tmp_path, known):
+    stop = {"end_stop": {"limit_deg": 300.0, "restitution": 0.2}}
+    segments = [{"duration_s": 2.0, "power_pct": power} for power in (40, -40, 40)]
+    program = {
+        "name": "against",
+        "ports": ("a",),
+        "runs": [{"name": "r", "segments": segments}],
+        "rest_s": 0.0,
+    }
+    plant = plant_from_config(nxt_motor().to_config() | ({"effects": stop} if known else {}), "power_pct")
+    rig = Rig(world_with(tmp_path, effects=stop))
+    outcome = run(rig, 5.9, program=MotorProgram.model_validate(program), plant=plant)
+    told = [event for event in outcome.memory.events if event.kind == "divergence"]
+    assert ("stall" in outcome.kinds()) is not known
+    assert ["turned back freely" in event.words for event in told] == [True] * (not known)
 
 
 def test_a_low_battery_is_said_once(tmp_path):

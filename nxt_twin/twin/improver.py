@@ -1,0 +1,114 @@
+"""Has motors diagnosed while they are watched, and puts what is found in their models' place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import final
+
+from nxt_twin.diagnose.engine import Answer
+from nxt_twin.recording.columns import Port
+from nxt_twin.recording.program import MotorProgram
+from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
+from nxt_twin.twin.apart import Apart
+from nxt_twin.twin.brick_twin import BrickTwin
+from nxt_twin.twin.history import History
+from nxt_twin.twin.monitor import MotorMonitor
+from nxt_twin.twin.records import Event, Sink
+
+Experiment = Callable[[MotorProgram, float], float]
+"""Runs a program once from a moment on, and says when it will be over."""
+
+_BEFORE_ONSET_S = 20.0
+"""So much from before the onset is diagnosed as well: what came on is told by what was before, and may have come on a
+while before it showed."""
+_CHECKED_S = 40.0
+"""So much of a motor that is not off its model is diagnosed: more costs time, and tells little more."""
+
+
+@final
+class Improver:
+    """Diagnoses a motor that is off its model; and now and then one that is not, since a diagnosis sees more.
+
+    Args:
+        adopter: diagnoses; None diagnoses nothing.
+        twin: of the brick.
+        monitors: one for each motor.
+        history: of each motor.
+        sink: is told what comes of it.
+        experiment: runs what a diagnosis asks for; None runs none.
+    """
+
+    def __init__(
+        self,
+        adopter: Adopter | None,
+        twin: BrickTwin,
+        monitors: Mapping[Port, MotorMonitor],
+        history: Mapping[Port, History],
+        sink: Sink,
+        experiment: Experiment | None,
+    ) -> None:
+        self._adopter, self._twin, self._monitors, self._history = adopter, twin, monitors, history
+        self._sink, self._experiment = sink, experiment
+        self._gathered_s: dict[Port, float] = {}
+        self._apart = Apart()
+
+    def step(self, now_s: float) -> None:
+        """Begin what is due, and take over what has been found."""
+        if self._adopter is None:
+            return
+        for port, monitor in self._monitors.items():
+            if monitor.diverging:
+                self._diagnose(self._adopter, port, self._apart.since(port, monitor.since_s, now_s), now_s)
+            elif monitor.trouble is None:
+                self._check(self._adopter, port, now_s)
+        finished = self._adopter.finished()
+        if finished is None:
+            return
+        if finished.answer is not None:
+            self._take_over(finished, finished.answer, now_s)
+        elif not finished.unasked:
+            self._go_on(finished, now_s)
+
+    def begin_anew(self, port: Port) -> None:
+        """What was seen of a motor is not to be compared with what comes."""
+        self._history[port].clear()
+        self._apart.forget(port)
+
+    def _diagnose(self, adopter: Adopter, port: Port, since_s: float, now_s: float) -> None:
+        gathered = now_s >= self._gathered_s.get(port, math.inf)
+        if adopter.wants(port, self._history[port].seconds_since(since_s), asked=gathered):
+            self._gathered_s.pop(port, None)
+            self._start(adopter, port, since_s - _BEFORE_ONSET_S)
+
+    def _check(self, adopter: Adopter, port: Port, now_s: float) -> None:
+        if adopter.may_check(port, self._history[port].seconds_since(now_s - _CHECKED_S)):
+            self._start(adopter, port, now_s - _CHECKED_S, unasked=True)
+
+    def _start(self, adopter: Adopter, port: Port, from_s: float, *, unasked: bool = False) -> None:
+        recording = self._history[port].recording(from_s, self._twin.supply_at)
+        weighed = self._twin.motor(port).probabilities
+        adopter.start(port, self._twin.plant_as_run(port), recording, weighed, unasked=unasked)
+
+    def _go_on(self, finished: Finished, now_s: float) -> None:
+        """With the model that there is, and with what the diagnosis asks for, if that can be run."""
+        port, onset_s = finished.port, self._monitors[finished.port].since_s
+        where, experiment = f"port {port.upper()}:", finished.experiment
+        if experiment is None or self._experiment is None:
+            words = f"{where} {finished.why_not}; the twin keeps its model"
+            self._sink.event(Event(now_s, "undiagnosed", words, port, onset_s=onset_s))
+            return
+        self._gathered_s[port] = self._experiment(experiment, now_s)
+        lasts_s = self._gathered_s[port] - now_s
+        words = f"{where} {finished.why_not}; the motor now runs '{experiment.name}' for {lasts_s:.0f} s to tell more"
+        self._sink.event(Event(now_s, "gathering", words, port, onset_s=onset_s))
+
+    def _take_over(self, finished: Finished, answer: Answer, now_s: float) -> None:
+        port, told_of_battery = finished.port, battery_is_another(answer.diagnosis.refit)
+        held = self._history[port].held(finished.began_s)
+        self._twin.adopt(port, answer.plant, finished.began_s, held, told_of_battery=told_of_battery)
+        self._monitors[port].forget(now_s, proving=True)
+        if answer.diagnosis.effects:  # some change with time, which counts from where that recording began
+            self.begin_anew(port)
+        for event in told(finished, answer.diagnosis, now_s):
+            self._sink.event(event)
