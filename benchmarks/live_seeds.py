@@ -82,7 +82,7 @@ class Seen:
     Attributes:
         seed: of what is concealed.
         hidden: the concealed effect, and its size.
-        noticed_s: when the first divergence was called; None if never.
+        noticed_s: when the first divergence was called, or something was adopted without one; None if never.
         adopted: the names that were taken over, in order; of a re-fit alone none.
         sure: names with confidence that are not the concealed effect's.
         verdict: of the session.
@@ -150,7 +150,7 @@ def seen(seed: int) -> Seen:
 
 
 def _judged(seed: int, hidden: tuple[str, str], outcome: Outcome, cost_s: float) -> Seen:
-    noticed = next((event for event in outcome.events if event.kind == "divergence"), None)
+    noticed = next((event for event in outcome.events if event.kind in ("divergence", "adopted")), None)
     adopted = [event for event in outcome.events if event.kind == "adopted"]
     return Seen(
         seed=seed,
