@@ -10,7 +10,7 @@ _BACK = 20
 
 class _Block(NamedTuple):
     since_s: float
-    count: int
+    at_count: int
     way: int
 
 
@@ -29,7 +29,7 @@ class TurnedBack:
         """Take a count; since when it was blocked, once, as soon as it has turned back from there."""
         if self._block is None:
             return None
-        beyond = (count - self._block.count) * self._block.way
+        beyond = (count - self._block.at_count) * self._block.way
         if -_BACK < beyond < _BACK:
             return None
         block, self._block = self._block, None
