@@ -2,45 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from statistics import mean, quantiles
-from typing import Any, Final, final
+from typing import Final, final
 
 from nxt_twin.blind.aims import detectable
 from nxt_twin.blind.verdict import Judged
 
 LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
 EVERY: Final = "all"
+
+Row = tuple[str, ...]
+Measured = tuple[float, int]
+"""A figure, and how many cases it rests on."""
 
 
 @final
 @dataclass(frozen=True)
 class AimRow:
-    """One aim: its words, how it is measured, its bound, whether more is better."""
+    """One aim: its words, how it is measured (None without any case), its bound, whether more is better."""
 
     words: str
-    measure: Callable[[Sequence[Judged]], float | None]
+    measure: Callable[[Sequence[Judged]], Measured | None]
     bound: float
     at_least: bool
 
     def cell(self, cases: Sequence[Judged]) -> str:
-        """What was reached, marked where it falls short."""
-        value = self.measure(cases)
-        if value is None:
+        """What was reached and of how many cases, marked where it falls short."""
+        found = self.measure(cases)
+        if found is None:
             return "-"
+        value, of = found
         short = value < self.bound if self.at_least else value > self.bound
-        return f"{value:.2f}{' !' if short else ''}"
+        return f"{value:.2f} of {of}{' !' if short else ''}"
+
+    @property
+    def aim(self) -> str:
+        """The bound in words; a share that has no aim says so."""
+        if self.at_least and self.bound == 0.0:
+            return "told"
+        return f"{'≥' if self.at_least else '≤'} {self.bound:g}"
 
 
-def _share(
-    of: Callable[[Judged], bool], holds: Callable[[Judged], bool]
-) -> Callable[[Sequence[Judged]], float | None]:
-    def measured(cases: Sequence[Judged]) -> float | None:
-        held = [float(holds(case)) for case in cases if of(case)]
-        return mean(held) if held else None
+def _mean(
+    of: Callable[[Judged], bool], value: Callable[[Judged], float]
+) -> Callable[[Sequence[Judged]], Measured | None]:
+    def measured(cases: Sequence[Judged]) -> Measured | None:
+        held = [float(value(case)) for case in cases if of(case)]
+        return (mean(held), len(held)) if held else None
 
     return measured
 
@@ -62,53 +72,61 @@ def _ratios(cases: Sequence[Judged]) -> list[float]:
     ]
 
 
-def _quantile(tenths: int) -> Callable[[Sequence[Judged]], float | None]:
-    def measured(cases: Sequence[Judged]) -> float | None:
+def _quantile(tenths: int) -> Callable[[Sequence[Judged]], Measured | None]:
+    def measured(cases: Sequence[Judged]) -> Measured | None:
         ratios = _ratios(cases)
-        return quantiles(ratios, n=10, method="inclusive")[tenths - 1] if len(ratios) > 1 else None
+        if len(ratios) < 2:
+            return None
+        return quantiles(ratios, n=10, method="inclusive")[tenths - 1], len(ratios)
 
     return measured
 
 
-ASKED: Final = (
-    AimRow("exact", _share(_seen, lambda case: case.exact), 0.85, at_least=True),
-    AimRow("holds", _share(_seen, lambda case: case.holds), 0.97, at_least=True),
-    AimRow("clean wrong", _share(_kind("clean"), lambda case: not case.exact), 0.02, at_least=False),
-    AimRow("pairs", _share(_kind("pair"), lambda case: case.exact), 0.65, at_least=True),
-    AimRow("triples", _share(_kind("triple"), lambda case: case.exact), 0.0, at_least=True),
-    AimRow("refused", _share(_kind("unknown"), lambda case: case.exact), 0.0, at_least=True),
-    AimRow("misnamed", _share(_kind("unknown"), lambda case: case.misnamed), 0.10, at_least=False),
-    AimRow("error ratio", _quantile(5), 1.1, at_least=False),
-    AimRow("90 %", _quantile(9), 2.0, at_least=False),
+_EXACT: Final = AimRow(
+    "single, detectable: exact", _mean(_seen, lambda case: case.exact), 0.85, at_least=True
 )
-"""`exact` and `holds` are of detectable single effects; ratios are of the error over that of the true structure."""
+_PAIRS: Final = AimRow("pairs: exact", _mean(_kind("pair"), lambda case: case.exact), 0.65, at_least=True)
+_REFUSED: Final = AimRow(
+    "unknown: refused", _mean(_kind("unknown"), lambda case: case.exact), 0.0, at_least=True
+)
+ASKED: Final = (
+    _EXACT,
+    AimRow("single, detectable: set holds the truth", _mean(_seen, lambda c: c.holds), 0.97, at_least=True),
+    AimRow("single, detectable: size of the set", _mean(_seen, lambda c: len(c.considered)), 2.0, at_least=False),
+    AimRow("clean: called wrong", _mean(_kind("clean"), lambda case: not case.exact), 0.02, at_least=False),
+    _PAIRS,
+    AimRow("triples: exact", _mean(_kind("triple"), lambda case: case.exact), 0.0, at_least=True),
+    _REFUSED,
+    AimRow("unknown: misnamed", _mean(_kind("unknown"), lambda case: case.misnamed), 0.10, at_least=False),
+    AimRow("error over the true structure's: median", _quantile(5), 1.1, at_least=False),
+    AimRow("error over the true structure's: 90 %", _quantile(9), 2.0, at_least=False),
+)  # fmt: skip
+"""Ratios are of the error on what no fit saw over that of the true structure re-fitted."""
 
 
-def family_rows(cases: Sequence[Judged]) -> list[tuple[str, ...]]:
-    """Each family, and all together: how many cases, and each aim; what falls short is marked."""
+def family_rows(cases: Sequence[Judged]) -> list[Row]:
+    """Each aim, for each family and all together; what falls short is marked."""
     names = [*sorted({case.family for case in cases}), EVERY]
-    rows = []
-    for name in names:
-        own = [case for case in cases if name in (case.family, EVERY)]
-        rows.append((name, str(len(own)), *(asked.cell(own) for asked in ASKED)))
-    aims = tuple(f"{'≥' if asked.at_least else '≤'} {asked.bound:g}" for asked in ASKED)
-    return [("family", "cases", *(asked.words for asked in ASKED)), *rows, ("aim", "", *aims)]
+    own = {name: [case for case in cases if name in (case.family, EVERY)] for name in names}
+    rows = [(asked.words, *(asked.cell(own[name]) for name in names), asked.aim) for asked in ASKED]
+    return [("", *names, "aim"), ("cases", *(str(len(own[name])) for name in names), ""), *rows]
 
 
-def left_out_rows(cases: Sequence[Judged]) -> list[tuple[str, ...]]:
+def left_out_rows(cases: Sequence[Judged]) -> list[Row]:
     """Each family left out in turn: the least probability of a name, set on the others, and what it gives on it.
 
     A name less probable than the limit is not given: the case comes back unexplained.
     """
-    rows: list[tuple[str, ...]] = [("left out", "limit", *(asked.words for asked in ASKED))]
-    for name in sorted({case.family for case in cases}):
+    families = sorted({case.family for case in cases})
+    held: dict[str, tuple[float, list[Judged]]] = {}
+    for name in families:
         others = [case for case in cases if case.family != name]
-        own = [case for case in cases if case.family == name]
-        if others and own:
+        if others:
             limit = best_limit(others)
-            held = [withheld(case, limit) for case in own]
-            rows.append((name, f"{limit:g}", *(asked.cell(held) for asked in ASKED)))
-    return rows
+            held[name] = limit, [withheld(case, limit) for case in cases if case.family == name]
+    rows = [(asked.words, *(asked.cell(own) for _, own in held.values()), asked.aim) for asked in ASKED]
+    limits = [f"{limit:g}" for limit, _ in held.values()]
+    return [("left out", *held, "aim"), ("least probability of a name", *limits, ""), *rows]
 
 
 def best_limit(cases: Sequence[Judged]) -> float:
@@ -116,12 +134,9 @@ def best_limit(cases: Sequence[Judged]) -> float:
 
     def worth(limit: float) -> float:
         held = [withheld(case, limit) for case in cases]
-        shares = [asked.measure(held) for asked in ASKED if asked.words in ("exact", "pairs", "refused")]
-        return (
-            mean(share for share in shares if share is not None)
-            if any(s is not None for s in shares)
-            else 0.0
-        )
+        found = [asked.measure(held) for asked in (_EXACT, _PAIRS, _REFUSED)]
+        shares = [one[0] for one in found if one is not None]
+        return mean(shares) if shares else 0.0
 
     return max(LIMITS, key=lambda limit: (worth(limit), -limit))
 
@@ -131,44 +146,3 @@ def withheld(case: Judged, limit: float) -> Judged:
     if case.verdict != "explained" or min(case.probability.values(), default=1.0) >= limit:
         return case
     return replace(case, verdict="unexplained", exact=case.kind == "unknown", misnamed=False)
-
-
-def reliability_rows(cases: Sequence[Judged]) -> list[tuple[str, ...]]:
-    """Names by the probability given for them, beside how often they were hidden there."""
-    told = [
-        (probability, one in case.hidden)
-        for case in cases
-        if case.verdict == "explained"
-        for one, probability in case.probability.items()
-    ]
-    rows: list[tuple[str, ...]] = [("probability given", "names", "mean", "hit rate")]
-    for low, high in pairwise(BINS):
-        inside = [pair for pair in told if low <= pair[0] < high or (high == 1.0 and pair[0] == 1.0)]
-        if inside:
-            given, hits = mean(pair[0] for pair in inside), mean(float(pair[1]) for pair in inside)
-            rows.append((f"{low:g} to {high:g}", str(len(inside)), f"{given:.2f}", f"{hits:.2f}"))
-    return rows
-
-
-def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[tuple[str, ...]]:
-    """Cases whose effect was taken out of the library: by effect, what became of them."""
-    rows: list[tuple[str, ...]] = [("taken out", "cases", "unexplained", "another name", "adequate")]
-    for effect, each in [
-        *sorted(verdicts.items()),
-        (EVERY, [one for every in verdicts.values() for one in every]),
-    ]:
-        counts = [sum(one == verdict for one in each) for verdict in ("unexplained", "explained", "adequate")]
-        rows.append((effect, str(len(each)), *map(str, counts)))
-    return rows
-
-
-def as_text(rows: Sequence[tuple[str, ...]]) -> str:
-    """Rows in fixed-width columns."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
-    return "\n".join(line.rstrip() for line in lines) + "\n"
-
-
-def as_values(rows: Sequence[tuple[str, ...]]) -> list[dict[str, Any]]:
-    """Rows as JSON values."""
-    return [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]

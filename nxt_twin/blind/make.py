@@ -20,6 +20,7 @@ from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.record import take
 from nxt_twin.blind.sets import CasePlan
+from nxt_twin.blind.whole import write_whole
 from nxt_twin.recording.files import write_recording
 
 HOLDOUT_CHANCE: Final = 0.5
@@ -110,7 +111,7 @@ def write_case(case: ConcealedCase, cases_dir: Path, answers_dir: Path) -> Path:
     (folder / "case.yaml").write_text(content, encoding="utf-8")
     answer = encoded(case.answer)
     (answers_dir / f"{case.name}.json").write_bytes(answer)
-    (folder / SEAL_FILE).write_text(seal(answer) + "\n", encoding="utf-8")
+    write_whole(folder / SEAL_FILE, seal(answer) + "\n")  # last: a case with a seal is whole
     return folder
 
 

@@ -1,102 +1,128 @@
-"""Run a named range: make, solve, reach, delete, score; what is there already is kept."""
+"""Run a named range case by case, in an order of which every beginning is a fair sample; what is there is kept."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
-from typing import Final, final
+from typing import final
 
-from nxt_twin.blind.aims import detectable
 from nxt_twin.blind.families.family import Family
-from nxt_twin.blind.families.orders import make_orders
-from nxt_twin.blind.ranges import SeedRange
-from nxt_twin.blind.score import score
-from nxt_twin.blind.solve import case_folders, reach_all, solve_all
-from nxt_twin.blind.spread import Outcome
-from nxt_twin.blind.verdict import Judged
+from nxt_twin.blind.peers.answers import PEERS
+from nxt_twin.blind.peers.localised import Cells
+from nxt_twin.blind.prove import Clock, Shelf, prove
+from nxt_twin.blind.ranges import RangeCase, SeedRange
+from nxt_twin.blind.score import judged_case
+from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.verdict import NO_ANSWER, Judged
 from nxt_twin.fleet.workers.place import Place
 
-DELETED: Final = "deleted"
 
-_CONTAINED_IN: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "gravity_load": ("hanging_payload",),
-        "payload_inertia": ("hanging_payload",),
-        "hanging_payload": ("gravity_load", "payload_inertia"),
-        "coulomb_friction": ("asymmetric_friction",),
-        "viscous_friction": ("asymmetric_viscous_friction",),
-    }
-)
-"""Effects that hold the physics of another, or its parts: they go with it."""
+@final
+@dataclass(frozen=True)
+class FinishedCase:
+    """A case of which everything was tried.
 
+    Attributes:
+        case: which.
+        engine: which engine answered.
+        seconds: processor time by step.
+        failed: steps that gave no answer, and why.
+    """
 
-def taken_out(effect: str) -> frozenset[str]:
-    """What leaves the library so that nobody knows an effect's physics."""
-    return frozenset((effect, *_CONTAINED_IN.get(effect, ())))
+    case: RangeCase
+    engine: str
+    seconds: dict[str, float]
+    failed: tuple[str, ...]
 
 
 @final
 @dataclass(frozen=True)
 class Proof:
-    """Where a range is kept, and what is known of it."""
+    """Where a range is kept, and what is known of it.
+
+    Attributes:
+        folder: holds one folder a seed.
+        chosen: the range.
+        families: of the truth.
+        most: no more cases than these, the first of the range's order; None is all of the range.
+    """
 
     folder: Path
     chosen: SeedRange
     families: tuple[Family, ...]
+    most: int | None = None
 
-    def run(self, place: Place) -> Iterator[tuple[str, int, Iterator[Outcome]]]:
-        """Each stage: what it does, on how many cases at most, and its outcomes as they come."""
-        for seed, orders in self.chosen.orders(self.families).items():
-            cases, answers, diagnoses, reached, deleted = self._folders(seed)
-            yield f"making {seed}", len(orders), make_orders(orders, cases, answers, place=place)
-            folders = case_folders(cases)
-            yield f"solving {seed}", len(folders), solve_all(folders, diagnoses, seed=0, place=place)
-            yield f"reaching {seed}", len(folders), reach_all(folders, answers, reached, place=place)
-            alone = self._alone(seed)
-            without = {case.name: taken_out(case.hidden[0]) for case in alone}
-            kept = [folder for folder in folders if folder.name in without]
-            yield (
-                f"solving {seed} with what is hidden taken out of the library",
-                len(kept),
-                solve_all(kept, deleted, seed=0, place=place, without=without),
-            )
+    @cached_property
+    def cases(self) -> list[RangeCase]:
+        """All cases, in the order in which they are run."""
+        return self.chosen.cases(self.families)[: self.most]
 
-    def judged(self) -> tuple[Judged, ...]:
-        """Every case of the range."""
-        return tuple(case for seed in self.chosen.seeds for case in self._scored(seed))
+    def waiting(self) -> list[RangeCase]:
+        """Those that are not finished."""
+        return [case for case in self.cases if not self._file(case).exists()]
+
+    def run(
+        self, place: Place, clock: Clock, goes_on: Callable[[], bool], *, peers: bool
+    ) -> Iterator[Outcome]:
+        """Do the cases that wait, as long as it `goes_on`; cases that have begun are ended. Yields their outcomes."""
+        yield from spread(self._tasks(clock, goes_on, peers=peers), place)
+
+    def finished(self) -> list[FinishedCase]:
+        """The cases of which everything was tried."""
+        found = []
+        for case in self.cases:
+            if (file := self._file(case)).exists():
+                held = json.loads(file.read_text(encoding="utf-8"))
+                found.append(FinishedCase(case, held["engine"], held["seconds"], tuple(held["failed"])))
+        return found
+
+    def judged(self) -> list[Judged]:
+        """Each finished case, judged."""
+        return [self._shelf(one.case).judged(one.case.order.plan.name) for one in self.finished()]
 
     def deletions(self) -> dict[str, list[str]]:
         """The verdicts of cases whose effect was taken out, by effect."""
         found: dict[str, list[str]] = {}
-        for seed in self.chosen.seeds:
-            deleted = self._folders(seed)[4]
-            for case in self._alone(seed):
-                file = deleted / f"{case.name}.json"
-                if file.exists():
-                    verdict = str(json.loads(file.read_text(encoding="utf-8"))["verdict"])
-                    found.setdefault(case.hidden[0], []).append(verdict)
+        for one in self.finished():
+            shelf, name = self._shelf(one.case), one.case.order.plan.name
+            if (file := shelf.file("deleted", name)).exists():
+                hidden = json.loads(shelf.file("answers", name).read_text(encoding="utf-8"))["effects"]
+                verdict = str(json.loads(file.read_text(encoding="utf-8"))["verdict"])
+                found.setdefault(str(hidden[0]["id"]), []).append(verdict)
         return found
 
-    def _scored(self, seed: int) -> Sequence[Judged]:
-        cases, answers, diagnoses, reached, _ = self._folders(seed)
-        return score(cases, answers, diagnoses, reached).cases
+    def peers(self) -> dict[str, list[Judged]]:
+        """Each other method's answers, judged, where it answered all finished cases."""
+        found: dict[str, list[Judged]] = {}
+        for peer in PEERS:
+            answered = [
+                judged_case(
+                    shelf.file("answers", name), shelf.of("cases"), shelf.of("peers") / peer.name, None
+                )
+                for one in self.finished()
+                if (shelf := self._shelf(one.case)) and (name := one.case.order.plan.name)
+            ]
+            found[peer.name] = [case for case in answered if case.verdict != NO_ANSWER]
+        return found
 
-    def _alone(self, seed: int) -> list[Judged]:
-        """Detectable single effects that are not small, in the first seed."""
-        if seed != self.chosen.seeds[0]:
-            return []
-        return [
-            case
-            for case in self._scored(seed)
-            if case.kind == "single" and case.sizes[0] != "small" and detectable(case)
-        ]
+    def cells(self) -> list[Cells]:
+        """Where each method sees a model that is wrong, of each finished case of which a regression tells the truth."""
+        files = [self._shelf(one.case).file("localised", one.case.order.plan.name) for one in self.finished()]
+        return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.exists()]
 
-    def _folders(self, seed: int) -> tuple[Path, Path, Path, Path, Path]:
-        root = self.folder / str(seed)
-        cases, answers, diagnoses, reached, deleted = (
-            root / name for name in ("cases", "answers", "diagnoses", "reached", DELETED)
-        )
-        return cases, answers, diagnoses, reached, deleted
+    def _tasks(self, clock: Clock, goes_on: Callable[[], bool], *, peers: bool) -> Iterator[CaseTask]:
+        first = self.chosen.seeds[0]
+        for case in self.waiting():
+            if not goes_on():
+                return
+            task = (case, self._shelf(case), clock, case.seed == first, peers)
+            yield CaseTask(case.order.plan.name, prove, task)
+
+    def _shelf(self, case: RangeCase) -> Shelf:
+        return Shelf(self.folder.resolve() / str(case.seed))
+
+    def _file(self, case: RangeCase) -> Path:
+        return self._shelf(case).file("finished", case.order.plan.name)

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from nxt_twin.blind.fair import in_fair_order
 from nxt_twin.blind.families.family import Family, Order
 from nxt_twin.blind.families.orders import Amounts, plan_orders
+from nxt_twin.blind.families.table import FAMILIES
+
+
+@final
+@dataclass(frozen=True)
+class RangeCase:
+    """One case of a range: the seed of its set, and what is to be made."""
+
+    seed: int
+    order: Order
 
 
 @final
@@ -19,7 +30,7 @@ class SeedRange:
         name: as it is written after `--range`.
         seeds: one set of each family is made of each seed.
         amounts: of each family and seed; singles are every effect in three sizes.
-        most: no more than so many cases of each family and seed, those that come first in a shuffled order.
+        most: how many cases are run, the first in the range's order; None is all.
         words: what it is for.
     """
 
@@ -29,16 +40,24 @@ class SeedRange:
     most: int | None
     words: str
 
-    def orders(self, families: Sequence[Family]) -> dict[int, tuple[Order, ...]]:
-        """What is to be made, by seed."""
-        return {seed: self._of(families, seed) for seed in self.seeds}
+    def cases(self, families: Sequence[Family]) -> list[RangeCase]:
+        """The cases in the order in which they are run.
 
-    def _of(self, families: Sequence[Family], seed: int) -> tuple[Order, ...]:
-        every = plan_orders(families, seed, self.amounts)
-        kept: list[Order] = []
-        for family in families:
-            kept += [order for order in every if order.family == family.name][: self.most]
-        return tuple(kept)
+        Every beginning is a fair sample: each family, each kind of case and each size in proportion.
+        """
+        every = [
+            RangeCase(seed, order)
+            for seed in self.seeds
+            for order in plan_orders(families, seed, self.amounts)
+        ]
+        return in_fair_order(every, _stratum)[: self.most]
+
+
+def _stratum(case: RangeCase) -> Hashable:
+    """Its kind, size and family."""
+    plan = case.order.plan
+    stranger = any(effect in FAMILIES[case.order.family].unknown for effect in plan.effects)
+    return len(plan.effects), stranger, plan.size, case.order.family
 
 
 RANGES: Final[dict[str, SeedRange]] = {
@@ -47,8 +66,8 @@ RANGES: Final[dict[str, SeedRange]] = {
         SeedRange(
             "sample",
             (901,),
-            Amounts(None, 24, 16, 8, 24),
-            10,
+            Amounts(None, 24, 16, 12, 24),
+            76,
             "ten minutes; seeds 1 to 999 are for development",
         ),
         SeedRange(

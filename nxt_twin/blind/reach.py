@@ -13,9 +13,8 @@ from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import with_noise
-from nxt_twin.diagnose.fitting.problem import Problem
-from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.judging.horizons import errors_of
 from nxt_twin.diagnose.judging.judge import free_runs, overall
 from nxt_twin.diagnose.search.searched import settled_baseline
 from nxt_twin.diagnose.search.settling import settled
@@ -44,7 +43,11 @@ def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
             true = settled(fitter, fitted.plant, true.noise)
         weight = weigh(baseline, true)
         final = fit_everything(fitter, true.plant, true.noise)
-        return Reach(weight.gain, weight.check_gain, _held_out(simulator, problem, final))
+        factor = units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
+        runs = free_runs(simulator, problem, final.plant, final.plant, final.noise)
+        errors = errors_of(simulator, problem, final.plant, final.plant, final.noise)
+        horizons = {seconds: rms * factor for seconds, rms in zip(errors.seconds, errors.rms, strict=True)}
+        return Reach(weight.gain, weight.check_gain, overall(runs) * factor, horizons)
 
 
 def _holds(layout: Layout, effects: list[Mapping[str, Any]]) -> bool:
@@ -77,8 +80,3 @@ def _distinct(fitter: Fitter, effect_id: str, known: Mapping[str, float]) -> lis
         free = {symbol: value for symbol, value in start.items() if symbol not in known}
         different[tuple(sorted(free.items()))] = free
     return list(different.values())
-
-
-def _held_out(simulator: Simulator, problem: Problem, final: Structure) -> float:
-    runs = free_runs(simulator, problem, final.plant, final.plant, final.noise)
-    return overall(runs) * units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor

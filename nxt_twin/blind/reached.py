@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 
@@ -16,13 +17,30 @@ class Reach:
         gain_nats: by which it beats the re-fitted baseline on the readings that are fitted (BIC).
         check_nats: the same on the readings that only check.
         held_out_rmse: its free-run error on what nobody fitted, in the diagnosis's unit.
+        horizons: that error by the length of the simulated windows, s; inf is a whole recording.
     """
 
     gain_nats: float
     check_nats: float
     held_out_rmse: float
+    horizons: Mapping[float, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The reach as JSON values; a whole recording is null."""
+        own = [[None if math.isinf(seconds) else seconds, rmse] for seconds, rmse in self.horizons.items()]
+        return {**vars(self), "horizons": own}
 
 
 def reached(held: Mapping[str, Any]) -> Reach:
     """Read a reach as it was written."""
-    return Reach(**{key: float(held[key]) for key in Reach.__dataclass_fields__})
+    return Reach(
+        float(held["gain_nats"]),
+        float(held["check_nats"]),
+        float(held["held_out_rmse"]),
+        {seconds_of(seconds): float(rmse) for seconds, rmse in held.get("horizons", [])},
+    )
+
+
+def seconds_of(seconds: float | None) -> float:
+    """A horizon as JSON has it: null is a whole recording."""
+    return math.inf if seconds is None else float(seconds)

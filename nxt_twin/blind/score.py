@@ -133,10 +133,15 @@ def score(
     files = sorted(answers_dir.glob("*.json"))
     if not files:
         raise CaseError("holds no answers", where=str(answers_dir))
-    return tabulate([_judged(file, cases_dir, diagnoses_dir, reached_dir) for file in files])
+    return tabulate([judged_case(file, cases_dir, diagnoses_dir, reached_dir) for file in files])
 
 
-def _judged(answer_file: Path, cases_dir: Path, diagnoses_dir: Path, reached_dir: Path | None) -> Judged:
+def judged_case(answer_file: Path, cases_dir: Path, diagnoses_dir: Path, reached_dir: Path | None) -> Judged:
+    """Judge one case by its sealed answer; a diagnosis that is not there counts as no answer.
+
+    Raises:
+        CaseError: if the answer is not what was sealed, or a diagnosis is not one.
+    """
     answer = read_sealed(answer_file, cases_dir / answer_file.stem)
     reach = _reach(reached_dir / answer_file.name) if reached_dir else None
     diagnosis_file = diagnoses_dir / answer_file.name
@@ -273,5 +278,5 @@ def _case_dict(case: Judged) -> dict[str, Any]:
         "equation_named": case.located.named,
         "equation_unaided": case.located.unaided,
         "onset_error_s": case.located.onset_error_s,
-        "reach": None if case.reach is None else vars(case.reach),
+        "reach": None if case.reach is None else case.reach.as_dict(),
     }

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
 
 from nxt_twin.blind.reach import reach
 from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.blind.verdict import read_sealed
+from nxt_twin.blind.whole import write_whole
 from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.errors import NxtTwinError
@@ -43,7 +43,7 @@ def solve_all(
         (folder, _file(out.resolve(), folder), seed, without.get(folder.name, frozenset()))
         for folder in waiting
     ]
-    yield from spread((CaseTask(task[0].name, _solve, task) for task in tasks), place)
+    yield from spread((CaseTask(task[0].name, solve_one, task) for task in tasks), place)
 
 
 def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, place: Place) -> Iterator[Outcome]:
@@ -52,7 +52,7 @@ def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, place: Place
     waiting = [folder for folder in folders if not _file(out, folder).exists()]
     waiting = [folder.resolve() for folder in waiting]
     tasks = [(folder, _file(out.resolve(), folder), _file(answers.resolve(), folder)) for folder in waiting]
-    yield from spread((CaseTask(task[0].name, _reach, task) for task in tasks), place)
+    yield from spread((CaseTask(task[0].name, reach_one, task) for task in tasks), place)
 
 
 def _file(folder: Path, case: Path) -> Path:
@@ -60,26 +60,21 @@ def _file(folder: Path, case: Path) -> Path:
     return folder / f"{case.name}.json"
 
 
-def _put(target: Path, text: str) -> None:
-    """Write a file whole or not at all: what is there counts as done."""
-    partial = target.with_name(f".{target.name}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(target)
-
-
-def _solve(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
+def solve_one(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
+    """Diagnose one case without some effects, and write the diagnosis as JSON to `target`."""
     try:
         answer = diagnose(read_case(folder), seed=seed, without=without)
     except NxtTwinError as error:
         return folder.name, str(error)
-    _put(target, to_json(answer.diagnosis))
+    write_whole(target, to_json(answer.diagnosis))
     return folder.name, ""
 
 
-def _reach(folder: Path, target: Path, answer_file: Path) -> Outcome:
+def reach_one(folder: Path, target: Path, answer_file: Path) -> Outcome:
+    """Fit the sealed answer's structure to one case, and write what it reaches to `target`."""
     try:
         found = reach(read_case(folder), read_sealed(answer_file, folder))
     except NxtTwinError as error:
         return folder.name, str(error)
-    _put(target, json.dumps(None if found is None else asdict(found)))
+    write_whole(target, json.dumps(None if found is None else found.as_dict()))
     return folder.name, ""

@@ -11,7 +11,7 @@ from typing import Any, Final, Literal, final
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
 from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, OnsetPlace, locate, parse_place
-from nxt_twin.blind.reached import Reach
+from nxt_twin.blind.reached import Reach, seconds_of
 from nxt_twin.blind.share import NORMAL_95
 from nxt_twin.errors import CaseError
 
@@ -60,6 +60,7 @@ class Judged:
         located: whether it is said where the baseline fails.
         family: which simulator made its truth.
         probability: given for each name; one where a diagnosis gives none.
+        floors: what a correct model would reach, as the diagnosis says, by the length of the simulated windows, s.
     """
 
     name: str
@@ -82,6 +83,7 @@ class Judged:
     located: Located = UNPLACED
     family: str = HOME
     probability: Mapping[str, float] = field(default_factory=dict)
+    floors: Mapping[float, float] = field(default_factory=dict)
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -115,6 +117,7 @@ class Given:
         improved: the improved error.
         place: where it says that the baseline fails.
         probability: of each name.
+        floors: by the length of the simulated windows, s.
     """
 
     verdict: str
@@ -125,6 +128,7 @@ class Given:
     improved: float | None
     place: OnsetPlace
     probability: Mapping[str, float] = field(default_factory=dict)
+    floors: Mapping[float, float] = field(default_factory=dict)
 
 
 NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
@@ -153,6 +157,10 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             improved=None if improved is None else float(improved),
             place=parse_place(diagnosis.get("mismatch", {})),
             probability={one["id"]: float(one.get("probability", 1.0)) for one in effects},
+            floors={
+                seconds_of(one["seconds"]): float(one["floor"])
+                for one in diagnosis["fit"].get("horizons", [])
+            },
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         mend = "see docs/formats.md#diagnosis-json"
@@ -189,6 +197,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         located=locate(answer, given.place),
         family=str(answer.get("family", HOME)),
         probability=given.probability,
+        floors=given.floors,
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json as json_format
-import os
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +12,7 @@ import typer
 from nxt_twin.cli.follow import follow
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.pairs import pairs as changed
+from nxt_twin.cli.proof import proof
 
 if TYPE_CHECKING:
     from nxt_twin.blind.families.family import Family
@@ -50,6 +50,7 @@ ClusterOption = Annotated[
 
 blind = typer.Typer(no_args_is_help=True, help="The concealed-effect benchmark: make, solve and score cases.")
 blind.add_typer(changed, name="changed")
+blind.command()(proof)
 
 
 @blind.command()
@@ -155,65 +156,33 @@ def score(
 
 
 @blind.command()
-def proof(
-    folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
-    chosen: Annotated[str, typer.Option("--range", help="A named range: sample or scored.")] = "sample",
-    family: FamilyOption = _ALL,
-    jobs: JobsOption = os.cpu_count() or 1,
-    cluster: ClusterOption = None,
-    json: JsonOption = None,
-) -> None:
-    """Make, solve and score a named range over all families, and print its tables. A second run continues."""
-    from nxt_twin.blind.by_family import (
-        as_text,
-        as_values,
-        deletion_rows,
-        family_rows,
-        left_out_rows,
-        reliability_rows,
-    )
-    from nxt_twin.blind.proof import Proof
-    from nxt_twin.blind.ranges import RANGES
-
-    if chosen not in RANGES:
-        raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
-    work = Proof(folder, RANGES[chosen], _families(family))
-    for title, total, outcomes in work.run(_place(jobs, cluster)):
-        follow(title, outcomes, total)
-    cases = work.judged()
-    tables = {
-        "families": family_rows(cases),
-        "left out in turn": left_out_rows(cases),
-        "reliability": reliability_rows(cases),
-        "taken out of the library": deletion_rows(work.deletions()),
-    }
-    if json:
-        values = {name: as_values(rows) for name, rows in tables.items()}
-        emit_json(json, json_format.dumps({"schema": "nxt-twin/proof/1", "range": chosen, **values}))
-    if json != "-":
-        print("\n".join(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items()))
-
-
-@blind.command()
 def peers(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
     out: Annotated[Path, typer.Argument(help="Folder for the methods' answers, one folder each.")],
+    diagnoses: Annotated[
+        Path | None, typer.Option(help="Folder of nxt-twin's diagnoses, to put beside them.")
+    ] = None,
 ) -> None:
     """Let other methods diagnose these cases, and score them."""
-    from nxt_twin.blind.by_family import as_text
-    from nxt_twin.blind.peers.answers import PEERS, answer_all, peer_rows
+    from nxt_twin.blind.peers.answers import PEERS, answer_all
+    from nxt_twin.blind.peers.localised import OURS, localise_all
+    from nxt_twin.blind.peers.rows import peer_rows
     from nxt_twin.blind.score import score as score_answers
     from nxt_twin.blind.solve import case_folders
+    from nxt_twin.blind.tables import as_text
 
     if not find_spec("pysindy"):
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
     folders = case_folders(cases)
     follow("letting others answer", answer_all(folders, out), len(folders))
-    judged = {peer.name: score_answers(cases, answers, out / peer.name).cases for peer in PEERS}
+    named = {OURS: diagnoses} if diagnoses else {}
+    cells = localise_all(folders, answers, out, named)
+    every = {**named, **{peer.name: out / peer.name for peer in PEERS}}
+    judged = {method: score_answers(cases, answers, given).cases for method, given in every.items()}
     print("\n".join(f"{peer.name}: {peer.words}" for peer in PEERS) + "\n")
-    print(as_text(peer_rows(judged)))
+    print(as_text(peer_rows(judged, cells)))
 
 
 @blind.command()

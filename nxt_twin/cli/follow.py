@@ -23,6 +23,12 @@ def _log(words: str, number: int, total: int) -> None:
 
 def follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
     """Show how far it is; leave with status 1 at the end if a case failed."""
+    if followed(title, outcomes, total):
+        raise typer.Exit(1)
+
+
+def followed(title: str, outcomes: Iterable[Outcome], total: int) -> bool:
+    """Show how far it is; whether a case failed, each of which has a line on standard error."""
     failed = False
     with progress(title) as tell:
         for number, (name, why) in enumerate(outcomes, start=1):
@@ -31,5 +37,4 @@ def follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
             if why:
                 fail(why)
                 failed = True
-    if failed:
-        raise typer.Exit(1)
+    return failed

@@ -1,23 +1,22 @@
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
 import pytest
 
 from nxt_twin.blind.by_family import (
     EVERY,
-    as_text,
     best_limit,
-    deletion_rows,
     family_rows,
     left_out_rows,
-    reliability_rows,
     withheld,
 )
 from nxt_twin.blind.families.table import FAMILIES
-from nxt_twin.blind.proof import Proof, taken_out
+from nxt_twin.blind.prove import taken_out
 from nxt_twin.blind.ranges import RANGES
 from nxt_twin.blind.reached import Reach
+from nxt_twin.blind.tables import as_text
+from nxt_twin.blind.told import confusion_rows, deletion_rows, floor_rows, reliability_rows, unknown_rows
 from nxt_twin.blind.verdict import Judged
 
 
@@ -43,9 +42,10 @@ def judged(family="workshop", kind="single", *, exact=True, verdict="explained",
         covered={},
         fit_ratio=1.0,
         improved=ratio,
-        reach=Reach(100.0, 50.0, 1.0),
+        reach=Reach(100.0, 50.0, 1.0, {2.0: 1.0}),
         family=family,
         probability=dict.fromkeys(named, probability),
+        floors={2.0: 0.9},
     )
 
 
@@ -53,20 +53,23 @@ def row_of(rows, name):
     return dict(zip(rows[0], next(row for row in rows if row[0] == name), strict=True))
 
 
+EXACT, PAIRS, CLEAN = "single, detectable: exact", "pairs: exact", "clean: called wrong"
+
+
 def test_each_family_is_counted_for_itself_and_what_falls_short_is_marked():
     cases = [judged("workshop"), judged("mujoco", exact=False), judged("mujoco", "clean", exact=False)]
     rows = family_rows(cases)
-    assert row_of(rows, "workshop")["exact"] == "1.00"
-    assert row_of(rows, "mujoco")["exact"] == "0.00 !"
-    assert row_of(rows, "mujoco")["clean wrong"] == "1.00 !"
-    assert row_of(rows, EVERY)["exact"] == "0.50 !"
-    assert row_of(rows, "workshop")["pairs"] == "-"
+    assert row_of(rows, EXACT)["workshop"] == "1.00 of 1"
+    assert row_of(rows, EXACT)["mujoco"] == "0.00 of 1 !"
+    assert row_of(rows, CLEAN)["mujoco"] == "1.00 of 1 !"
+    assert row_of(rows, EXACT)[EVERY] == "0.50 of 2 !"
+    assert row_of(rows, PAIRS)["workshop"] == "-"
 
 
 def test_the_error_is_held_against_that_of_the_true_structure():
     rows = family_rows([judged(ratio=ratio) for ratio in (1.0, 1.0, 1.0, 5.0)])
-    assert row_of(rows, EVERY)["error ratio"] == "1.00"
-    assert row_of(rows, EVERY)["90 %"] == "3.80 !"
+    assert row_of(rows, "error over the true structure's: median")[EVERY] == "1.00 of 4"
+    assert row_of(rows, "error over the true structure's: 90 %")[EVERY] == "3.80 of 4 !"
 
 
 def test_a_name_below_the_limit_is_withheld_which_is_right_for_unknown_physics_only():
@@ -83,8 +86,8 @@ def test_the_limit_is_set_on_the_other_families():
     assert best_limit([*unsure, *sure]) > 0.75
     own = [judged("stiff", probability=0.6)]
     rows = left_out_rows([*unsure, *sure, *own])
-    assert float(row_of(rows, "stiff")["limit"]) > 0.75
-    assert row_of(rows, "stiff")["exact"] == "0.00 !"
+    assert float(row_of(rows, "least probability of a name")["stiff"]) > 0.75
+    assert row_of(rows, EXACT)["stiff"] == "0.00 of 1 !"
 
 
 def test_reliability_holds_the_probability_against_the_hits():
@@ -103,7 +106,7 @@ def test_deletions_are_counted_by_verdict():
 def test_the_scored_range_holds_what_it_must_and_no_development_seed():
     scored = RANGES["scored"]
     assert min(scored.seeds) >= 5000
-    orders = [order for each in scored.orders(tuple(FAMILIES.values())).values() for order in each]
+    orders = [case.order for case in scored.cases(tuple(FAMILIES.values()))]
     known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
     counts = [sum(len(order.plan.effects) == number for order in known) for number in range(4)]
     assert counts[0] >= 300
@@ -115,22 +118,27 @@ def test_the_scored_range_holds_what_it_must_and_no_development_seed():
     assert len(set(strangers)) >= 10
 
 
-def test_a_sample_takes_the_first_of_each_family_from_development_seeds():
+def test_a_sample_is_a_fair_beginning_of_development_seeds():
     sample = RANGES["sample"]
-    orders = [order for each in sample.orders(tuple(FAMILIES.values())).values() for order in each]
-    assert all(sum(order.family == name for order in orders) == sample.most for name in FAMILIES)
+    cases = sample.cases(tuple(FAMILIES.values()))
+    assert len(cases) == sample.most
+    numbers = [sum(case.order.family == name for case in cases) for name in FAMILIES]
+    assert max(numbers) - min(numbers) <= 2
+    assert {len(case.order.plan.effects) for case in cases} == {0, 1, 2, 3}
     assert max(sample.seeds) < 1000
 
 
-@pytest.fixture
-def empty(tmp_path: Path) -> Proof:
-    return Proof(tmp_path, RANGES["sample"], tuple(FAMILIES.values()))
+@pytest.mark.parametrize("beginning", [0.1, 0.25, 0.5])
+def test_each_beginning_of_the_scored_range_holds_every_kind_in_proportion(beginning):
+    cases = RANGES["scored"].cases(tuple(FAMILIES.values()))
+    done = cases[: int(beginning * len(cases))]
 
+    def share(of, family, number):
+        return sum(case.order.family == family and len(case.order.plan.effects) == number for case in of)
 
-def test_a_proof_names_its_stages_before_they_run(empty):
-    title, total, _ = next(empty.run(1))
-    assert title == "making 901"
-    assert total == RANGES["sample"].most * len(FAMILIES)
+    for family in FAMILIES:
+        for number in range(4):
+            assert abs(share(done, family, number) - beginning * share(cases, family, number)) <= 3.5
 
 
 def test_what_holds_an_effects_physics_is_taken_out_with_it():
@@ -140,3 +148,27 @@ def test_what_holds_an_effects_physics_is_taken_out_with_it():
 
 def test_of_limits_that_are_worth_as_much_the_least_is_taken():
     assert best_limit([judged("mujoco", probability=1.0)]) == 0.0
+
+
+def test_confusions_tell_what_was_named_in_an_effects_place():
+    wrong = replace(judged(exact=False), named=("stiction", "backlash"))
+    row = row_of(confusion_rows([judged(), wrong, judged("mujoco", "clean")]), "cogging")
+    assert (row["cases"], row["exact"], row["named otherwise"]) == ("2", "1", "stiction + backlash 1")
+
+
+def test_physics_of_nobodys_library_is_counted_by_its_kind():
+    refused = judged(kind="unknown", verdict="unexplained")
+    row = row_of(unknown_rows([refused, judged(kind="unknown", exact=False)]), "crank")
+    assert (row["cases"], row["refused"], row["misnamed"], row["named"]) == ("2", "1", "1", "cogging 1")
+
+
+def test_floors_are_held_against_the_true_structure_where_the_library_holds_it():
+    low = replace(judged("stiff"), floors={2.0: 0.5})
+    rows = floor_rows([judged(), low, judged(kind="unknown")])
+    row = row_of(rows, EVERY)
+    assert (row["windows"], row["cases"], row["median"], row["within 0.8 to 1.25"]) == (
+        "2 s",
+        "2",
+        "0.70",
+        "0.50",
+    )

@@ -9,10 +9,11 @@ import pytest
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.families.numbers import Numbers
 from nxt_twin.blind.families.workshop.machine import Workshop
-from nxt_twin.blind.peers.answers import peer_rows
+from nxt_twin.blind.peers.localised import TRUTH, cells_of_names, f1
 from nxt_twin.blind.peers.process_noise import lacks_something
-from nxt_twin.blind.peers.recipes import freed, lisdd, sindy
+from nxt_twin.blind.peers.recipes import cells_of, freed, lisdd, lisdd_cells, sindy
 from nxt_twin.blind.peers.regression import EXPRESSED, regression_of
+from nxt_twin.blind.peers.rows import peer_rows
 from nxt_twin.blind.verdict import NOTHING_GIVEN, judge
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
@@ -86,5 +87,27 @@ def test_a_method_that_says_nothing_scores_nothing():
         ],
         "effect_rms_deg": 1.0,
     }
-    rows = peer_rows({"silent": [judge(answer, NOTHING_GIVEN)]})
+    rows = peer_rows({"silent": [judge(answer, NOTHING_GIVEN)]}, [{TRUTH: [1, 2], "silent": []}])
     assert rows[1][1].startswith("0/1")
+    assert rows[1][-1] == "0.00 of 1"
+
+
+def test_localisation_counts_cells_that_are_wrong_and_cells_that_are_said_to_be():
+    assert f1([({1, 2}, {2, 3}), ({4}, {4})]) == (pytest.approx(4 / 6), 2)
+    assert f1([]) is None
+
+
+def test_a_drag_is_wrong_where_the_motor_is_fast():
+    regression = regression_of(case_with(quadratic_drag_nm_s2_per_rad2=2e-3))
+    cells = cells_of_names(regression, ["quadratic_drag"])
+    fast = {int(cells_of(regression)[row]) for row in np.argsort(np.abs(regression.speed))[-20:]}
+    assert fast <= cells
+    assert len(cells) < 9
+    assert cells_of_names(regression, ["command_delay"]) == frozenset()
+
+
+def test_sample_splitting_points_at_no_regime_that_noise_alone_makes(weighted):
+    regression = regression_of(weighted)
+    noise = np.random.default_rng(1).standard_normal(regression.acceleration.size)
+    silent = replace(regression, acceleration=regression.base @ np.array([30.0, -15.0, -7.0]) + noise)
+    assert lisdd_cells(silent) == frozenset()

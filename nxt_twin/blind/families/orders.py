@@ -95,16 +95,24 @@ def make_orders(
     orders: Sequence[Order], cases: Path, answers: Path, *, place: Place = HERE
 ) -> Iterator[Outcome]:
     """Make and write each case that is not there yet, and yield its name and why it failed, if it did."""
-    waiting = [order for order in orders if not (cases / order.plan.name / SEAL_FILE).exists()]
+    waiting = [order for order in orders if not _is_made(order, cases)]
     tasks = (
-        CaseTask(order.plan.name, _make, (order, cases.resolve(), answers.resolve())) for order in waiting
+        CaseTask(order.plan.name, make_one, (order, cases.resolve(), answers.resolve())) for order in waiting
     )
     yield from spread(tasks, place)
 
 
-def _make(order: Order, cases: Path, answers: Path) -> Outcome:
+def make_one(order: Order, cases: Path, answers: Path) -> Outcome:
+    """Make and write one case where it is not there yet: its name, and why it failed, if it did."""
+    if _is_made(order, cases):
+        return order.plan.name, ""
     try:
         write_case(FAMILIES[order.family].make(order), cases, answers)
     except NxtTwinError as error:
         return order.plan.name, str(error)
     return order.plan.name, ""
+
+
+def _is_made(order: Order, cases: Path) -> bool:
+    """Whether the case is whole: its seal is written last."""
+    return (cases / order.plan.name / SEAL_FILE).exists()

@@ -64,7 +64,17 @@ def lisdd(case: Regression) -> tuple[str, ...]:
     The plain model is fitted on the quieter regimes, loud ones are flagged, in each the candidate is chosen on one
     half of the data and confirmed by an F test on the other, and false discoveries are controlled over regimes.
     """
-    regime = _regime(case)
+    return tuple(sorted({name for name, _ in _confirmed_cells(case)}))
+
+
+def lisdd_cells(case: Regression) -> frozenset[int]:
+    """The regimes in which `lisdd` confirms that something is missing."""
+    return frozenset(cell for _, cell in _confirmed_cells(case))
+
+
+def _confirmed_cells(case: Regression) -> list[tuple[str, int]]:
+    """What is missing and the regime in which it is confirmed, false discoveries controlled."""
+    regime = cells_of(case)
     clean = _quiet(case, regime)
     weights, *_ = np.linalg.lstsq(case.base[clean], case.acceleration[clean], rcond=None)
     miss = case.acceleration - case.base @ weights
@@ -77,8 +87,9 @@ def lisdd(case: Regression) -> tuple[str, ...]:
         louder = float(np.mean(miss[rows] ** 2)) / max(float(np.mean(miss[clean] ** 2)), 1e-12)
         if stats.f.sf(louder, independent, independent) < LEVEL:
             name = _chosen(case, miss, rows & chosen)
-            tests.append((_confirmed(case, miss, rows & ~chosen, name, floor), name[0]))
-    return tuple(sorted(set(_controlled(tests))))
+            p_value = _confirmed(case, miss, rows & ~chosen, name, floor)
+            tests.append((p_value, (name[0], int(one))))
+    return _controlled(tests)
 
 
 def _stacked(case: Regression) -> tuple[list[str], FloatArray]:
@@ -93,8 +104,8 @@ def _long_run(miss: FloatArray) -> float:
     return max(shares[0] + 2.0 * sum((1.0 - lag / LAGS) * shares[lag] for lag in range(1, LAGS)), 1e-12)
 
 
-def _regime(case: Regression) -> FloatArray:
-    """Cells of speed and volts, by thirds of each."""
+def cells_of(case: Regression) -> FloatArray:
+    """The cell of speed and volts, by thirds of each, in which each row lies, shape (rows,)."""
     cells = [
         np.searchsorted(np.quantile(values, np.linspace(0.0, 1.0, REGIMES + 1)[1:-1]), values)
         for values in (case.speed, case.volts)
@@ -134,8 +145,8 @@ def _confirmed(
     )
 
 
-def _controlled(tests: list[tuple[float, str]]) -> list[str]:
-    """Names that stand with false discoveries below the level (Benjamini and Hochberg)."""
+def _controlled(tests: list[tuple[float, tuple[str, int]]]) -> list[tuple[str, int]]:
+    """Names and regimes that stand with false discoveries below the level (Benjamini and Hochberg)."""
     ranked = sorted(tests)
     passed = [rank for rank, (p, _) in enumerate(ranked, start=1) if p <= LEVEL * rank / len(ranked)]
-    return [name for _, name in ranked[: max(passed, default=0)]]
+    return [found for _, found in ranked[: max(passed, default=0)]]

@@ -1,0 +1,131 @@
+"""One case of the proof, from its making to its last answer; files that are there already are kept."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, Literal, final
+
+from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.families.orders import make_one
+from nxt_twin.blind.peers.answers import answer_one, folders_of_peers
+from nxt_twin.blind.peers.localised import OURS, localise_one
+from nxt_twin.blind.ranges import RangeCase
+from nxt_twin.blind.score import judged_case
+from nxt_twin.blind.solve import reach_one, solve_one
+from nxt_twin.blind.spread import Outcome
+from nxt_twin.blind.verdict import Judged
+from nxt_twin.blind.whole import write_whole
+from nxt_twin.fleet.version import engine_version
+
+Clock = Callable[[], float]
+"""Processor time of the process that asks, s."""
+Step = tuple[str, Callable[[], Outcome]]
+
+_CONTAINED_IN: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "gravity_load": ("hanging_payload",),
+        "payload_inertia": ("hanging_payload",),
+        "hanging_payload": ("gravity_load", "payload_inertia"),
+        "coulomb_friction": ("asymmetric_friction",),
+        "viscous_friction": ("asymmetric_viscous_friction",),
+    }
+)
+"""Effects that hold the physics of another, or its parts: they go with it."""
+
+
+def taken_out(effect: str) -> frozenset[str]:
+    """What leaves the library so that nobody knows an effect's physics."""
+    return frozenset((effect, *_CONTAINED_IN.get(effect, ())))
+
+
+@final
+@dataclass(frozen=True)
+class Shelf:
+    """The folders of one seed; answers lie apart from cases."""
+
+    root: Path
+
+    def of(
+        self,
+        part: Literal[
+            "cases", "answers", "diagnoses", "reached", "deleted", "peers", "localised", "finished"
+        ],
+    ) -> Path:
+        """The folder of one kind of file."""
+        return self.root / part
+
+    def localise(self, case: str) -> Outcome:
+        """Say of each method in which regimes of the case it sees a model that is wrong."""
+        answers = {OURS: self.of("diagnoses"), **folders_of_peers(self.of("peers"))}
+        return localise_one(
+            self.of("cases") / case, self.file("answers", case), answers, self.of("localised")
+        )
+
+    def file(
+        self, part: Literal["answers", "diagnoses", "reached", "deleted", "localised", "finished"], case: str
+    ) -> Path:
+        """The file of one case."""
+        return self.of(part) / f"{case}.json"
+
+    def judged(self, case: str) -> Judged:
+        """The case as its diagnosis is judged; a diagnosis that is not there counts as no answer."""
+        return judged_case(
+            self.file("answers", case), self.of("cases"), self.of("diagnoses"), self.of("reached")
+        )
+
+
+def is_deleted(case: Judged) -> bool:
+    """Whether the case is diagnosed once more without its effect: one that could be found and is not small."""
+    return case.kind == "single" and case.sizes[0] != "small" and detectable(case)
+
+
+def prove(case: RangeCase, shelf: Shelf, clock: Clock, deletes: bool, peers: bool) -> Outcome:
+    """Make the case, diagnose it, fit its truth, and let others answer; `finished` says that all was tried.
+
+    A step that fails leaves no file: the case has no answer there, and the proof goes on. A case that cannot be made
+    is not finished.
+    """
+    name, failed = case.order.plan.name, []
+    seconds: dict[str, float] = {}
+    for step, work in _steps(case, shelf, deletes=deletes, peers=peers):
+        began = clock()
+        why = _why(work)
+        seconds[step] = clock() - began
+        if why:
+            failed.append(f"{step}: {why}")
+        if why and step == "make":
+            return name, failed[0]
+    held = {"engine": engine_version(), "seconds": seconds, "failed": failed}
+    write_whole(shelf.file("finished", name), json.dumps(held))
+    return name, "; ".join(failed)
+
+
+def _steps(case: RangeCase, shelf: Shelf, *, deletes: bool, peers: bool) -> Iterator[Step]:
+    """Each step that is not done yet, when those before it are."""
+    name = case.order.plan.name
+    folder = shelf.of("cases") / name
+    yield "make", lambda: make_one(case.order, shelf.of("cases"), shelf.of("answers"))
+    diagnosis, reached, deleted = (shelf.file(part, name) for part in ("diagnoses", "reached", "deleted"))
+    if not diagnosis.exists():
+        yield "diagnose", lambda: solve_one(folder, diagnosis, 0, frozenset())
+    if not reached.exists():
+        yield "fit the truth", lambda: reach_one(folder, reached, shelf.file("answers", name))
+    judged = shelf.judged(name)
+    if deletes and is_deleted(judged) and not deleted.exists():
+        without = taken_out(judged.hidden[0])
+        yield "diagnose without the effect", lambda: solve_one(folder, deleted, 0, without)
+    if peers:
+        yield "let others answer", lambda: answer_one(folder, shelf.of("peers"))
+        yield "localise", lambda: shelf.localise(name)
+
+
+def _why(work: Callable[[], Outcome]) -> str:
+    """Why a step failed, whatever it raised; empty where it did not."""
+    try:
+        return work()[1]
+    except Exception as error:
+        return f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -1,0 +1,119 @@
+"""What was told of concealed effects: confusions, physics of nobody's library, probabilities, deletions, floors."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from statistics import mean, median, quantiles
+from typing import Final
+
+from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.by_family import EVERY, Row
+from nxt_twin.blind.verdict import Judged
+
+BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
+FLOOR_BOUNDS: Final = (0.8, 1.25)
+"""A floor is right within these multiples of the error of the true structure."""
+
+
+def confusion_rows(cases: Sequence[Judged]) -> list[Row]:
+    """Each hidden effect that is detectable alone: what became of it, and what was named in its place."""
+    seen = [case for case in cases if case.kind == "single" and detectable(case)]
+    rows: list[Row] = [
+        ("hidden", "cases", "exact", "set holds", "adequate", "unexplained", "named otherwise")
+    ]
+    for effect in sorted({case.hidden[0] for case in seen}):
+        own = [case for case in seen if case.hidden[0] == effect]
+        rows.append(
+            (
+                effect,
+                str(len(own)),
+                str(sum(case.exact for case in own)),
+                str(sum(case.holds for case in own)),
+                str(sum(case.verdict == "adequate" for case in own)),
+                str(sum(case.verdict == "unexplained" for case in own)),
+                _names(case for case in own if case.verdict == "explained" and not case.exact),
+            )
+        )
+    return rows
+
+
+def unknown_rows(cases: Sequence[Judged]) -> list[Row]:
+    """Each physics of nobody's library: how often it was refused, called nothing, and named as something else."""
+    strange = [case for case in cases if case.kind == "unknown"]
+    rows: list[Row] = [("hidden", "cases", "refused", "adequate", "misnamed", "named")]
+    for effect in (*sorted({case.hidden[0] for case in strange}), EVERY):
+        own = [case for case in strange if effect in (case.hidden[0], EVERY)]
+        rows.append(
+            (
+                effect,
+                str(len(own)),
+                str(sum(case.exact for case in own)),
+                str(sum(case.verdict == "adequate" for case in own)),
+                str(sum(case.misnamed for case in own)),
+                _names(case for case in own if case.misnamed) if effect != EVERY else "",
+            )
+        )
+    return rows
+
+
+def _names(cases: Iterable[Judged]) -> str:
+    counts = Counter(" + ".join(case.named) for case in cases)
+    return ", ".join(f"{names} {count}" for names, count in counts.most_common()) or "-"
+
+
+def reliability_rows(cases: Sequence[Judged]) -> list[Row]:
+    """Names by the probability given for them, beside how often they were hidden there."""
+    told = [
+        (probability, one in case.hidden)
+        for case in cases
+        if case.verdict == "explained"
+        for one, probability in case.probability.items()
+    ]
+    rows: list[Row] = [("probability given", "names", "mean", "hit rate")]
+    for low, high in pairwise(BINS):
+        inside = [pair for pair in told if low <= pair[0] < high or (high == 1.0 and pair[0] == 1.0)]
+        if inside:
+            given, hits = mean(pair[0] for pair in inside), mean(float(pair[1]) for pair in inside)
+            rows.append((f"{low:g} to {high:g}", str(len(inside)), f"{given:.2f}", f"{hits:.2f}"))
+    return rows
+
+
+def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[Row]:
+    """Cases whose effect was taken out of the library: by effect, what became of them."""
+    rows: list[Row] = [("taken out", "cases", "unexplained", "another name", "adequate")]
+    for effect, each in [
+        *sorted(verdicts.items()),
+        (EVERY, [one for every in verdicts.values() for one in every]),
+    ]:
+        counts = [sum(one == verdict for one in each) for verdict in ("unexplained", "explained", "adequate")]
+        rows.append((effect, str(len(each)), *map(str, counts)))
+    return rows
+
+
+def floor_rows(cases: Sequence[Judged]) -> list[Row]:
+    """The floor over the error of the true structure re-fitted, by family and horizon."""
+    low, high = FLOOR_BOUNDS
+    within = f"within {low:g} to {high:g}"
+    rows: list[Row] = [("family", "windows", "cases", "10 %", "median", "90 %", within)]
+    for family in (*sorted({case.family for case in cases}), EVERY):
+        own = [case for case in cases if family in (case.family, EVERY)]
+        for seconds in sorted({seconds for case in own for seconds in case.floors}):
+            ratios = [ratio for case in own if (ratio := _floor_ratio(case, seconds)) is not None]
+            if ratios:
+                tenths = quantiles(ratios, n=10, method="inclusive") if len(ratios) > 1 else 9 * ratios
+                figures = [f"{value:.2f}" for value in (tenths[0], median(ratios), tenths[8])]
+                share = mean(float(low <= ratio <= high) for ratio in ratios)
+                length = "whole" if math.isinf(seconds) else f"{seconds:g} s"
+                rows.append((family, length, str(len(ratios)), *figures, f"{share:.2f}"))
+    return rows
+
+
+def _floor_ratio(case: Judged, seconds: float) -> float | None:
+    """None where the library does not hold what is hidden, or the true structure reaches nothing finite."""
+    if case.kind == "unknown" or case.reach is None or seconds not in case.floors:
+        return None
+    reached = case.reach.horizons.get(seconds, 0.0)
+    return case.floors[seconds] / reached if 0.0 < reached < math.inf else None

@@ -1,0 +1,89 @@
+"""What a correct model would reach: synthetic recordings of the final model, re-fitted, and judged as the real ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.random import Generator
+
+from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging.horizons import Errors, errors_of
+from nxt_twin.physics.observer import Noise, Observer
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Job, Simulator
+from nxt_twin.physics.start import moving_start
+
+REPLICATES: Final = 8
+MOSTLY: Final = 0.9
+"""The share of synthetic recordings on which the re-fitted model errs by less than the floor."""
+_HUGE: Final = 1e12
+_FAINT: Final = 1e-9  # gain under which a reading that is this much larger gives the unknown torque its step
+
+
+def refitted_floors(
+    simulator: Simulator, problem: Problem, final: Structure, reached: Sequence[Errors], rng: Generator
+) -> tuple[float, ...]:
+    """The error on held-out readings that a correct model stays below nine times of ten, at each horizon, SI.
+
+    `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one, and an
+    unknown torque as the noise has it, against which dry friction holds. The plant is re-fitted to such recordings, by
+    windows of simulation. No floor lies above what some plant has `reached` on the real ones.
+    """
+    made = [_replicate(simulator, problem, final.plant, final.noise, rng).rms for _ in range(REPLICATES)]
+    # A re-fit that ran away counts as large, and not as none.
+    floors = np.quantile(np.nan_to_num(np.array(made), posinf=_HUGE), MOSTLY, axis=0)
+    return tuple(float(min(own)) for own in zip(floors, *(errors.rms for errors in reached), strict=True))
+
+
+def _replicate(simulator: Simulator, problem: Problem, plant: Plant, noise: Noise, rng: Generator) -> Errors:
+    every = [*problem.signals, *(part.signals for part in problem.held_out)]
+    made = {signals.name: synthetic(simulator, plant, signals, noise, rng) for signals in every}
+    own = _instead(problem, made)
+    fitted, _ = Fitter(simulator, own).simulating(plant, noise, everything=True)
+    return errors_of(simulator, own, fitted.plant, fitted.plant, noise)
+
+
+def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise, rng: Generator) -> Signals:
+    """`signals` as they would have been, were `plant` the truth."""
+    rows = signals.time_s.size
+    forget = np.exp(-np.diff(signals.time_s, prepend=signals.time_s[0]) / noise.disturbance_time_s)
+    pushes = noise.disturbance_std * np.sqrt(1.0 - forget**2) * rng.standard_normal(rows)
+    gains = np.zeros((rows, 3))
+    gains[:, 2] = _FAINT
+    pushed = replace(signals, measured=pushes / _FAINT)
+    job = Job(pushed, Observer(gains, np.zeros(rows)), moving_start(signals), noise.disturbance_time_s)
+    exact = simulator.trace(plant, job)["predicted"]
+    quantum = 0.0 if signals.is_speed else signals.quantum
+    own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
+    read = exact + own_std * rng.standard_normal(rows)
+    if quantum > 0.0:
+        read = quantum * np.round(read / quantum)
+    return replace(signals, measured=np.where(np.isfinite(signals.measured), read, np.nan))
+
+
+def _instead(problem: Problem, made: Mapping[str, Signals]) -> Problem:
+    """The problem with other readings, each split as before."""
+    return replace(
+        problem,
+        target=_target(problem.target, made),
+        simulated=_target(problem.simulated, made),
+        held_out=tuple(replace(part, signals=made[part.signals.name]) for part in problem.held_out),
+        signals=tuple(made[signals.name] for signals in problem.signals),
+    )
+
+
+def _target(target: Target, made: Mapping[str, Signals]) -> Target:
+    jobs = []
+    for job in target.jobs:
+        whole = made[job.signals.name]
+        rows = np.searchsorted(whole.time_s, job.signals.time_s)
+        jobs.append(replace(job, signals=replace(job.signals, measured=whole.measured[rows])))
+    return replace(target, jobs=tuple(jobs))

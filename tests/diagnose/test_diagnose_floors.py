@@ -1,0 +1,70 @@
+"""The floor: what a correct model would reach on recordings like these."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nxt_twin.diagnose.fitting.fit import Fitted
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.problem import problem_of
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging.floors import refitted_floors, synthetic
+from nxt_twin.diagnose.judging.horizons import Errors, errors_of
+from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.recording import Recording, SignalKinds
+
+PLANT = {"kind": "rigid_body", "inertia": 1e-2, "viscous_friction": 5e-2, "coulomb_friction": 2e-2}
+KINDS = SignalKinds("torque_nm", "position_rad")
+
+
+def bench(seconds=12.0, rate_hz=50.0):
+    """A case that is only there for its inputs and stamps."""
+    time_s = np.arange(0.0, seconds, 1.0 / rate_hz)
+    torque = np.random.default_rng(2).uniform(-0.3, 0.3, 60)[(time_s / 0.4).astype(int)]
+    columns = {"time_s": time_s, "input": torque, "output": np.cumsum(torque)}
+    return problem_of("case", PLANT, [Recording("r", columns, KINDS)], [], None)
+
+
+@pytest.fixture(scope="module")
+def made():
+    """A problem whose plant is the truth, its noise, and a simulator."""
+    problem = bench()
+    noise = replace(first_guess(problem.plant, problem.signals, 0.1), reading_std=5e-3, disturbance_std=1.0)
+    with Simulator(problem.plant.layout) as simulator:
+        yield simulator, problem, noise
+
+
+def test_without_an_unknown_torque_a_synthetic_recording_is_what_the_plant_does(made):
+    simulator, problem, noise = made
+    quiet = replace(noise, disturbance_std=0.0, reading_std=0.0)
+    rng = np.random.default_rng(0)
+    twice = [synthetic(simulator, problem.plant, problem.signals[0], quiet, rng).measured for _ in range(2)]
+    assert np.array_equal(*twice)
+    pushed = synthetic(simulator, problem.plant, problem.signals[0], noise, rng).measured
+    assert np.std(pushed - twice[0]) > 10.0 * noise.reading_std
+
+
+def test_the_floor_is_near_the_error_of_the_true_plant_on_recordings_of_its_own(made):
+    simulator, problem, noise = made
+    final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
+    seconds = (0.5, 2.0, 10.0, np.inf)
+    far = Errors(seconds, (1e9,) * 4)
+    floors = refitted_floors(simulator, problem, final, [far], np.random.default_rng(0))
+    true = []
+    for seed in range(1, 7):
+        real = synthetic(simulator, problem.plant, problem.signals[0], noise, np.random.default_rng(seed))
+        part = replace(problem.held_out[0], signals=real)
+        true.append(
+            errors_of(simulator, replace(problem, held_out=(part,)), problem.plant, problem.plant, noise).rms
+        )
+    usual = np.sqrt(np.mean(np.square(true), axis=0))
+    assert np.all(np.array(floors[:2]) > 0.8 * usual[:2])
+    assert np.all(np.array(floors) < 3.0 * usual)
+
+
+def test_no_floor_lies_above_what_was_reached(made):
+    simulator, problem, noise = made
+    final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
+    reached = Errors((0.5, 2.0, 10.0, np.inf), (1e-9,) * 4)
+    assert refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0)) == (1e-9,) * 4
