@@ -67,7 +67,7 @@ def _source(path: Path, mapping_of: MappingOf | None) -> Recording:
 def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[SimulatedChannel, ...]:
     from nxt_twin.api.prediction import SimulatedChannel, predictions
     from nxt_twin.diagnose.robot.simulate import expected_pose, is_robot_model
-    from nxt_twin.diagnose.sensor.simulate import expected_readings, is_sensor_model
+    from nxt_twin.diagnose.sensor.runs import KINDS
     from nxt_twin.recording.configs import load_plant_config
 
     config = load_plant_config(model)
@@ -76,8 +76,10 @@ def _predicted(model: str, source: Recording, restart_every: float | None) -> tu
             SimulatedChannel(one.channel, one.values, one.unit, one.rmse, one.readings)
             for one in expected_pose(config, source, restart_every)
         )
-    if not is_sensor_model(config):
+    if config.get("kind") not in KINDS:
         return predictions(config, source, restart_every)
+    from nxt_twin.diagnose.sensor.simulate import expected_readings  # scipy takes 0.4 s to import
+
     said = expected_readings(config, source)
     rmse = said.rmse if said.readings else None
     return (SimulatedChannel(said.channel, said.values, said.unit, rmse, said.readings),)

@@ -12,6 +12,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.checks import check_finite, check_row_count, check_stamps, checked_columns, hold
 from nxt_twin.recording.columns import CATALOGUE, MAPPED_COLUMNS, TIME, check_names
+from nxt_twin.recording.tables.floats import floats
 from nxt_twin.recording.tables.table import Table
 
 _LARGEST_EXACT_INTEGER = 2.0**53
@@ -61,7 +62,7 @@ def _mapped_columns(held: pa.Table, name: str) -> dict[str, FloatArray]:
 
 def _numbers(held: pa.Table, key: str, name: str) -> FloatArray:
     try:
-        return np.asarray(held[key].cast(pa.float64()).to_numpy(), dtype=np.float64)
+        return floats(held[key].cast(pa.float64()))
     except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
         mend = "give numbers"
         raise RecordingError(

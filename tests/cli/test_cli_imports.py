@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pyarrow as pa
+import pyarrow.parquet
 import pytest
 
 from nxt_twin.cli.app import COMMANDS
@@ -58,6 +60,14 @@ def test_help_on_a_command_needs_neither_numbers_nor_the_compiler(verb, names):
     found, said = imported_by_program(verb, "--help")
     assert names in said
     assert not found & (COMPILER | PICTURES | NUMBERS)
+
+
+def test_a_prediction_needs_no_data_frames(tmp_path):
+    table = pa.table({"time_s": [0.0, 0.5, 1.0], "a_power_pct": [50, 50, None]})
+    pyarrow.parquet.write_table(table, tmp_path / "run.parquet")
+    found, said = imported_by_program("simulate", "nxt_motor", str(tmp_path / "run.parquet"))
+    assert "a_tacho_deg: predicted" in said
+    assert not found & (PICTURES | {"pandas"})
 
 
 THREADS = (

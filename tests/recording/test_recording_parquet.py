@@ -7,6 +7,7 @@ import pytest
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.files import read_recording
+from nxt_twin.recording.tables.floats import floats
 
 
 @pytest.fixture
@@ -73,3 +74,24 @@ def test_refuses_a_small_file_that_unfolds_to_too_much(tmp_path, refusal):
     pyarrow.parquet.write_table(pa.table({"time_s": rows}), path)
     assert path.stat().st_size < 2**20
     assert "unfolds to 68157440 cells" in refusal(RecordingError, read_recording, path)
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        pa.chunked_array([[1.0, None, 3.0], [], [None, 5.0]]),
+        pa.chunked_array([[0, 1, None, 3, None, 5]]).slice(1),
+        pa.chunked_array(
+            [pa.array([9, 9, 1, None], pa.int8())[2:], pa.array([3.0, None, 5.0]).cast(pa.int8())]
+        ),
+    ],
+)
+def test_numbers_of_chunks_and_slices_are_those_that_pyarrow_itself_tells(column):
+    expected = [np.nan if one is None else float(one) for one in column.to_pylist()]
+    np.testing.assert_array_equal(floats(column), expected)
+
+
+@pytest.mark.parametrize("column", [pa.chunked_array([], pa.float64()), pa.chunked_array([pa.nulls(2)])])
+def test_a_column_without_numbers_is_nan(column):
+    assert np.isnan(floats(column)).all()
+    assert floats(column).shape == (len(column),)

@@ -10,7 +10,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.sensor.runs import COLUMNS, KINDS, TRUTHS, filled
+from nxt_twin.diagnose.sensor.runs import COLUMNS, TRUTHS, filled
 from nxt_twin.diagnose.sensor.ultrasonic_problem import predicted_cm
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.recording import Recording
@@ -48,11 +48,6 @@ class ExpectedReadings:
     values: FloatArray
     rmse: float
     readings: int
-
-
-def is_sensor_model(config: Mapping[str, Any]) -> bool:
-    """Whether these keys are of a sensor that can be run along a rig's recording."""
-    return config.get("kind") in KINDS
 
 
 def expected_readings(config: Mapping[str, Any], recording: Recording) -> ExpectedReadings:

@@ -12,6 +12,7 @@ import pyarrow.parquet
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.floats import floats
 from nxt_twin.recording.tables.loose import as_word
 from nxt_twin.recording.tables.nested import arrow_column, arrow_names, arrow_stem
 from nxt_twin.recording.tables.table import CellKind, Choose, Table, check_unfolded
@@ -121,7 +122,7 @@ def _numbers(column: pa.ChunkedArray, path: Path, name: str) -> FloatArray:
         raise RecordingError(f"holds {kind}, not numbers", where=where, mend="store it as a number")
     if pa.types.is_boolean(kind):
         column = column.cast(pa.int8())
-    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+    return floats(column)
 
 
 def _words(column: pa.ChunkedArray, path: Path, name: str) -> tuple[str, ...]:
@@ -132,9 +133,8 @@ def _words(column: pa.ChunkedArray, path: Path, name: str) -> tuple[str, ...]:
     texts: list[str] = []
     for chunk in (column if pa.types.is_dictionary(column.type) else column.dictionary_encode()).chunks:
         known = ["", *(word or "" for word in chunk.dictionary.to_pylist())]
-        texts += [
-            known[index] for index in (chunk.indices.cast(pa.int64()).fill_null(-1).to_numpy() + 1).tolist()
-        ]
+        numbers = floats(pa.chunked_array([chunk.indices]))
+        texts += [known[int(number) + 1] for number in np.nan_to_num(numbers, nan=-1.0)]
     return tuple(texts)
 
 

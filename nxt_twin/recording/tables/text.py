@@ -11,6 +11,7 @@ import pyarrow.csv
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
+from nxt_twin.recording.tables.floats import floats
 from nxt_twin.recording.tables.lines import (
     WHITESPACE,
     TextLayout,
@@ -88,7 +89,7 @@ def _read_plain(path: Path, layout: TextLayout, choose: Choose) -> Table | None:
         if kind != "number":
             words[name] = tuple(word.strip() if word else "" for word in column.to_pylist())
             continue
-        numbers[name] = column.to_numpy()
+        numbers[name] = floats(column)
         if np.count_nonzero(~np.isfinite(numbers[name])) > column.null_count:
             return None
     return Table(numbers, words, lambda index, name: place_in_lines(path, layout, index, name))
