@@ -25,4 +25,5 @@ def test_a_page_from_the_disk_gets_answers_as_from_a_worker(root, tmp_path):
         page = browser.new_page()
         page.goto((tmp_path / "page.html").as_uri())
         page.wait_for_function("document.title === '42'", timeout=60_000)
+        assert page.title() == "42"
         browser.close()
