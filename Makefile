@@ -69,6 +69,7 @@ effects: $(VENV)/ready-run
 picture: $(VENV)/ready-dev
 	$(BIN)/python tools/readme_picture.py
 	$(BIN)/python tools/dashboard_picture.py
+	$(BIN)/python tools/dashboard_world_picture.py
 	$(BIN)/python tools/world_picture.py
 
 $(VENV)/bin/python:

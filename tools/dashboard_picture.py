@@ -131,8 +131,8 @@ def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
             browser = driver.chromium.launch(executable_path=program, args=FLAGS)
             size = FOCUS_SIZE if tab == FOCUS else SIZE
             page = browser.new_page(viewport=size, color_scheme="dark")  # type: ignore[arg-type]
-            _visit(page, dashboard.url)
-            _save_small(_settled(page, place, TORQUE if tab == FOCUS else LINK), place)
+            visit(page, dashboard.url)
+            save_small(settled(page, place, TORQUE if tab == FOCUS else LINK), place)
             browser.close()
     finally:
         dashboard.close()
@@ -151,7 +151,8 @@ def _feed(dashboard: Dashboard, memory: Memory) -> None:
     time.sleep(3.0)
 
 
-def _visit(page: Page, url: str) -> None:
+def visit(page: Page, url: str) -> None:
+    """Load the dashboard's page as soon as it is served."""
     for _ in range(60):
         try:
             page.goto(url, timeout=60_000)
@@ -162,7 +163,7 @@ def _visit(page: Page, url: str) -> None:
     sys.exit("the dashboard's page was never served")
 
 
-def _settled(page: Page, place: Path, curve: tuple[int, ...]) -> Path:
+def settled(page: Page, place: Path, curve: tuple[int, ...]) -> Path:
     """Photograph until the curve of that colour is there and two pictures in a row are alike: all is drawn."""
     before, alike = np.zeros(0), 0
     for _ in range(40):
@@ -186,10 +187,10 @@ def _photograph_report(program: str, kept: Keeper, sentence: str, place: Path) -
         page.goto(report.as_uri())
         page.screenshot(path=place)
         browser.close()
-    _save_small(place, place)
+    save_small(place, place)
 
 
-def _save_small(source: Path, place: Path) -> None:
+def save_small(source: Path, place: Path) -> None:
     """Write a picture with few colours, which is a fraction of the size."""
     from PIL import Image
 

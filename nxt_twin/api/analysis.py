@@ -9,8 +9,8 @@ from typing import Any
 
 from nxt_twin.api.files import Model, read_case
 from nxt_twin.diagnose.changed.answer import Changes
-from nxt_twin.diagnose.changed.compare import changed, changed_since
 from nxt_twin.diagnose.diagnosis import Diagnosis
+from nxt_twin.diagnose.dispatch import changed_any, changed_since
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
 from nxt_twin.diagnose.sensor.engine import diagnose_sensor, is_sensor_case
@@ -95,7 +95,7 @@ def find_changes(
     >>> nt.find_changes(before, before, "nxt_motor").verdict
     'unchanged'
     """
-    return changed(_case(before, plant, port), [_case(after, plant, port)])[0]
+    return changed_any(_case(before, plant, port), [_case(after, plant, port)])[0]
 
 
 def fit(data: Data, plant: Model | None = None, *, port: Port | None = None) -> Plant:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -19,11 +20,23 @@ from nxt_twin.recording.columns import PORTS, tacho_column
 from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
+from nxt_twin.view.dashboard.scene import (
+    DrawnShape,
+    Frame,
+    Scenery,
+    WorldMessage,
+    WorldMoment,
+    coarse,
+)
 from nxt_twin.world.arena import Arena, open_arena
+from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.load import setting_of
+from nxt_twin.world.motion import Bodies
 from nxt_twin.world.pose import Heading
 
 _LOOK_STEPS: Final = 4
+_FRAME_STEPS: Final = 40
+_SHOWN_EVERY_S: Final = 0.05
 _KEPT: Final = 1000
 """Looks: the last four seconds, in which a poll's counts are found again."""
 
@@ -49,6 +62,14 @@ class WatchedRobot:
         self._heading = Heading()
         self._seen: deque[RobotReading] = deque(maxlen=_KEPT)
         self._steps = 0
+        self._bodies: Bodies | None = None
+        self._moment: tuple[tuple[Frame, ...], tuple[Frame, ...]] = ((), ())
+        self._shown_s = 0.0
+        self._show: Callable[[WorldMessage], None] | None = None
+
+    def show_in(self, show: Callable[[WorldMessage], None]) -> None:
+        """Also tell somebody of the world: its scenery when the link opens, then 20 moments a second."""
+        self._show = show
 
     def open(self, address: str, clock: Clock) -> Link:
         """Switch on the mock brick of an address, as `open_mock` does, and keep its world.
@@ -62,9 +83,12 @@ class WatchedRobot:
     def _body(self, world: World, file: Path | None, seed: int, *, ready: bool) -> Body:
         if world.robot is None:
             return world_bodies(world, file, seed, ready=ready)
-        self._arena = open_arena(setting_of(world, file or Path("world")), seed)
-        self._arena.watchers.append(self._look)
-        return self._arena.body
+        self._arena = arena = open_arena(setting_of(world, file or Path("world")), seed)
+        arena.watchers.append(self._look)
+        if self._show is not None:
+            self._bodies = Bodies(arena)
+            self._show(_scenery(arena, self._bodies))
+        return arena.body
 
     def _look(self) -> None:
         self._steps += 1
@@ -74,6 +98,10 @@ class WatchedRobot:
         x_m, y_m = pose.at_m[:2].tolist()
         left, right = (counts[port] for port in self._ports)
         self._seen.append(RobotReading(self._arena.time_s, left, right, x_m, y_m, self._heading.of(pose)))
+
+        if self._bodies is not None and self._steps % _FRAME_STEPS == 0:
+            echoes = self._bodies.echoes_m().reshape(-1, 6).tolist()
+            self._moment = tuple(self._bodies.frames()), tuple(map(tuple, echoes))
 
     def tick(self, tick: Tick) -> None:
         """Compare the robot with its ghost at a poll that read both wheels."""
@@ -85,11 +113,41 @@ class WatchedRobot:
         then = min(
             reversed(self._seen), key=lambda seen: abs(seen.left_deg - left) + abs(seen.right_deg - right)
         )
+        while self._seen[0] is not then:  # equal counts of before are of another place
+            self._seen.popleft()
         for event in self.twin.see(replace(then, left_deg=left, right_deg=right)):
             self._tell(replace(event, time_s=tick.received_s))
+        self._tell_world(tick.received_s)
+
+    def _tell_world(self, now_s: float) -> None:
+        frames, echoes = self._moment
+        if self._show is None or not frames or now_s - self._shown_s < _SHOWN_EVERY_S:
+            return
+        self._shown_s = now_s
+        pose = self.twin.ghost_pose
+        ghost = None if pose is None else (pose[0], pose[1], math.radians(pose[2]))
+        self._show(WorldMoment(now_s, frames, echoes, ghost, self.twin.ghosts))
 
     def event(self, event: Event) -> None:
         """Nothing: the motors' events are the session's."""
 
     def close(self) -> None:
         """Nothing to finish."""
+
+
+def _scenery(arena: Arena, bodies: Bodies) -> Scenery:
+    """What there is to draw of a world."""
+    floor = arena.setting.scene.floor
+    shades = FloorPicture(floor, arena.setting.file).shades
+    drawn = tuple(
+        (
+            name,
+            tuple(
+                DrawnShape(one.kind, one.size_m, one.at_m, one.turned_rad, one.colour)
+                for one in shapes
+                if one.seen
+            ),
+        )
+        for name, shapes in bodies.shapes
+    )
+    return Scenery((1e-3 * floor.size_mm[0], 1e-3 * floor.size_mm[1]), coarse(shades), drawn)

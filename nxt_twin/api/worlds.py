@@ -88,11 +88,13 @@ class Watched:
         floor = arena.setting.scene.floor
         shades = FloorPicture(floor, arena.setting.file).shades
         view.floor(shades, (1e-3 * floor.size_mm[0], 1e-3 * floor.size_mm[1]))
-        view.bodies(motion.time_s, motion.bodies())
+        bodies = motion.bodies()
+        view.bodies(motion.time_s, bodies)
         view.echoes(motion.time_s, motion.rays_m)
         view.way(self._course.places_m)
         if ghost is not None:
-            view.ghost(self._course.column("time_s"), ghost)
+            robot = [body for body in bodies if body.name.startswith("robot/")]
+            view.ghost(self._course.column("time_s"), ghost, robot)
         view.close()
 
 

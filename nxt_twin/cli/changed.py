@@ -46,8 +46,8 @@ def changed(
 
     Exit status 0 after any verdict; 1 if the sides cannot be compared.
     """
-    from nxt_twin.diagnose.changed.compare import changed as compare
     from nxt_twin.diagnose.changed.to_json import to_json
+    from nxt_twin.diagnose.dispatch import changed_any as compare
     from nxt_twin.view.changes_report import write_changes_report
 
     error_si = tolerated(tolerance)

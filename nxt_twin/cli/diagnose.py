@@ -157,8 +157,8 @@ def _tell_changes(
 ) -> None:
     """Say what has changed since the recordings that the case calls `before`."""
     from nxt_twin.cli.changed import show as show_changes
-    from nxt_twin.diagnose.changed.compare import changed_since
     from nxt_twin.diagnose.changed.to_json import to_json
+    from nxt_twin.diagnose.dispatch import changed_since
     from nxt_twin.view.changes_report import write_changes_report
 
     with progress(case.name) as tell:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -18,6 +18,9 @@ from nxt_twin.twin.live import LiveOptions, live_sitting
 from nxt_twin.twin.outcome import Outcome
 from nxt_twin.twin.records import Sink
 
+if TYPE_CHECKING:
+    from nxt_twin.api.robots import WatchedRobot
+
 LIVE_SCHEMA = "nxt-twin/live/1"
 
 
@@ -27,9 +30,11 @@ def hold(
     seconds: float | None,
     showing: Showing,
     also: Sequence[Sink] = (),
-    openers: Mapping[str, Opener] = OPENERS,
+    robot: WatchedRobot | None = None,
 ) -> tuple[Outcome, dict[str, Any]]:
     """Hold a session with the brick at `url`, and conclude it; the sinks `also` get its polls and events too.
+
+    A `robot` is watched in the world of a `mock:` URL, and drawn in the dashboard.
 
     Returns:
         The outcome, and its JSON.
@@ -41,7 +46,13 @@ def hold(
     """
     get_ready(options.plants, adopting=options.adopt)
     clock = SystemClock()
-    told = audience(tuple(options.plants), options.channels, showing, also)
+    watching = () if robot is None else (robot,)
+    told = audience(tuple(options.plants), options.channels, showing, (*also, *watching))
+    openers: Mapping[str, Opener] = OPENERS
+    if robot is not None:
+        openers = {"mock": robot.open}
+        for dashboard in told.dashboards:
+            robot.show_in(dashboard.show)
     sitting = live_sitting(options, lambda: open_brick(url, clock, openers), clock, told.sink())
     ended = watch(sitting, seconds, told)
     outcome = sitting.outcome()

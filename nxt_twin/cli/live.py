@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,12 +11,9 @@ from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import Showing, View
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from nxt_twin.brick.open import Opener
+    from nxt_twin.api.robots import WatchedRobot
     from nxt_twin.recording.columns import Port
     from nxt_twin.recording.program import MotorProgram
-    from nxt_twin.twin.records import Sink
 
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
@@ -25,11 +22,6 @@ RobotOption = Annotated[
     str | None,
     typer.Option(metavar="PLANT", help="A differential_drive: watch its ghost in mock:?world=FILE."),
 ]
-
-
-class _Beside(TypedDict, total=False):
-    also: Sequence[Sink]
-    openers: Mapping[str, Opener]
 
 
 def live(
@@ -87,15 +79,22 @@ def live(
         pace=pace_of(found),
     )
     showing = Showing(
-        title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json
+        title=found,
+        schema=LIVE_SCHEMA,
+        view=view,
+        save=save,
+        report=report,
+        model_out=model_out,
+        json=json,
+        world=robot is not None,
     )
-    hold(found, options, seconds or None, showing, **_beside(robot, found, silent=json == "-"))
+    hold(found, options, seconds or None, showing, robot=_beside(robot, found, silent=json == "-"))
 
 
-def _beside(robot: str | None, url: str, *, silent: bool) -> _Beside:
-    """Who else is told of a session: the robot in the world behind the URL, beside its ghost."""
+def _beside(robot: str | None, url: str, *, silent: bool) -> WatchedRobot | None:
+    """The robot in the world behind the URL, beside its ghost, if it is to be watched."""
     if robot is None:
-        return {}
+        return None
     from nxt_twin.api.robots import WatchedRobot
     from nxt_twin.cli.watching import Printer
     from nxt_twin.physics.robot.drive import drive_from_config
@@ -106,8 +105,7 @@ def _beside(robot: str | None, url: str, *, silent: bool) -> _Beside:
             "only a robot in mock:?world=FILE has a pose that can be seen", param_hint="--robot"
         )
     drive = drive_from_config(load_plant_config(robot))
-    watched = WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
-    return {"also": [watched], "openers": {"mock": watched.open}}
+    return WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
 
 
 def _program(name: str, ports: tuple[Port, ...]) -> MotorProgram | None:

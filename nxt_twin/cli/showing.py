@@ -23,6 +23,7 @@ class Showing:
         model_out: where the plant of each motor is written.
         json: file for the JSON, or `-` for standard output and nothing else.
         lossless: whether the dashboard may hold the session up.
+        world: whether the dashboard shows a robot's world.
     """
 
     title: str
@@ -33,3 +34,4 @@ class Showing:
     model_out: Path | None = None
     json: str | None = None
     lossless: bool = False
+    world: bool = False

@@ -88,7 +88,7 @@ def audience(
 
         dashboard = open_dashboard(
             view=showing.view, save=showing.save, ports=ports, channels=channels, title=showing.title,
-            lossless=showing.lossless,
+            lossless=showing.lossless, world=showing.world,
         )  # fmt: skip
         dashboards = (dashboard,)
         if dashboard.url:

@@ -87,11 +87,17 @@ class WheelGhost:
         self.path_m += abs(travel)
         self.turned_deg += abs(math.degrees(turn))
 
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Where it expects the robot to be seen: x, y (m) and heading (deg)."""
+        seen = self._axle + self._lever * cmath.rect(1.0, self._turn)
+        return seen.real, seen.imag, math.degrees(self._turn) + self._geometry.heading_offset_deg
+
     def apart(self) -> tuple[float, float]:
         """How far from the robot it is (m), and by how much the robot is turned further (deg)."""
-        seen = self._axle + self._lever * cmath.rect(1.0, self._turn)
-        heading = math.degrees(self._turn) + self._geometry.heading_offset_deg
-        return abs(complex(self._last.x_m, self._last.y_m) - seen), self._last.heading_deg - heading
+        x_m, y_m, heading_deg = self.pose
+        away_m = math.hypot(self._last.x_m - x_m, self._last.y_m - y_m)
+        return away_m, self._last.heading_deg - heading_deg
 
     def lost(self) -> bool:
         """Whether robot and ghost are apart."""
@@ -110,10 +116,12 @@ class RobotTwin:
 
     Attributes:
         drive: the model in force.
+        ghosts: how many ghosts have begun: a model that is taken over begins a new one.
     """
 
     def __init__(self, drive: DifferentialDrive, executor: Executor) -> None:
         self.drive = drive
+        self.ghosts = 0
         self._executor = executor
         self._rows: list[RobotReading] = []
         self._ghost: WheelGhost | None = None
@@ -122,6 +130,11 @@ class RobotTwin:
         self._apart = self._adopted = False
         self._waiting: Future[RobotAnswer] | None = None
 
+    @property
+    def ghost_pose(self) -> tuple[float, float, float] | None:
+        """Where the ghost is: x, y (m) and heading (deg); None before the first reading."""
+        return None if self._ghost is None else self._ghost.pose
+
     def see(self, reading: RobotReading) -> list[Event]:
         """Take a reading; what is to be said of it."""
         last = self._rows[-1] if self._rows else None
@@ -129,7 +142,7 @@ class RobotTwin:
             return []
         self._rows.append(reading)
         if last is None or self._ghost is None:
-            self._ghost = WheelGhost(self.drive, reading)
+            self._begin(reading)
             return []
         if (reading.left_deg, reading.right_deg) != (last.left_deg, last.right_deg):
             self._driven_s += reading.time_s - last.time_s
@@ -166,7 +179,8 @@ class RobotTwin:
 
     def _adopt(self, answer: RobotAnswer, reading: RobotReading) -> list[Event]:
         """Take over the model, and set the ghost where the robot is."""
-        self.drive, self._ghost = answer.model, WheelGhost(answer.model, reading)
+        self.drive = answer.model
+        self._begin(reading)
         self._rows, self._driven_s, self._needed_s = [reading], 0.0, GATHERED_S
         self._apart, self._adopted = False, True
         names = ", ".join(effect.id for effect in answer.diagnosis.effects)
@@ -174,6 +188,10 @@ class RobotTwin:
             _event(reading, "effect_named", answer.diagnosis.sentence),
             _event(reading, "adopted", f"the robot's model now holds {names}; the ghost starts at the robot"),
         ]
+
+    def _begin(self, reading: RobotReading) -> None:
+        self._ghost = WheelGhost(self.drive, reading)
+        self.ghosts += 1
 
     def _recording(self) -> Recording:
         rows, first = self._rows, self._rows[0]

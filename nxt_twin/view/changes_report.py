@@ -13,6 +13,7 @@ from nxt_twin.diagnose.changed.answer import Change, Changes, ChangeVerdict
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import wording
 from nxt_twin.view.pages import environment, file_name, largest
+from nxt_twin.view.robot_plot import robot_figure
 from nxt_twin.view.run_plot import run_figure
 from nxt_twin.view.svg import inline_svg
 from nxt_twin.view.traces import RunPicture, with_gaps
@@ -95,4 +96,5 @@ def _draw(changes: Changes, run: HeldOutRun, number: int) -> str:
     label = (
         f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"
     )
-    return inline_svg(run_figure(picture), f"run{number}", label, stacked=number == 0)
+    figure = run_figure(picture) if run.path is None else robot_figure(picture, run.path)
+    return inline_svg(figure, f"run{number}", label, stacked=number == 0)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from diagnose_robot_cases import PLANT, robot_case, square_run
 
-from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.diagnose.robot.engine import diagnose_robot, is_robot_case
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.simulate import expected_pose
@@ -233,9 +232,3 @@ def test_tyres_that_scrub_in_a_long_spin_are_no_spell_of_slip(scrub, lag_s, back
     late = [np.interp(time_s - lag_s, time_s, angle) for angle in rolled]
     run = RobotRun("run.csv", "run", time_s, *counted, axle_path(robot, *late))
     assert all(spell.ratio < 0.1 for spell in find_slip([run], robot, [tuple(counted)]))
-
-
-def test_sides_of_a_robot_are_refused_with_what_to_do_instead():
-    case = robot_case(runs=2)
-    with pytest.raises(DiagnosisError, match="run diagnose on each side"):
-        changed(case, [case])

@@ -15,6 +15,7 @@ from nxt_twin.view.dashboard import open_dashboard
 from nxt_twin.view.dashboard.drawing import colours
 from nxt_twin.view.dashboard.drawing.layout import blueprint
 from nxt_twin.view.dashboard.drawing.painter import Painter
+from nxt_twin.view.dashboard.scene import DrawnShape, Scenery, WorldMoment
 
 chunk = pytest.importorskip("rerun.chunk")
 
@@ -56,6 +57,30 @@ def _column(batches, path: str, ending: str) -> tuple[FloatArray, list]:
             values += batch.column(name).to_pylist()
     order = np.argsort(times, kind="stable")
     return np.array(times)[order], [values[n] for n in order]
+
+
+def test_a_robot_and_its_ghost_stand_where_they_were_told(tmp_path):
+    box = DrawnShape("box", (0.1, 0.08, 0.05), (0.0, 0.0, 0.05), (0.0, 0.0, 0.0), (0.5, 0.5, 0.5, 1.0))
+    ball = DrawnShape("sphere", (0.03,), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.8, 0.1, 0.1, 1.0))
+    still = (0.0, 0.0, 0.0, 1.0)
+    dashboard = open_dashboard(
+        view="none", save=tmp_path / "run.rrd", ports=PORTS, channels=(), title="a robot", world=True
+    )
+    scenery = Scenery((1.0, 1.0), ((0, 255), (255, 0)), (("robot/base", (box,)), ("things/ball", (ball,))))
+    dashboard.show(scenery)
+    for n in range(5):
+        frames = ((0.1 * n, 0.0, 0.0, *still), (0.5, 0.5, 0.03, *still))
+        ghost = (0.1 * n, 0.02 * n, 0.1 * n)
+        dashboard.show(WorldMoment(0.1 * n, frames, ((0.0, 0.0, 0.1, 0.5, 0.0, 0.1),), ghost, 1 + n // 3))
+    dashboard.close()
+    assert dashboard.troubles == ()
+    found = _read(tmp_path / "run.rrd")
+    for body, expected in (("robot/base", (0.4, 0.0)), ("things/ball", (0.5, 0.5)), ("ghost", (0.4, 0.08))):
+        _, places = _column(found, f"/world/{body}", "translation")
+        assert np.array(places[-1]).ravel()[:2] == pytest.approx(expected, abs=1e-6)
+    assert {"/world/floor", "/world/robot/base/0", "/world/ghost/base/0", "/world/echoes"} <= set(found)
+    _, strips = _column(found, "/world/ghost_way", "strips")
+    assert len(strips[-1]) == 2  # the second ghost begins a way of its own
 
 
 def test_measured_predicted_and_band_are_the_polls_own(batches):

@@ -10,6 +10,7 @@ from view_ticks import some_events, some_ticks
 
 from nxt_twin.twin.records import Innovation, MotorBelief, Tick
 from nxt_twin.view.dashboard.job import DashboardJob, job_of
+from nxt_twin.view.dashboard.scene import DrawnShape, Scenery, WorldMoment, coarse
 from nxt_twin.view.dashboard.wire import read, written
 
 
@@ -47,6 +48,24 @@ def test_words_with_line_breaks_stay_on_one_line():
     told = type(event)(1.0, "stopped", "first\nsecond, with ü")
     assert read(written(told)) == told
     assert written(told).count(b"\n") == 1
+
+
+def test_a_robots_world_comes_back():
+    hub = DrawnShape("cylinder", (0.028, 0.026), (0.0, 0.0, 0.0), (1.57, 0.0, 0.0), (0.1, 0.1, 0.1, 1.0))
+    scenery = Scenery((2.0, 1.0), coarse(np.array([[0.0, 1.0], [0.5, 0.2]])), (("robot/left", (hub,)),))
+    assert scenery.shades == ((0, 255), (128, 51))
+    assert read(written(scenery)) == scenery
+    frame = (0.1, 0.2, 0.03, 0.0, 0.0, 0.0, 1.0)
+    for ghost in (None, (0.1, 0.25, 1.5)):
+        moment = WorldMoment(2.5, (frame,), ((0.0, 0.0, 0.1, 0.8, 0.0, 0.1),), ghost, 2)
+        assert read(written(moment)) == moment
+
+
+def test_a_large_floor_is_made_coarse():
+    shades = coarse(np.tile(np.linspace(0.0, 1.0, 1000)[:, None], (1, 700)))
+    assert max(len(shades), len(shades[0])) <= 160
+    assert shades[0][0] == 0
+    assert shades[-1][0] > 245
 
 
 def test_a_line_of_another_kind_is_refused():

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from concurrent.futures import Executor, Future
 
+import numpy as np
 import pytest
 import yaml
 from typer.testing import CliRunner
 
+from nxt_twin.api.robots import WatchedRobot
+from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.app import program
+from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.robot.drive import drive_from_config
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin.records import Innovation, Tick
 from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.load import load_setting
@@ -69,6 +74,37 @@ def test_robot_and_ghost_part_at_a_smaller_wheel_are_told_why_and_are_together_a
 def test_robot_and_ghost_stay_together_where_the_model_is_right(watched):
     twin, arena = watched(28.0)
     assert drive(twin, arena, LEGS) == []
+
+
+def test_a_session_shows_the_world_and_how_robot_and_ghost_part(tmp_path):
+    path = tmp_path / "world.yaml"
+    wall = {"box_mm": [20, 900, 150], "at_mm": [900, 0, 75]}
+    robot = {"like": "tribot", "wheels": {"right": {"radius_mm": 26.0}}}
+    path.write_text(yaml.safe_dump({"robot": robot, "scene": {"things": {"wall": wall}}}))
+    clock, shown, said = VirtualClock(), [], []
+    watched = WatchedRobot(drive_from_config(load_plant_config("castor_bot")), said.append, AtOnce())
+    watched.show_in(shown.append)
+    with open_brick(f"mock:?world={path}", clock, {"mock": watched.open}) as brick:
+        for port in (1, 2):
+            brick.motors.drive(port, 35)
+        for number in range(60):
+            clock.sleep(0.05)
+            counts = [brick.motors.tacho_deg(port).value for port in (1, 2)]
+            readings = tuple(
+                Innovation(clock.now_s(), f"{port}_tacho_deg", "deg", count, count, 1.0)
+                for port, count in zip("bc", counts, strict=True)
+            )
+            watched.tick(Tick(number, clock.now_s(), clock.now_s(), (), readings))
+    scenery, *moments = shown
+    names = [name for name, _ in scenery.bodies]
+    assert names[0] == "robot/base"
+    assert "things/wall" in names
+    places = np.array([[moment.frames[0][:2], moment.ghost[:2]] for moment in moments])
+    apart = np.hypot(*(places[:, 0] - places[:, 1]).T)
+    assert len(moments) > 40
+    assert apart[1] < 0.005
+    assert apart[-1] > 0.01
+    assert [event.kind for event in said][:1] == ["divergence"]
 
 
 def test_a_ghost_is_watched_only_where_a_pose_can_be_seen():

@@ -13,8 +13,8 @@ from nxt_twin.blind.pairs.touches import TOUCHES
 from nxt_twin.blind.solve import case_folders
 from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.blind.verdict import NO_ANSWER, read_sealed
-from nxt_twin.diagnose.changed.compare import changed_since
 from nxt_twin.diagnose.changed.to_json import to_json
+from nxt_twin.diagnose.dispatch import changed_since
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.fleet.workers.place import HERE, Place
 from nxt_twin.recording.case import read_case

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,9 +12,10 @@ from scipy.special import stdtrit
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Confusion, DetectableSize, Estimate, FoundEffect, Moved
 from nxt_twin.diagnose.robot.choice import NEEDED_NATS
-from nxt_twin.diagnose.robot.effects import CLOCK_SKEW, GEOMETRY, WHEEL_SLIP, RobotEffect
+from nxt_twin.diagnose.robot.effects import CLOCK_SKEW, GEOMETRY, POSE_OFFSET, WHEEL_SLIP, RobotEffect
 from nxt_twin.diagnose.robot.fit import FittedGeometry
 from nxt_twin.diagnose.robot.search import RobotFindings
+from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.windows import PARAMETERS
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import Geometry
@@ -29,7 +31,7 @@ def found_effects(found: RobotFindings) -> tuple[FoundEffect, ...]:
     if found.final.clock:
         effects.append(_clock(found))
     if found.slips:
-        effects.append(_slip(found))
+        effects.append(slip_effect(found.slips))
     return tuple(effects)
 
 
@@ -87,6 +89,15 @@ def _of_geometry(effect: RobotEffect, found: RobotFindings) -> FoundEffect:
     )
 
 
+def pose_effect(told: Mapping[str, tuple[float, float]], reach: float) -> FoundEffect:
+    """The markers' offset from values and standard deviations of some of its parameters; taken for certain."""
+    params = {
+        name: Estimate(value, std, POSE_OFFSET.units[name], (value - reach * std, value + reach * std))
+        for name, (value, std) in told.items()
+    }
+    return FoundEffect(POSE_OFFSET.id, POSE_OFFSET.name, POSE_OFFSET.equation, params, _SURE, ())
+
+
 def _clock(found: RobotFindings) -> FoundEffect:
     """The lags of all recordings: their mean, from the earliest to the latest, and how fast they grow."""
     state, std = found.final.state, found.final.lag_std
@@ -118,9 +129,10 @@ def _clock(found: RobotFindings) -> FoundEffect:
     return FoundEffect(CLOCK_SKEW.id, CLOCK_SKEW.name, CLOCK_SKEW.equation, params, _SURE, ())
 
 
-def _slip(found: RobotFindings) -> FoundEffect:
-    weight = np.array([1.0 / slip.std**2 for slip in found.slips])
-    ratios = np.array([slip.ratio for slip in found.slips])
+def slip_effect(slips: Sequence[SlipSpell]) -> FoundEffect:
+    """Spells of slip as one effect, with the ratio that they have in common."""
+    weight = np.array([1.0 / slip.std**2 for slip in slips])
+    ratios = np.array([slip.ratio for slip in slips])
     mean = float(np.sum(weight * ratios) / np.sum(weight))
     spread = float(np.sqrt(np.sum(weight * (ratios - mean) ** 2) / np.sum(weight) / max(ratios.size - 1, 1)))
     doubt = float(np.hypot(spread, 1.0 / np.sqrt(np.sum(weight))))

@@ -98,21 +98,29 @@ def judge_held_out(
     """Judge on `held`; where none are held out, on each fold of the fitted runs by a fit of the others."""
     if held:
         models = model_of(found.baseline), model_of(found.final)
-        return [_judged(run, given, *models) for run in held]
+        return [judged_run(run, given, *models) for run in held]
     judged = []
     folds = min(_FOLDS, len(fitted_runs))
     for fold in range(folds):
         kept = tuple(run for index, run in enumerate(fitted_runs) if index % folds != fold)
         baseline, final = refit(kept, given, found, found.slips)
         judged += [
-            _judged(run, given, model_of(baseline), model_of(final))
+            judged_run(run, given, model_of(baseline), model_of(final))
             for index, run in enumerate(fitted_runs)
             if index % folds == fold
         ]
     return judged
 
 
-def _judged(run: RobotRun, given: Geometry, baseline: RobotModel, improved: RobotModel) -> JudgedRun:
+def judged_run(run: RobotRun, given: Geometry, baseline: RobotModel, improved: RobotModel) -> JudgedRun:
+    """Judge models that saw nothing of a run, beside a fit to this very run.
+
+    Args:
+        run: as it was recorded.
+        given: the geometry as the model came.
+        baseline: another model.
+        improved: another model.
+    """
     own = fit_windows(stacked([run]), start_of(improved.geometry, 1), tellable([run]), clock=True)
     lag_s = float(np.abs(own.state.lag_s[0]) + np.abs(own.state.rate[0]) * 0.5 * run.duration_s)
     left, right = wheels_at(stacked([run]), own.state)[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -11,11 +11,11 @@ from scipy.special import stdtrit
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect
-from nxt_twin.diagnose.robot.choice import WeighedSubsets, weigh
+from nxt_twin.diagnose.robot.choice import weigh
 from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
-from nxt_twin.diagnose.robot.powered_runs import powered_stack
+from nxt_twin.diagnose.robot.powered_runs import PoweredStack, powered_stack
 from nxt_twin.diagnose.robot.runs import robot_runs
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
@@ -23,7 +23,7 @@ from nxt_twin.physics.robot.dynamics import NAMES
 from nxt_twin.physics.robot.powered import powered_robot
 from nxt_twin.recording.recording import Recording
 
-_PLACES: Final = {
+PLACES: Final = {
     "caster_drag": [12],
     "floor_slope": [13, 14],
     "centre_of_mass_offset": [15, 16],
@@ -75,23 +75,42 @@ def search_powered(
         PlantError: a dynamic key is missing or none.
     """
     robot = powered_robot(drive)
-
-    stack = powered_stack(
-        recordings, robot_runs(recordings, drive), drive, geometry, robot.caster_back_m, robot.supply_v
-    )
-    full = fit_powered(stack, robot.values, np.ones(len(NAMES), dtype=bool))
-    able = {name: places for name, places in _PLACES.items() if _matters(name, full.off[places])}
+    full, stack = fit_body(recordings, drive, geometry)
+    able = {name: places for name, places in PLACES.items() if _matters(name, full.off[places])}
     weighed = weigh(able, full.off, full.covariance, full.clusters)
     off, covariance = _given_none_of(full, weighed.best)
     values = values_at(robot.values, off)
     effects = tuple(
-        _found(effect, off, covariance, weighed, full) for effect in POWERED if effect.id in weighed.best
+        replace(
+            found_powered(effect, off, covariance, full.clusters),
+            probability=weighed.probability[effect.id],
+            confusable_with=tuple(
+                Confusion(one, why_confusable(effect.id, one)) for one in weighed.rivals[effect.id]
+            ),
+        )
+        for effect in POWERED
+        if effect.id in weighed.best
     )
     ratio = full.left_deg / noise_deg(stack, full.values)
     left = (
         RobotLeft("the powers", "wheels", ratio, 1.0 - 1.0 / ratio**2) if ratio > STRUCTURED_TIMES else None
     )
     return PoweredFindings(effects, values, left, _notes(held, drive, geometry, robot.values, values))
+
+
+def fit_body(
+    recordings: Sequence[Recording], drive: DifferentialDrive, geometry: Geometry
+) -> tuple[PoweredFit, PoweredStack]:
+    """Fit motors, body and all that body and floor may add to the wheels' angles.
+
+    Raises:
+        PlantError: a dynamic key is missing or none.
+    """
+    robot = powered_robot(drive)
+    stack = powered_stack(
+        recordings, robot_runs(recordings, drive), drive, geometry, robot.caster_back_m, robot.supply_v
+    )
+    return fit_powered(stack, robot.values, np.ones(len(NAMES), dtype=bool)), stack
 
 
 def _matters(name: str, off: FloatArray) -> bool:
@@ -102,7 +121,7 @@ def _matters(name: str, off: FloatArray) -> bool:
 
 def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, FloatArray]:
     """The fit where all effects that are not kept are none, by the full fit's covariance."""
-    gone = [place for name, places in _PLACES.items() if name not in kept for place in places]
+    gone = [place for name, places in PLACES.items() if name not in kept for place in places]
     off, covariance = full.off.copy(), full.covariance.copy()
     if gone:
         gain = np.linalg.solve(covariance[np.ix_(gone, gone)], covariance[gone]).T
@@ -112,10 +131,9 @@ def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, 
     return off, covariance
 
 
-def _found(
-    effect: RobotEffect, off: FloatArray, covariance: FloatArray, weighed: WeighedSubsets, full: PoweredFit
-) -> FoundEffect:
-    places = _PLACES[effect.id]
+def found_powered(effect: RobotEffect, off: FloatArray, covariance: FloatArray, clusters: int) -> FoundEffect:
+    """An effect with its parameters, as the numbers of `dynamics.NAMES` have it; taken for certain."""
+    places = PLACES[effect.id]
     sizes, inner = off[places], covariance[np.ix_(places, places)]
     slopes = np.eye(len(places))
     values = sizes
@@ -125,17 +143,14 @@ def _found(
         along, across = sizes / rise, np.array([-sizes[1], sizes[0]]) / rise**2
         slopes = np.degrees(np.array([along, across]))
     stds = np.sqrt(np.maximum(np.diag(slopes @ inner @ slopes.T), 0.0))
-    reach = float(stdtrit(max(full.clusters - 1, 2), 0.975))
+    reach = float(stdtrit(max(clusters - 1, 2), 0.975))
     params = {
         name: Estimate(
             float(value), float(std), unit, (float(value - reach * std), float(value + reach * std))
         )
         for (name, unit), value, std in zip(effect.units.items(), values, stds, strict=True)
     }
-    confusable = tuple(Confusion(one, why_confusable(effect.id, one)) for one in weighed.rivals[effect.id])
-    return FoundEffect(
-        effect.id, effect.name, effect.equation, params, weighed.probability[effect.id], confusable
-    )
+    return FoundEffect(effect.id, effect.name, effect.equation, params, 1.0, ())
 
 
 def _notes(

@@ -105,6 +105,13 @@ def refit(
     return baseline, fit_windows(stack, start, found.final.free, clock=found.final.clock)
 
 
+def refit_all(runs: tuple[RobotRun, ...], found: RobotFindings) -> FittedGeometry:
+    """Every parameter that `found` could tell, fitted anew to some of its runs."""
+    stack = stacked(mend(runs, found.slips))
+    start = DriveState(found.full.state.geometry, np.zeros(len(runs)), np.zeros(len(runs)))
+    return fit_windows(stack, start, found.full.free, clock=found.full.clock)
+
+
 def mend(runs: tuple[RobotRun, ...], slips: Sequence[SlipSpell]) -> tuple[RobotRun, ...]:
     """The runs without the angles that slipped."""
     return tuple(without_slip(run, [slip for slip in slips if slip.recording == run.name]) for run in runs)

@@ -74,9 +74,9 @@ def notes(
     return (
         *_bad_runs(judged),
         *_disagreements(spread),
-        *_slips(slips),
-        *_leftover(left),
-        *_cannot_tell(runs),
+        *slip_words(slips),
+        *leftover_words(left),
+        *untold_words(runs),
     )
 
 
@@ -122,7 +122,8 @@ def _disagreements(spread: dict[str, SessionSpread]) -> list[str]:
     return said
 
 
-def _slips(slips: Sequence[SlipSpell]) -> list[str]:
+def slip_words(slips: Sequence[SlipSpell]) -> list[str]:
+    """Where wheels slip, the strongest spells first."""
     said = [
         f"The {slip.side} wheel slips in {slip.recording} from {slip.start_s:.1f} to {slip.end_s:.1f} s: it loses "
         f"{100 * slip.ratio:.0f} % of its travel."
@@ -135,7 +136,8 @@ def _slips(slips: Sequence[SlipSpell]) -> list[str]:
     return said
 
 
-def _leftover(left: RobotLeft | None) -> list[str]:
+def leftover_words(left: RobotLeft | None) -> list[str]:
+    """Where the residual is largest, if one is more than noise."""
     if left is None:
         return []
     if left.channel == "wheels":
@@ -148,7 +150,7 @@ def _leftover(left: RobotLeft | None) -> list[str]:
     ]
 
 
-def _cannot_tell(runs: Sequence[RobotRun]) -> list[str]:
+def untold_words(runs: Sequence[RobotRun]) -> list[str]:
     """What these paths leave open."""
     if not tellable(runs).all():
         return [
@@ -190,6 +192,6 @@ def next_path(
         return NextExperiment(
             why=why, input=f"{_SQUARES}. Repeat this at another speed and at another place on the floor"
         )
-    if open_questions := _cannot_tell(runs):
+    if open_questions := untold_words(runs):
         return NextExperiment(why=open_questions[0].rstrip("."), input=_SQUARES)
     return None

@@ -18,6 +18,7 @@ from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view.dashboard.feeder import Feeder
 from nxt_twin.view.dashboard.job import DashboardJob
 from nxt_twin.view.dashboard.page import page_url
+from nxt_twin.view.dashboard.scene import WorldMessage
 from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_display
 
 _VIEWER: Final = "viewer"
@@ -91,6 +92,11 @@ class Dashboard:
         for feeder in self._feeders:
             feeder.put(event)
 
+    def show(self, message: WorldMessage) -> None:
+        """Take something of a robot's world; it neither blocks nor raises."""
+        for feeder in self._feeders:
+            feeder.put(message)
+
     @property
     def serving(self) -> bool:
         """Whether browsers are served."""
@@ -131,6 +137,7 @@ def open_dashboard(
     web_port: int = 0,
     tab: int = 0,
     lossless: bool = False,
+    world: bool = False,
 ) -> Dashboard:
     """Start the dashboard; returns at once, while the viewer is still starting.
 
@@ -143,6 +150,7 @@ def open_dashboard(
         web_port: where browsers come to; 0 for any free port.
         tab: which tab is in front: the motors in order, then the sensors; -1 shows the first motor's story alone.
         lossless: for replays only: wait for a slow viewer or disk instead of dropping polls.
+        world: whether a robot's world is shown, of which `Dashboard.show` then tells.
 
     Raises:
         NxtTwinError: rerun is not installed, there is no display, the port is taken, or the file cannot be written.
@@ -153,16 +161,20 @@ def open_dashboard(
     viewer = file = None
     if view == "spawn":
         require_display()
-        viewer = DashboardJob("spawn", title, tuple(ports), tuple(channels), data_port=free_port(), tab=tab)
+        viewer = DashboardJob(
+            "spawn", title, tuple(ports), tuple(channels), data_port=free_port(), tab=tab, world=world
+        )
     elif view == "web":
         page_port, data_port, parts_port = _three_ports(web_port)
         viewer = DashboardJob(
             "web", title, tuple(ports), tuple(channels),
-            data_port=data_port, page_port=page_port, parts_port=parts_port, tab=tab,
+            data_port=data_port, page_port=page_port, parts_port=parts_port, tab=tab, world=world,
         )  # fmt: skip
     if save is not None:
         _check_writable(save)
-        file = DashboardJob("file", title, tuple(ports), tuple(channels), file=str(save.absolute()), tab=tab)
+        file = DashboardJob(
+            "file", title, tuple(ports), tuple(channels), file=str(save.absolute()), tab=tab, world=world
+        )
     return Dashboard(viewer, file, lossless=lossless)
 
 

@@ -13,6 +13,7 @@ from contextlib import suppress
 from typing import IO, Final, final
 
 from nxt_twin.twin.records import Event
+from nxt_twin.view.dashboard.scene import Scenery
 from nxt_twin.view.dashboard.wire import Message, written
 
 CAPACITY: Final = 3000
@@ -91,7 +92,7 @@ class Feeder:
 
     def put(self, message: Message) -> None:
         """Take a message; neither blocks (unless lossless) nor raises. Once the process is gone, it is forgotten."""
-        queue = self._events if isinstance(message, Event) else self._queue
+        queue = self._events if isinstance(message, Event | Scenery) else self._queue
         while self._lossless and len(queue) == queue.maxlen and not self._gone:
             self._closing.wait(_LOOK_S)
         if self._gone:

@@ -27,6 +27,7 @@ class DashboardJob:
         page_port: where browsers come to.
         parts_port: where rerun serves the page's parts.
         tab: which tab is in front.
+        world: whether a robot's world is shown, in a tab before the motors'.
     """
 
     kind: Literal["file", "spawn", "web"]
@@ -38,6 +39,7 @@ class DashboardJob:
     page_port: int = 0
     parts_port: int = 0
     tab: int = 0
+    world: bool = False
 
     def command(self) -> list[str]:
         """What starts the process."""

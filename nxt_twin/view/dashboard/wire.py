@@ -6,13 +6,14 @@ import json
 from typing import Any, Final
 
 from nxt_twin.twin.records import Event, Innovation, MotorBelief, Tick
+from nxt_twin.view.dashboard.scene import WorldMessage, message_of, row_of
 
 _TICK: Final = "t"
 _EVENT: Final = "e"
 _DROPPED: Final = "d"
 
-Message = Tick | Event | int
-"""A poll, an event, or how many polls had to be dropped since the last message."""
+Message = Tick | Event | WorldMessage | int
+"""A poll, an event, something of a robot's world, or how many polls had to be dropped since the last message."""
 
 
 def written(message: Message) -> bytes:
@@ -40,8 +41,10 @@ def written(message: Message) -> bytes:
             message.onset_s,
             message.strength,
         )
-    else:
+    elif isinstance(message, int):
         row = (_DROPPED, message)
+    else:
+        row = row_of(message)
     return json.dumps(row, separators=(",", ":"), default=_plain).encode() + b"\n"
 
 
@@ -67,6 +70,8 @@ def read(line: bytes) -> Message:
         return Event(*row)
     if kind == _DROPPED:
         return int(row[0])
+    if (told := message_of(kind, row)) is not None:
+        return told
     raise ValueError(f"a line of an unknown kind: {kind}")
 
 

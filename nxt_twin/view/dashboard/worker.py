@@ -13,6 +13,7 @@ from typing import Any, Final, Literal
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.view.dashboard.job import DashboardJob, job_of
 from nxt_twin.view.dashboard.page import Page
+from nxt_twin.view.dashboard.scene import Scenery, WorldMessage, WorldMoment
 from nxt_twin.view.dashboard.viewer import LOOPBACK, find_viewer, listens, start_viewer
 from nxt_twin.view.dashboard.wire import read
 
@@ -37,7 +38,7 @@ def main() -> int:
         if viewer is not None and not _await(viewer, job.data_port):
             sys.stderr.write("the viewer did not start\n")
             return 1
-        painter = Painter(job.title, job.ports, job.channels, sink, job.tab)
+        painter = Painter(job.title, job.ports, job.channels, sink, job.tab, world=job.world)
         draw(sys.stdin.buffer, painter, _WRITTEN_EVERY_S if job.kind == "file" else _SHOWN_EVERY_S)
         painter.close()
         if viewer is not None and page is not None:
@@ -58,6 +59,7 @@ def draw(lines: Iterable[bytes], painter: Any, batch_s: float) -> None:  # noqa:
     ticks: list[Tick] = []
     events: list[Event] = []
     notes: list[tuple[float, str]] = []
+    world: list[WorldMessage] = []
     now_s = 0.0
     for gathered in _gathered(lines):
         for message in map(read, gathered):
@@ -66,13 +68,15 @@ def draw(lines: Iterable[bytes], painter: Any, batch_s: float) -> None:  # noqa:
                 now_s = message.received_s
             elif isinstance(message, Event):
                 events.append(message)
+            elif isinstance(message, Scenery | WorldMoment):
+                world.append(message)
             else:
                 notes.append((now_s, f"dashboard: {message} polls were dropped, the viewer did not keep up"))
         if events or (ticks and now_s - ticks[0].received_s >= batch_s):
-            painter.paint(ticks, events, notes)
-            ticks, events, notes = [], [], []
-    if ticks or events or notes:
-        painter.paint(ticks, events, notes)
+            painter.paint(ticks, events, notes, world)
+            ticks, events, notes, world = [], [], [], []
+    if ticks or events or notes or world:
+        painter.paint(ticks, events, notes, world)
 
 
 def _gathered(lines: Iterable[bytes]) -> Iterator[list[bytes]]:

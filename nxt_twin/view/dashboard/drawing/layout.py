@@ -15,21 +15,31 @@ from nxt_twin.view.wording import quantity
 TIMELINE: Final = "session"
 FOCUS: Final = -1
 """In the place of a tab: only the first motor's unknown torque, over time and against speed, and what happened."""
+WORLD_EYE: Final = (-0.9, -1.05, 1.0)
+"""Where the eye is in a robot's world, m; it looks at the world's origin."""
 WINDOW_S: Final = 20.0
 """What the plots show, up to the newest poll."""
 
 
-def blueprint(ports: Sequence[Port], channels: Sequence[str], tab: int = 0) -> Any:  # noqa: ANN401 - rerun's
+def blueprint(
+    ports: Sequence[Port],
+    channels: Sequence[str],
+    tab: int = 0,
+    *,
+    world: bool = False,
+) -> Any:  # noqa: ANN401 - rerun's
     """The dashboard's panes.
 
     Args:
         ports: motors, a tab each.
         channels: sensors' columns, one tab for all.
         tab: which tab is in front, or `FOCUS`.
+        world: whether a robot's world has a tab, before the motors'.
     """
     if tab == FOCUS:
         return _whole(_focus(ports[0]))
-    tabs = [_motor_tab(port) for port in ports]
+    tabs = [_world()] if world else []
+    tabs += [_motor_tab(port) for port in ports]
     if channels:
         tabs.append(_sensor_tab(channels))
     side = rrb.Vertical(_robot(), _log(), _link(), row_shares=[3.6, 3.4, 3.0], name="robot, events, link")
@@ -123,6 +133,19 @@ def _robot() -> Any:  # noqa: ANN401
         background=rrb.Background(kind="SolidColor", color=[18, 20, 23]),
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(position=EYE, look_target=TARGET, eye_up=(0.0, 0.0, 1.0)),
+        spatial_information=None,
+    )
+
+
+def _world() -> Any:  # noqa: ANN401
+    return rrb.Spatial3DView(
+        origin="/world",
+        name="World: robot solid, ghost see-through",
+        background=rrb.Background(kind="SolidColor", color=[18, 20, 23]),
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(
+            position=WORLD_EYE, look_target=(0.0, 0.0, 0.0), eye_up=(0.0, 0.0, 1.0)
+        ),
         spatial_information=None,
     )
 

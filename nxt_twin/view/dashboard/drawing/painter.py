@@ -17,6 +17,8 @@ from nxt_twin.view.dashboard.cloud import Cloud, CloudPicture
 from nxt_twin.view.dashboard.columns import INNOVATION, NIS, READING, TORQUE, DrawnTable, Tabulator, turn_of
 from nxt_twin.view.dashboard.drawing import colours, robot
 from nxt_twin.view.dashboard.drawing.layout import TIMELINE, blueprint
+from nxt_twin.view.dashboard.drawing.live_world import LiveWorld
+from nxt_twin.view.dashboard.scene import WorldMessage
 
 _APPLICATION: Final = "nxt-twin"
 _FLUSH_S: Final = 0.8
@@ -66,31 +68,45 @@ class Painter:
         channels: the sensors' columns shown.
         sink: where the stream goes.
         tab: which tab of the layout is in front.
+        world: whether a robot's world has a tab.
     """
 
     def __init__(
-        self, title: str, ports: Sequence[Port], channels: Sequence[str], sink: Path | str, tab: int = 0
+        self,
+        title: str,
+        ports: Sequence[Port],
+        channels: Sequence[str],
+        sink: Path | str,
+        tab: int = 0,
+        *,
+        world: bool = False,
     ) -> None:
         self._ports = tuple(ports)
         self._shown = not isinstance(sink, Path)
         self._stream = rr.RecordingStream(_APPLICATION)
         self._tabulator = Tabulator(ports)
+        self._world = LiveWorld(self._stream)
         self._clouds = {port: Cloud(port) for port in ports}
         self._cloud_due_s = 0.0
         self._last_deg = dict.fromkeys(ports, 0.0)
         self._effects: list[str] = []
         self._named: set[str] = set()
         self._story: deque[str] = deque(maxlen=_STORY_LINES)
-        layout = blueprint(ports, channels, tab)
+        layout = blueprint(ports, channels, tab, world=world)
         target = rr.FileSink(sink) if isinstance(sink, Path) else rr.GrpcSink(sink)
         self._stream.set_sinks(target, default_blueprint=layout)
         self._stream.send_recording_name(title)
         self._log_static(channels)
 
     def paint(
-        self, ticks: Sequence[Tick], events: Sequence[Event], notes: Sequence[tuple[float, str]]
+        self,
+        ticks: Sequence[Tick],
+        events: Sequence[Event],
+        notes: Sequence[tuple[float, str]],
+        world: Sequence[WorldMessage] = (),
     ) -> None:
-        """Send a batch; `notes` are stamped lines of the dashboard's own for the log."""
+        """Send a batch; `notes` are stamped lines of the dashboard's own for the log, `world` is about a robot's."""
+        self._world.paint(world)
         for table in self._tabulator.tables(ticks):
             self._name_effect(table.path)
             self._send(table.path, table.time_s, _scalars(table))

@@ -10,49 +10,12 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.view.dashboard.drawing import solids
+from nxt_twin.view.dashboard.drawing.solids import DrawnSolid
 
 _APPLICATION: Final = "nxt-twin-world"
 _TIMELINE: Final = "time"
-_WAY: Final = (40, 110, 200)
-_GHOST: Final = (230, 120, 30)
-_ECHO: Final = (220, 60, 60)
-_ABOVE_M: Final = 0.002
-_GHOST_HALF_M: Final = (0.06, 0.05, 0.04)
 _FLUSH_S: Final = 30.0
-
-
-class DrawnSolid(Protocol):
-    """A shape in its body's frame; `nxt_twin.world.assembly.Shape` is one."""
-
-    @property
-    def kind(self) -> str:
-        """Box, cylinder or sphere."""
-        ...
-
-    @property
-    def size_m(self) -> tuple[float, ...]:
-        """Edges, radius and length, or radius."""
-        ...
-
-    @property
-    def at_m(self) -> tuple[float, float, float]:
-        """Its middle."""
-        ...
-
-    @property
-    def turned_rad(self) -> tuple[float, float, float]:
-        """Roll, pitch, yaw."""
-        ...
-
-    @property
-    def colour(self) -> tuple[float, float, float, float]:
-        """Red, green, blue, opacity, 0 to 1."""
-        ...
-
-    @property
-    def seen(self) -> bool:
-        """Whether it is drawn."""
-        ...
 
 
 class BodyPath(Protocol):
@@ -109,79 +72,47 @@ class WorldView:
 
     def floor(self, shades: FloatArray, size_m: tuple[float, float]) -> None:
         """The floor's picture: shades 0 to 1, shape (along x, along y), its middle at the origin."""
-        right, far = 0.5 * size_m[0], 0.5 * size_m[1]
-        grey = np.round(255.0 * np.flipud(shades.T)).astype(np.uint8)
-        mesh = self._rr.Mesh3D(
-            vertex_positions=[(-right, -far, 0), (right, -far, 0), (right, far, 0), (-right, far, 0)],
-            triangle_indices=[(0, 1, 2), (0, 2, 3)],
-            vertex_texcoords=[(0, 1), (1, 1), (1, 0), (0, 0)],
-            vertex_normals=[(0, 0, 1)] * 4,
-            albedo_texture=np.repeat(grey[..., None], 3, axis=2),
-        )
-        self._stream.log("/world/floor", mesh, static=True)
+        self._stream.log("/world/floor", solids.floor(self._rr, shades, size_m), static=True)
 
     def bodies(self, time_s: FloatArray, bodies: Sequence[BodyPath]) -> None:
         """Every body's solids, and where its frame was at each time, shape (samples,)."""
         for body in bodies:
-            path = f"/world/{body.name.replace(' ', '_')}"
-            for n, solid in enumerate(shape for shape in body.shapes if shape.seen):
-                self._stream.log(f"{path}/{n}", *self._drawn(solid), static=True)
-            columns = self._rr.Transform3D.columns(translation=body.place_m, quaternion=body.quaternion)
-            self._send(path, time_s, columns)
+            path = solids.path_of(body.name)
+            for n, shape in enumerate(one for one in body.shapes if one.seen):
+                self._stream.log(f"{path}/{n}", *solids.solid(self._rr, shape), static=True)
+            self._send(path, time_s, solids.moved(self._rr, body.place_m, body.quaternion))
 
     def echoes(self, time_s: FloatArray, rays_m: Sequence[FloatArray]) -> None:
         """The ways of echoes, for each time of shape (rays, 2, 3)."""
         for time, rays in zip(time_s, rays_m, strict=True):
             self._stream.set_time(_TIMELINE, duration=float(time))
-            self._stream.log("/world/echoes", self._rr.LineStrips3D(list(rays), colors=[_ECHO], radii=0.002))
+            self._stream.log("/world/echoes", solids.echoes(self._rr, rays))
 
     def way(self, places_m: FloatArray) -> None:
         """The way that the robot went, shape (samples, 2)."""
-        self._line("/world/way", places_m, _WAY)
+        self._stream.log("/world/way", solids.ways(self._rr, [places_m], solids.WAY), static=True)
 
-    def ghost(self, time_s: FloatArray, pose: FloatArray) -> None:
-        """Where the twin has the robot by its wheels alone: x, y (m) and heading (rad), shape (samples, 3)."""
-        self._line("/world/ghost_way", pose[:, :2], _GHOST)
-        box = self._rr.Boxes3D(
-            centers=[(-0.03, 0.0, 0.07)],
-            half_sizes=[_GHOST_HALF_M],
-            colors=[_GHOST],
-            fill_mode="TransparentFillMajorWireframe",
-        )
-        self._stream.log("/world/ghost/body", box, static=True)
-        still = np.zeros(len(pose))
-        turns = np.column_stack([still, still, np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])])
-        places = np.column_stack([pose[:, :2], still])
-        columns = self._rr.Transform3D.columns(translation=places, quaternion=turns)
-        self._send("/world/ghost", time_s, columns)
+    def ghost(self, time_s: FloatArray, pose: FloatArray, robot: Sequence[BodyPath]) -> None:
+        """Where the twin has the robot by its wheels alone.
+
+        Args:
+            time_s: shape (samples,).
+            pose: x, y (m) and heading (rad), shape (samples, 3).
+            robot: the robot's bodies, the base first, which the ghost looks like.
+        """
+        ways = solids.ways(self._rr, [pose[:, :2]], solids.GHOST)
+        self._stream.log("/world/ghost_way", ways, static=True)
+        parts = [
+            (body.name, body.shapes, np.concatenate([body.place_m[0], body.quaternion[0]])) for body in robot
+        ]
+        for path, what in solids.ghost_parts(self._rr, parts):
+            self._stream.log(path, *what, static=True)
+        self._send("/world/ghost", time_s, solids.ghost_moved(self._rr, pose))
 
     def close(self) -> None:
         """Write what is left."""
         self._stream.flush(timeout_sec=_FLUSH_S)
         self._stream.disconnect()
-
-    def _line(self, path: str, places_m: FloatArray, colour: tuple[int, int, int]) -> None:
-        strip = np.column_stack([places_m, np.full(len(places_m), _ABOVE_M)])
-        self._stream.log(path, self._rr.LineStrips3D([strip], colors=[colour], radii=0.003), static=True)
-
-    def _drawn(self, solid: DrawnSolid) -> list[Any]:
-        from scipy.spatial.transform import Rotation
-
-        rr = self._rr
-        turn = rr.Quaternion(xyzw=Rotation.from_euler("xyz", solid.turned_rad).as_quat())
-        placed = rr.Transform3D(translation=solid.at_m, quaternion=turn)
-        colour = [tuple(round(255 * part) for part in solid.colour)]
-        match solid.kind:
-            case "box":
-                half = [tuple(0.5 * edge for edge in solid.size_m)]
-                return [placed, rr.Boxes3D(half_sizes=half, colors=colour, fill_mode="solid")]
-            case "cylinder":
-                radius, length = solid.size_m
-                drawn = rr.Cylinders3D(lengths=[length], radii=[radius], colors=colour, fill_mode="solid")
-                return [placed, drawn]
-            case _:
-                ball = rr.Ellipsoids3D(radii=[solid.size_m[0]], colors=colour, fill_mode="solid")
-                return [placed, ball]
 
     def _send(self, path: str, time_s: FloatArray, columns: Any) -> None:  # noqa: ANN401 - rerun's
         index = self._rr.TimeColumn(_TIMELINE, duration=time_s)

@@ -1,0 +1,1 @@
+"""What differs between recordings of a robot on two wheels that were made before and after."""

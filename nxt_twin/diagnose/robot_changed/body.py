@@ -1,0 +1,118 @@
+"""What changed in a robot's motors and body, from powers that both sides hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from nxt_twin.diagnose.diagnosis import FoundEffect
+from nxt_twin.diagnose.robot.choice import WeighedSubsets, weigh
+from nxt_twin.diagnose.robot.effects import LIBRARY
+from nxt_twin.diagnose.robot.powered_fit import PoweredFit
+from nxt_twin.diagnose.robot.powered_search import PLACES, fit_body, found_powered
+from nxt_twin.diagnose.robot_changed.joint import FittedSide, JointSides, joint
+from nxt_twin.diagnose.robot_changed.side import RobotSide
+from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
+from nxt_twin.physics.robot.dynamics import NAMES
+
+_MOTORS: Final = range(10)
+_SUSPECT_SIGMAS: Final = 3.0
+_MOST_SUSPECTS: Final = 6
+_DAILY_SHARE: Final = 0.015
+_LEAST_SHARE: Final = 0.03
+"""A motor's number that differs by less is not named."""
+_SMALLEST: Final = {
+    "caster_drag": 0.05,
+    "floor_slope": 5e-3,
+    "centre_of_mass_offset": 3e-3,
+    "payload_mass": 0.05,
+}
+_KEYS: Final = {
+    "back_emf": "back_emf_v_s_per_rad",
+    "resistance": "resistance_ohm",
+    "coulomb": "coulomb_friction_nm",
+    "viscous": "viscous_friction_nm_s_per_rad",
+    "rotor": "inertia_kg_m2",
+}
+"""The motors' keys by the names of `dynamics.NAMES`."""
+
+
+@final
+@dataclass(frozen=True)
+class BodyChanges:
+    """What differs in motors and body.
+
+    Attributes:
+        weighed: which candidates are called for.
+        sides: both sides' numbers, by `dynamics.NAMES`; those of motors are logarithms of their share of the given.
+        places: of each candidate.
+        clusters: how many independent parts they rest on.
+    """
+
+    weighed: WeighedSubsets
+    sides: JointSides
+    places: dict[str, list[int]]
+    clusters: int
+
+    def effect(self, of: str) -> FoundEffect:
+        """An effect of the body as it is after."""
+        covariance = self.sides.before_covariance + self.sides.off_covariance
+        return found_powered(LIBRARY[of], self.sides.after, covariance, self.clusters)
+
+
+def motor_key(place: int) -> str:
+    """A motor's number as the plant's keys name it, such as ``left_motor.resistance_ohm``."""
+    side, _, name = NAMES[place].partition("_")
+    return f"{side}_motor.{_KEYS[name]}"
+
+
+def body_changes(
+    sides: tuple[RobotSide, RobotSide], drive: DifferentialDrive, geometries: tuple[Geometry, Geometry]
+) -> BodyChanges:
+    """Fit motors and body of each side, and weigh what differs.
+
+    Args:
+        sides: before and after, both with powers.
+        drive: the robot as its model came.
+        geometries: of both sides.
+    """
+    before, after = (
+        fit_body(side.case.recordings, drive, geometry)[0]
+        for side, geometry in zip(sides, geometries, strict=True)
+    )
+    one, other = _side(before), _side(after)
+    suspects = _suspects(one, other)
+    # All other numbers are alike on both sides, which tells a payload from motors that only might be others.
+    may = [place for places in PLACES.values() for place in places] + suspects
+    freed = joint(one, other, range(len(NAMES)), may)
+    able = {
+        name: places
+        for name, places in PLACES.items()
+        if float(np.max(np.abs(freed.off[places]))) > _SMALLEST[name]
+    }
+    able |= {motor_key(place): [place] for place in suspects}
+    clusters = min(before.clusters, after.clusters)
+    weighed = weigh(able, freed.off, freed.off_covariance, clusters)
+    differs = [place for name in weighed.best for place in able[name]]
+    both = joint(one, other, range(len(NAMES)), differs)
+    return BodyChanges(weighed, both, able, clusters)
+
+
+def _suspects(before: FittedSide, after: FittedSide) -> list[int]:
+    """Numbers of motors that differ clearly if they alone differ, the clearest first."""
+    far = {}
+    for place in _MOTORS:
+        alone = joint(before, after, range(len(NAMES)), [place])
+        off, std = abs(alone.off[place]), float(np.sqrt(alone.off_covariance[place, place]))
+        if off > max(_LEAST_SHARE, _SUSPECT_SIGMAS * std):
+            far[place] = off / std
+    return sorted(far, key=lambda place: -far[place])[:_MOST_SUSPECTS]
+
+
+def _side(fit: PoweredFit) -> FittedSide:
+    """A fit's numbers; those of motors and mass also vary a little from day to day."""
+    daily = np.zeros(len(NAMES))
+    daily[: len(_MOTORS)] = _DAILY_SHARE
+    return FittedSide(fit.off, fit.covariance + np.diag(daily**2), fit.clusters)
