@@ -31,7 +31,7 @@ from nxt_twin.view.dashboard.scene import (
 from nxt_twin.world.arena import Arena, open_arena
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.load import setting_of
-from nxt_twin.world.motion import Bodies
+from nxt_twin.world.motion import WorldBodies
 from nxt_twin.world.pose import Heading
 
 _LOOK_STEPS: Final = 4
@@ -62,7 +62,7 @@ class WatchedRobot:
         self._heading = Heading()
         self._seen: deque[RobotReading] = deque(maxlen=_KEPT)
         self._steps = 0
-        self._bodies: Bodies | None = None
+        self._bodies: WorldBodies | None = None
         self._moment: tuple[tuple[Frame, ...], tuple[Frame, ...]] = ((), ())
         self._shown_s = 0.0
         self._show: Callable[[WorldMessage], None] | None = None
@@ -86,7 +86,7 @@ class WatchedRobot:
         self._arena = arena = open_arena(setting_of(world, file or Path("world")), seed)
         arena.watchers.append(self._look)
         if self._show is not None:
-            self._bodies = Bodies(arena)
+            self._bodies = WorldBodies(arena)
             self._show(_scenery(arena, self._bodies))
         return arena.body
 
@@ -135,7 +135,7 @@ class WatchedRobot:
         """Nothing to finish."""
 
 
-def _scenery(arena: Arena, bodies: Bodies) -> Scenery:
+def _scenery(arena: Arena, bodies: WorldBodies) -> Scenery:
     """What there is to draw of a world."""
     floor = arena.setting.scene.floor
     shades = FloorPicture(floor, arena.setting.file).shades

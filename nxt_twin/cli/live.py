@@ -79,15 +79,9 @@ def live(
         pace=pace_of(found),
     )
     showing = Showing(
-        title=found,
-        schema=LIVE_SCHEMA,
-        view=view,
-        save=save,
-        report=report,
-        model_out=model_out,
-        json=json,
+        title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json,
         world=robot is not None,
-    )
+    )  # fmt: skip
     hold(found, options, seconds or None, showing, robot=_beside(robot, found, silent=json == "-"))
 
 

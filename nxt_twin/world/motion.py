@@ -36,7 +36,7 @@ class RigidMotion:
 
 
 @final
-class Bodies:
+class WorldBodies:
     """All rigid bodies of a world that can be seen, the robot's first.
 
     Args:
@@ -80,7 +80,7 @@ class Motion:
     """
 
     def __init__(self, arena: Arena) -> None:
-        self._arena, self._bodies = arena, Bodies(arena)
+        self._arena, self._bodies = arena, WorldBodies(arena)
         self._ticks = 0
         self._times: list[float] = []
         self._frames: list[list[tuple[float, ...]]] = []

@@ -19,9 +19,9 @@ from nxt_twin.diagnose.robot.search import mend, refit_all, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.diagnose.robot_changed.body import body_changes
 from nxt_twin.diagnose.robot_changed.joint import FittedSide, JointSides, joint
-from nxt_twin.diagnose.robot_changed.places import CANDIDATES, geometry_of, movable, slopes
+from nxt_twin.diagnose.robot_changed.places import CHANGED_PARTS, geometry_of, movable, slopes
 from nxt_twin.diagnose.robot_changed.side import RobotSide, side_of
-from nxt_twin.diagnose.robot_changed.telling import Evidence, told
+from nxt_twin.diagnose.robot_changed.telling import RobotSides, told
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.recording.case import Case
 
@@ -73,7 +73,7 @@ def _compared(before: RobotSide, after: RobotSide, drive: DifferentialDrive) -> 
         body = body_changes((before, after), drive, geometries)
     judged = _judged(before, after, sides, drive.geometry)
     left = _new_left(before, after, sides.sides)
-    return told(Evidence(drive, before, after, sides.weighed, sides.sides, sides.told, body, judged, left))
+    return told(RobotSides(drive, before, after, sides.weighed, sides.sides, sides.told, body, judged, left))
 
 
 def _geometries(before: RobotSide, after: RobotSide, given: Geometry) -> _Geometries:
@@ -84,7 +84,7 @@ def _geometries(before: RobotSide, after: RobotSide, given: Geometry) -> _Geomet
     size[:_RELATIVE] = given.left_wheel_radius_m, given.right_wheel_radius_m, given.track_m
     able = {
         each.of: places
-        for each in CANDIDATES
+        for each in CHANGED_PARTS
         if (places := [place for place in each.places if place in told_places])
         and any(
             abs(off[place]) > least * size[place]

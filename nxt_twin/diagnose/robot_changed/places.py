@@ -25,7 +25,7 @@ UNITS: Final = dict(zip(MOVABLE, ("m", "m", "m", "m", "m", "deg"), strict=True))
 
 @final
 @dataclass(frozen=True)
-class Candidate:
+class ChangedPart:
     """Something that may have changed.
 
     Attributes:
@@ -39,11 +39,11 @@ class Candidate:
     matters: tuple[float, ...]
 
 
-CANDIDATES: Final = (
-    Candidate("left_wheel_radius_m", (0,), (1.5e-3,)),
-    Candidate("right_wheel_radius_m", (1,), (1.5e-3,)),
-    Candidate("track_m", (2,), (2e-3,)),
-    Candidate("pose_offset", (3, 4, 5), (5e-4, 5e-4, 0.1)),
+CHANGED_PARTS: Final = (
+    ChangedPart("left_wheel_radius_m", (0,), (1.5e-3,)),
+    ChangedPart("right_wheel_radius_m", (1,), (1.5e-3,)),
+    ChangedPart("track_m", (2,), (2e-3,)),
+    ChangedPart("pose_offset", (3, 4, 5), (5e-4, 5e-4, 0.1)),
 )
 
 

@@ -1,4 +1,4 @@
-"""From evidence about a robot before and after to what is said of it."""
+"""From what two sides show of a robot before and after to what is said of it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nxt_twin.diagnose.robot.powered_search import PLACES
 from nxt_twin.diagnose.robot_changed import words
 from nxt_twin.diagnose.robot_changed.body import BodyChanges
 from nxt_twin.diagnose.robot_changed.joint import JointSides
-from nxt_twin.diagnose.robot_changed.places import CANDIDATES, MOVABLE, UNITS, geometry_of
+from nxt_twin.diagnose.robot_changed.places import CHANGED_PARTS, MOVABLE, UNITS, geometry_of
 from nxt_twin.diagnose.robot_changed.side import RobotSide
 from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.physics.robot.powered import dynamics_config, powered_robot
@@ -33,7 +33,7 @@ _OFFSET: Final = (3, 4, 5)
 
 @final
 @dataclass(frozen=True)
-class Evidence:
+class RobotSides:
     """All that was found out about a side after.
 
     Attributes:
@@ -58,7 +58,7 @@ class Evidence:
     left: RobotLeft | None
 
 
-def told(evidence: Evidence) -> Changes:
+def told(evidence: RobotSides) -> Changes:
     """The answer for one side after."""
     changes = tuple(sorted(_changes(evidence), key=lambda one: -one.probability))
     verdict: ChangeVerdict = "unexplained" if evidence.left else "changed" if changes else "unchanged"
@@ -83,15 +83,15 @@ def told(evidence: Evidence) -> Changes:
     )
 
 
-def _half_count_mm(evidence: Evidence) -> float:
+def _half_count_mm(evidence: RobotSides) -> float:
     """What half a degree of the wheels stands for on the floor."""
     return 1e3 * float(np.radians(0.5)) * evidence.drive.geometry.mean_wheel_radius_m
 
 
-def _changes(evidence: Evidence) -> list[Change]:
+def _changes(evidence: RobotSides) -> list[Change]:
     found = [
         _of_geometry(candidate.of, list(candidate.places), evidence)
-        for candidate in CANDIDATES
+        for candidate in CHANGED_PARTS
         if candidate.of in evidence.weighed.best
     ]
     if evidence.body is not None:
@@ -106,7 +106,7 @@ def _changes(evidence: Evidence) -> list[Change]:
     return found
 
 
-def _of_geometry(of: str, places: list[int], evidence: Evidence) -> Change:
+def _of_geometry(of: str, places: list[int], evidence: RobotSides) -> Change:
     sides, reach = evidence.sides, _reach(evidence.after.fitted.clusters)
     stds = np.sqrt(np.diag(sides.off_covariance)[places])
     main = places[int(np.argmax(np.abs(sides.off[places]) / np.maximum(stds, 1e-12)))]
@@ -127,7 +127,7 @@ def _of_geometry(of: str, places: list[int], evidence: Evidence) -> Change:
     )
 
 
-def _of_body(of: str, body: BodyChanges, evidence: Evidence) -> Change:
+def _of_body(of: str, body: BodyChanges, evidence: RobotSides) -> Change:
     places, sides, reach = body.places[of], body.sides, _reach(body.clusters)
     std = float(np.sqrt(sides.off_covariance[places[0], places[0]]))
     chance = body.weighed.probability[of]
@@ -148,7 +148,7 @@ def _of_body(of: str, body: BodyChanges, evidence: Evidence) -> Change:
     return Change(of, before, after, after * std, words.unit_of(of), (after - wide, after + wide), chance)
 
 
-def _pose(evidence: Evidence) -> FoundEffect:
+def _pose(evidence: RobotSides) -> FoundEffect:
     covariance = evidence.sides.before_covariance + evidence.sides.off_covariance
     after = {name: float(evidence.sides.after[MOVABLE.index(name)]) for name in POSE_OFFSET.units}
     stds = {name: float(np.sqrt(covariance[n, n])) for n, name in enumerate(MOVABLE) if n in _OFFSET}
@@ -157,7 +157,7 @@ def _pose(evidence: Evidence) -> FoundEffect:
     return pose_effect({name: (after[name], stds[name]) for name in after if name in told_names}, reach)
 
 
-def _effects(evidence: Evidence, changes: tuple[Change, ...]) -> tuple[FoundEffect, ...]:
+def _effects(evidence: RobotSides, changes: tuple[Change, ...]) -> tuple[FoundEffect, ...]:
     """Those that are new after."""
     found = []
     for change in changes:
@@ -172,7 +172,7 @@ def _effects(evidence: Evidence, changes: tuple[Change, ...]) -> tuple[FoundEffe
     return tuple(found)
 
 
-def _shared(evidence: Evidence) -> dict[str, Moved]:
+def _shared(evidence: RobotSides) -> dict[str, Moved]:
     """Wheels and track that both sides have alike, from where they were given."""
     found = {}
     for place in (place for place in evidence.told if place not in _OFFSET):
@@ -185,7 +185,7 @@ def _shared(evidence: Evidence) -> dict[str, Moved]:
     return found
 
 
-def _plant(evidence: Evidence) -> DifferentialDrive:
+def _plant(evidence: RobotSides) -> DifferentialDrive:
     """The robot after."""
     drive, body = evidence.drive, evidence.body
     dynamics = drive.dynamics
