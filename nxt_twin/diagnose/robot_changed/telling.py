@@ -99,10 +99,9 @@ def _changes(evidence: RobotSides) -> list[Change]:
     before, after = evidence.before.found.slips, evidence.after.found.slips
     if bool(before) != bool(after):
         slip = slip_effect(after or before).params["slip_ratio"]
-        values = (None, slip.value) if after else (slip.value, 0.0)
-        low, high = slip.interval_95 or (slip.value, slip.value)
-        interval = (low, high) if after else (0.0, 0.0)
-        found.append(Change(WHEEL_SLIP.id, *values, slip.std, "1", interval, _SURE))
+        came, now = (None, slip.value) if after else (slip.value, 0.0)
+        interval = (slip.interval_95 if after else None) or (now, now)
+        found.append(Change(WHEEL_SLIP.id, came, now, slip.std, "1", interval, _SURE))
     return found
 
 
