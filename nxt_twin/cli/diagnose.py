@@ -59,6 +59,7 @@ def diagnose(
             if case.before:
                 _tell_changes(case, json, report, error_si, many=len(paths) > 1)
                 continue
+            _refuse_angle(case, tolerance)
             answer = _diagnose_one(case, seed, error_si)
         except NxtTwinError as error:
             fail(str(error))
@@ -177,6 +178,16 @@ def _diagnose_one(case: Case, seed: int, tolerance: float | None) -> Answered:
         return diagnose_any(case, seed=seed, tolerance=tolerance, progress=tell)
 
 
+def _refuse_angle(case: Case, tolerance: str | None) -> None:
+    from nxt_twin.diagnose.robot.engine import is_robot_case
+    from nxt_twin.diagnose.tolerance import is_length
+    from nxt_twin.errors import DiagnosisError
+
+    if tolerance is not None and is_robot_case(case) and not is_length(tolerance):
+        what = f"{tolerance!r} is no tolerance of a robot's position"
+        raise DiagnosisError(what, where=case.name, mend="write a length, such as 5mm")
+
+
 def _place(target: str, name: str, ending: str, *, many: bool) -> str:
     """The file for one of several cases in the folder `target`, or `target` itself for a single case."""
     if target == "-" or (not many and not Path(target).is_dir()):
@@ -187,15 +198,19 @@ def _place(target: str, name: str, ending: str, *, many: bool) -> str:
 def _write_experiment(target: Path, diagnosis: Diagnosis, *, many: bool) -> str:
     """Write the program of the next experiment; where there is none, say why in one line."""
     from nxt_twin.recording.program import write_program
+    from nxt_twin.recording.robot_path import write_path
 
     experiment = diagnosis.next_experiment
     if experiment is None:
         return f"{diagnosis.name}: nothing is left open, so no experiment is written"
-    if experiment.program is None:
-        return f"{diagnosis.name}: only a motor's experiment can be written as a program; it is told in words"
+    if experiment.program is None and experiment.path is None:
+        return f"{diagnosis.name}: this experiment is no program and no path; it is told in words"
     path = Path(_place(str(target), diagnosis.name, "yaml", many=many))
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_program(experiment.program, path)
+    if experiment.program is not None:
+        write_program(experiment.program, path)
+    elif experiment.path is not None:
+        write_path(experiment.path, path)
     return ""
 
 

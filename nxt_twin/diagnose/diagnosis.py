@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal, final
 from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.program import MotorProgram
+from nxt_twin.recording.robot_path import RobotPath
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -223,6 +224,7 @@ class NextExperiment:
     Attributes:
         expected_nats: evidence to expect between the two rivals in `seconds`, None where none was worked out.
         program: the input for a motor that a brick can run, None for other plants.
+        path: for a robot to drive, None for other plants.
     """
 
     why: str
@@ -230,6 +232,7 @@ class NextExperiment:
     expected_nats: float | None = None
     seconds: float | None = None
     program: MotorProgram | None = None
+    path: RobotPath | None = None
 
 
 @final

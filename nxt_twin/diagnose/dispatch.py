@@ -37,7 +37,7 @@ def diagnose_any(
     Args:
         case: of a motor, an axis, a sensor or a robot.
         seed: of the random shifts behind p-values.
-        tolerance: error of a simulation that does not matter, SI; only of motors and axes.
+        tolerance: error that does not matter, SI: of a simulation; of a robot's position. Sensors have none.
         progress: told in words what is being done.
 
     Raises:
@@ -47,7 +47,7 @@ def diagnose_any(
         told = diagnose_sensor(case, seed=seed, progress=progress)
         return Answered(told.diagnosis, told.model.to_config())
     if is_robot_case(case):
-        driven = diagnose_robot(case, progress=progress)
+        driven = diagnose_robot(case, tolerance_m=tolerance, progress=progress)
         return Answered(driven.diagnosis, driven.model.to_config())
     answer = diagnose(case, seed=seed, tolerance=tolerance, progress=progress)
     return Answered(answer.diagnosis, answer.plant.to_config())

@@ -22,6 +22,15 @@ _SI: Final = {
 _WRITTEN: Final = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,2})?)\s*([a-z/]+)\s*")
 
 
+_LENGTHS: Final = ("mm", "cm", "m")
+
+
+def is_length(text: str) -> bool:
+    """Whether a tolerance is one of a position in m."""
+    found = _WRITTEN.fullmatch(text[:40])
+    return found is not None and found.group(2) in _LENGTHS
+
+
 def parse_tolerance(text: str) -> float:
     """The tolerance in SI units (rad, m, or per second).
 

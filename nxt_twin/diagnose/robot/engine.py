@@ -8,7 +8,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from nxt_twin.diagnose.diagnosis import Alternative, Diagnosis, Fit, Mismatch, Verdict
+from nxt_twin.diagnose.diagnosis import Alternative, Diagnosis, Fit, Mismatch, Tolerance, Verdict
 from nxt_twin.diagnose.robot import words
 from nxt_twin.diagnose.robot.choice import places_of
 from nxt_twin.diagnose.robot.effects import LIBRARY
@@ -23,7 +23,7 @@ from nxt_twin.diagnose.robot.held_out import (
     judge_held_out,
     model_of,
 )
-from nxt_twin.diagnose.robot.judge import errors_of, figures
+from nxt_twin.diagnose.robot.judge import MM, errors_of, figures
 from nxt_twin.diagnose.robot.leftover import (
     RobotLeft,
     ShortErrors,
@@ -38,6 +38,7 @@ from nxt_twin.diagnose.robot.runs import RobotRun, has_powers, robot_runs
 from nxt_twin.diagnose.robot.search import RobotFindings, mend, search, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.diagnose.robot.tellable import tellable
+from nxt_twin.diagnose.robot.tolerated import path_shifts
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from_config
 from nxt_twin.physics.robot.powered import dynamics_config, is_powered
@@ -75,6 +76,7 @@ class _RobotEvidence:
     left: tuple[RobotLeft, ...]
     short: ShortErrors
     powered: PoweredFindings | None
+    tolerance_m: float | None
 
     @property
     def structured(self) -> RobotLeft | None:
@@ -100,11 +102,14 @@ def robot_of(case: Case) -> DifferentialDrive:
     return drive_from_config(load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant)
 
 
-def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotAnswer:
+def diagnose_robot(
+    case: Case, *, tolerance_m: float | None = None, progress: Progress = lambda _: None
+) -> RobotAnswer:
     """Say what a robot's model leaves out, if anything.
 
     Args:
         case: a case about a robot whose pose was measured from outside.
+        tolerance_m: an error of the position over whole runs that does not matter; None: what shows is named.
         progress: told in words what is being done.
 
     Raises:
@@ -129,7 +134,9 @@ def diagnose_robot(case: Case, *, progress: Progress = lambda _: None) -> RobotA
     before = short_errors(
         runs, drive.geometry, wheels_at(plain, start_of(drive.geometry, len(runs))), scale_of(after)
     )
-    evidence = _RobotEvidence(case, drive, found, judged, tuple(what_is_left(after)), before, powered)
+    evidence = _RobotEvidence(
+        case, drive, found, judged, tuple(what_is_left(after)), before, powered, tolerance_m
+    )
     diagnosis = _diagnosis(evidence)
     geometry = model_of(found.final).geometry
     named = {
@@ -174,16 +181,19 @@ def fit_robot(case: Case) -> tuple[dict[str, Any], DifferentialDrive]:
 def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
     found, judged = evidence.found, evidence.judged
     powered = evidence.powered
-    effects = (*found_effects(found), *(powered.effects if powered else ()))
-    structured = evidence.structured
-    verdict: Verdict = "unexplained" if structured else "explained" if effects else "adequate"
+    small = path_shifts(found, evidence.drive.geometry).below(evidence.tolerance_m)
+    named = [effect for effect in found_effects(found) if effect.id not in small]
+    effects = (*named, *(powered.effects if powered else ()))
     horizons = horizons_of(judged)
     whole = horizons[-1]
+    reached = evidence.tolerance_m is not None and whole.improved < MM * evidence.tolerance_m
+    structured = None if reached else evidence.structured
+    verdict: Verdict = "unexplained" if structured else "explained" if effects else "adequate"
     fit = Fit(_METRIC, "mm", whole.baseline, whole.improved, whole.floor, horizons)
     return Diagnosis(
         name=evidence.case.name,
         verdict=verdict,
-        sentence=words.sentence(verdict, effects, fit),
+        sentence=words.sentence(verdict, effects, fit) + words.below_tolerance(small, evidence.tolerance_m),
         refit=moved_parameters(found, evidence.drive.geometry),
         mismatch=_mismatch(evidence, verdict, [effect.id for effect in effects]),
         effects=effects,
@@ -197,6 +207,9 @@ def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
         held_out=drawn_runs(judged),
         leftover=None,
         detectable=sizes_seen(found),
+        tolerance=None
+        if evidence.tolerance_m is None
+        else Tolerance(MM * evidence.tolerance_m, "mm", whole.improved),
     )
 
 

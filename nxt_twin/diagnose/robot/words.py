@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.spread import SessionSpread
 from nxt_twin.diagnose.robot.tellable import tellable
+from nxt_twin.recording.robot_path import squares_and_lines
 
 _ONE_WAY: Final = 0.1
 _HARDLY_TURNS_RAD: Final = 2.0
@@ -54,6 +55,18 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
     if verdict == "explained":
         return f"The model leaves out {named}; with {'these' if len(effects) > 1 else 'it'} in, {told}."
     return f"Something is missing, and no known effect accounts for all of it; with {named} in, {told}."
+
+
+def below_tolerance(small: Mapping[str, float], tolerance_m: float | None) -> str:
+    """A sentence about effects that show and do not matter, by how far they move paths (m); empty without any."""
+    if not small or tolerance_m is None:
+        return ""
+    named = [f"{LIBRARY[one].name} ({1e3 * far:.2g} mm)" for one, far in small.items()]
+    whole = listed(named)
+    return (
+        f" {whole[0].upper()}{whole[1:]} {'moves' if len(named) == 1 else 'move'} the path by less than "
+        f"the tolerance of {1e3 * tolerance_m:.3g} mm."
+    )
 
 
 def listed(items: Sequence[str]) -> str:
@@ -180,18 +193,19 @@ def next_path(
     confused = [(effect.id, other.id) for effect in effects for other in effect.confusable_with]
     if confused:
         one, other = confused[0]
-        return NextExperiment(
-            why=f"these paths do not tell {LIBRARY[one].name} from {LIBRARY[other].name}", input=_SQUARES
-        )
+        return _squares(f"these paths do not tell {LIBRARY[one].name} from {LIBRARY[other].name}")
     if verdict == "unexplained":
         why = (
             f"the residual goes with the {left.along}, and no known effect does"
             if left
             else "a residual remains, and no known effect explains it"
         )
-        return NextExperiment(
-            why=why, input=f"{_SQUARES}. Repeat this at another speed and at another place on the floor"
-        )
+        return _squares(why, " Repeat this at another speed and at another place on the floor")
     if open_questions := untold_words(runs):
-        return NextExperiment(why=open_questions[0].rstrip("."), input=_SQUARES)
+        return _squares(open_questions[0].rstrip("."))
     return None
+
+
+def _squares(why: str, more: str = "") -> NextExperiment:
+    words = f"{_SQUARES}.{more}" if more else _SQUARES
+    return NextExperiment(why=why, input=words, path=squares_and_lines(why))
