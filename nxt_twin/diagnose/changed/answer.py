@@ -15,7 +15,6 @@ from nxt_twin.diagnose.diagnosis import (
     Tolerance,
 )
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.robot.drive import DifferentialDrive
 
 ChangeVerdict = Literal["unchanged", "changed", "unexplained"]
 
@@ -79,7 +78,7 @@ class Changes:
     mismatch: Mismatch
     notes: tuple[str, ...]
     held_out: tuple[HeldOutRun, ...]
-    plant: Plant | DifferentialDrive = field(compare=False)
+    plant: Plant = field(compare=False)
 
     def __repr__(self) -> str:
         """Short: names, verdict and changes."""
