@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import inspect
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -84,6 +86,10 @@ class _Axis:
         self._plant = plant
         self._home, self._session_s = home, session_s
         self._base = {s.symbol: v for s, v in plant.values.items() if s.owner == BASE_OWNER}
+        self._own: dict[str, _Scope] = defaultdict(dict)
+        for slot, value in plant.values.items():
+            self._own[slot.owner][slot.symbol] = value
+        self._formed_by: dict[Stage, list[Call]] = {}
         self._states: dict[str, _Scope] = {e.id: dict.fromkeys(e.states, 0.0) for e in plant.effects}
         self._angle = self._speed = self._current = self._disturbance = 0.0
 
@@ -223,15 +229,17 @@ class _Axis:
     def _values(self, stage: Stage, scope: Mapping[str, float]) -> Iterator[Any]:
         return (self._value(call, scope) for call in self._calls(stage))
 
-    def _calls(self, stage: Stage) -> Iterator[Call]:
-        return (c for c in calls(self._plant.layout, stage) if c.effect.id in self._plant.active)
+    def _calls(self, stage: Stage) -> list[Call]:
+        if stage not in self._formed_by:
+            active = self._plant.active
+            self._formed_by[stage] = [c for c in calls(self._plant.layout, stage) if c.effect.id in active]
+        return self._formed_by[stage]
 
     def _value(self, call: Call, scope: Mapping[str, float]) -> Any:  # as the term
         return call.term(*self._arguments(call.effect.id, call.arguments, scope))
 
     def _arguments(self, owner: str, names: tuple[str, ...], scope: Mapping[str, float]) -> list[float]:
-        states = self._states.get(owner, {})
-        own = {slot.symbol: value for slot, value in self._plant.values.items() if slot.owner == owner}
+        states, own = self._states.get(owner, {}), self._own[owner]
         return [
             own[name] if name in own else states[name] if name in states else scope[name] for name in names
         ]
@@ -256,4 +264,9 @@ def _braked(before: float, free: float, direction: float, bite: float) -> float:
 
 
 def _call(function: Callable[..., Any], scope: Mapping[str, float]) -> Any:  # as the function
-    return function(*(scope[name] for name in inspect.signature(function).parameters))
+    return function(*(scope[name] for name in _named(function)))
+
+
+@cache
+def _named(function: Callable[..., Any]) -> tuple[str, ...]:
+    return tuple(inspect.signature(function).parameters)
