@@ -10,8 +10,8 @@ from nxt_twin.recording.case import Case
 
 @cache
 def concealed(effects: tuple[str, ...], *, seed: int, size: str = "medium", link: str = "usb") -> Case:
-    """A motor with `effects` concealed in it, recorded three times for 12 s."""
-    made = make_case(seed, effects=effects, size=size if effects else None, link=link, duration_s=12.0)
+    """A motor with `effects` concealed in it, recorded three times for 8 s."""
+    made = make_case(seed, effects=effects, size=size if effects else None, link=link, duration_s=8.0)
     listed = made.content["recordings"]
     fitted = tuple(r for r in made.recordings if r.name in listed)
     held_out = tuple(r for r in made.recordings if r.name not in listed)

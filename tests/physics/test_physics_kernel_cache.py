@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept; each test compiles one entry point in a folder of its own."""
+"""Where compiled kernels are kept; each test compiles one entry point, of few effects, in a folder of its own."""
 
 import os
 from dataclasses import replace
@@ -9,14 +9,30 @@ from physics_samples import NXT
 
 from nxt_twin.physics.base.dc_motor import DC_MOTOR
 from nxt_twin.physics.base.rigid_body import RIGID_BODY
+from nxt_twin.physics.effects import BUILT_IN
 from nxt_twin.physics.kernel import CACHE_VARIABLE, kernel
-from nxt_twin.physics.layout import Layout
+from nxt_twin.physics.layout import Layout, layout
+from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.stepper import Stepper
 
 
-def turned_deg():
+@pytest.fixture
+def turned_deg(monkeypatch):
     """How far a motor turns in 50 ms, by a kernel that this process has not loaded yet."""
+    monkeypatch.setattr("nxt_twin.physics.library.BUILT_IN", [e for e in BUILT_IN if e.plain])
+    forget()
+    yield _turned_deg
+    monkeypatch.undo()
+    forget()
+
+
+def forget():
+    library.cache_clear()
+    layout.cache_clear()
+
+
+def _turned_deg():
     plant = replace(plant_from_config(NXT, "power_pct"), layout=Layout(DC_MOTOR, "motor"))
     stepper = Stepper([plant])
     for _ in range(50):
@@ -24,14 +40,14 @@ def turned_deg():
     return float(np.degrees(stepper.angle[0]))
 
 
-def test_a_cache_folder_that_is_not_there_yet_is_made_and_filled(tmp_path, monkeypatch):
+def test_a_cache_folder_that_is_not_there_yet_is_made_and_filled(turned_deg, tmp_path, monkeypatch):
     folder = tmp_path / "not" / "there"
     monkeypatch.setenv(CACHE_VARIABLE, str(folder))
     assert 5.0 < turned_deg() < 25.0
     assert [path.suffix for path in folder.iterdir() if path.is_file()] == [".py"]
 
 
-def test_without_any_folder_to_write_the_kernel_still_works(tmp_path, monkeypatch):
+def test_without_any_folder_to_write_the_kernel_still_works(turned_deg, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "file" / "below"))
     assert 5.0 < turned_deg() < 25.0
@@ -39,7 +55,7 @@ def test_without_any_folder_to_write_the_kernel_still_works(tmp_path, monkeypatc
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="nothing is read-only for root")
-def test_a_read_only_folder_is_left_alone(tmp_path, monkeypatch):
+def test_a_read_only_folder_is_left_alone(turned_deg, tmp_path, monkeypatch):
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o500)
     monkeypatch.setenv(CACHE_VARIABLE, str(folder))

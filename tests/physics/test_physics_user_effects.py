@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.assemble import source
+from nxt_twin.physics.effects import BUILT_IN
 from nxt_twin.physics.kernel import CACHE_VARIABLE
 from nxt_twin.physics.layout import Slot, layout
 from nxt_twin.physics.library import library
@@ -73,7 +74,8 @@ def forget():
     layout.cache_clear()
 
 
-def test_a_package_s_effect_runs_in_the_kernel_by_its_own_law(install):
+def test_a_package_s_effect_runs_in_the_kernel_by_its_own_law(install, monkeypatch):
+    monkeypatch.setattr("nxt_twin.physics.library.BUILT_IN", [e for e in BUILT_IN if e.plain])  # fewer to compile
     install("eddy_magnet:BRAKE")
     config = {**NXT, "effects": {"eddy_brake": {"strength_nm_s2_per_rad2": 3e-3}}}
     plant = plant_from_config({k: v for k, v in config.items() if k != "inductance_h"}, "power_pct")

@@ -27,7 +27,13 @@ def told(self, signature):
 Dispatcher.compile = told
 adopter = Adopter(AtOnce())
 outcome = run(
-    rig, {seconds}, ports=("a", "b"), sensors=EVERY_SENSOR, candidates=DEFAULT_CANDIDATES, adopter=adopter
+    rig,
+    {seconds},
+    ports=("a", "b"),
+    sensors=EVERY_SENSOR,
+    candidates=DEFAULT_CANDIDATES,
+    period_s=0.02,
+    adopter=adopter,
 )
 assert "adopted" in outcome.kinds() or not {rehearsed}, outcome.kinds()
 print(",".join(sorted(set(late))))
