@@ -2,16 +2,27 @@
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from nxt_twin.blind.make import make_case
 from nxt_twin.diagnose.engine import Answer, diagnose
 from nxt_twin.recording.case import Case
 
+LONG: dict[str, Any] = {"seed": 11, "seconds": 12.0}
+"""Of recordings in which a simulation of ten seconds can be held against what was read."""
+
 
 @cache
-def concealed(effects: tuple[str, ...], *, seed: int, size: str = "medium", link: str = "usb") -> Case:
-    """A motor with `effects` concealed in it, recorded three times for 8 s."""
-    made = make_case(seed, effects=effects, size=size if effects else None, link=link, duration_s=8.0)
+def concealed(
+    effects: tuple[str, ...],
+    *,
+    seed: int,
+    size: str = "medium",
+    link: str = "usb",
+    seconds: float = 8.0,
+) -> Case:
+    """A motor with `effects` concealed in it, recorded three times for `seconds`."""
+    made = make_case(seed, effects=effects, size=size if effects else None, link=link, duration_s=seconds)
     listed = made.content["recordings"]
     fitted = tuple(r for r in made.recordings if r.name in listed)
     held_out = tuple(r for r in made.recordings if r.name not in listed)
@@ -19,6 +30,6 @@ def concealed(effects: tuple[str, ...], *, seed: int, size: str = "medium", link
 
 
 @cache
-def diagnosed(effects: tuple[str, ...], *, seed: int, size: str = "medium", link: str = "usb") -> Answer:
-    """Its diagnosis."""
-    return diagnose(concealed(effects, seed=seed, size=size, link=link))
+def diagnosed(effects: tuple[str, ...], **made: Any) -> Answer:
+    """The diagnosis of what `concealed` makes of these."""
+    return diagnose(concealed(effects, **made))

@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from diagnose_cases import concealed, diagnosed
+from diagnose_cases import LONG, concealed, diagnosed
 
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.plant import plant_from_config
@@ -14,17 +14,17 @@ def named_or_confused(diagnosis):
 
 
 @pytest.mark.parametrize(
-    ("effect", "seed"),
+    ("effect", "made"),
     [
-        ("gravity_load", 11),
-        ("command_delay", 12),
-        ("stiction", 13),
-        ("coulomb_friction", 14),
-        ("shaft_compliance", 16),
+        ("gravity_load", LONG),
+        ("command_delay", {"seed": 12}),
+        ("stiction", {"seed": 13}),
+        ("coulomb_friction", {"seed": 14}),
+        ("shaft_compliance", {"seed": 16}),
     ],
 )
-def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, seed):
-    diagnosis = diagnosed((effect,), seed=seed).diagnosis
+def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, made):
+    diagnosis = diagnosed((effect,), **made).diagnosis
     assert diagnosis.verdict == "explained"
     assert effect in named_or_confused(diagnosis)
     assert diagnosis.fit.improved < 0.9 * diagnosis.fit.baseline
@@ -48,14 +48,14 @@ def test_an_effect_that_nobody_knows_is_refused():
 
 
 def test_the_improved_plant_holds_what_was_found():
-    answer = diagnosed(("gravity_load",), seed=11)
+    answer = diagnosed(("gravity_load",), **LONG)
     config = answer.plant.to_config()
     assert "gravity_load" in config["effects"]
     assert plant_from_config(config, "power_pct").active == answer.plant.active
 
 
 def test_the_json_is_as_documented():
-    content = json.loads(to_json(diagnosed(("gravity_load",), seed=11).diagnosis))
+    content = json.loads(to_json(diagnosed(("gravity_load",), **LONG).diagnosis))
     assert content["schema"] == "nxt-twin/diagnosis/1"
     assert {"channel", "when", "regimes", "equation"} <= set(content["mismatch"])
     assert content["mismatch"]["channel"] == "a_tacho_deg"

@@ -1,15 +1,17 @@
 """What a diagnosis says beside its figures, where they would mislead."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
-from diagnose_cases import concealed, diagnosed
+from diagnose_cases import LONG, concealed, diagnosed
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.telling.words import sentence
 
-LETS_GO = 152  # of its three recordings only the one held out lets the motor run without current
+# Of its three recordings only the one held out lets the motor run without current.
+LETS_GO: dict[str, Any] = {"seed": 152, "seconds": 12.0}
 
 
 def remarks_on_letting_go(notes):
@@ -17,7 +19,7 @@ def remarks_on_letting_go(notes):
 
 
 def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_judged_on_what_was_not_fitted():
-    found = diagnosed((), seed=LETS_GO).diagnosis
+    found = diagnosed((), **LETS_GO).diagnosis
     assert found.verdict == "adequate"
     assert found.fit.improved > 5.0 * found.fit.floor
     (remark,) = remarks_on_letting_go(found.notes)
@@ -26,7 +28,7 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
 
 
 def test_what_to_record_next_is_then_a_program_that_lets_it_go():
-    found = diagnosed(("shaft_compliance",), seed=151).diagnosis
+    found = diagnosed(("shaft_compliance",), seed=151, seconds=12.0).diagnosis
     assert found.verdict == "explained"
     proposed = found.next_experiment
     assert "coast down without current" in proposed.input
@@ -35,7 +37,7 @@ def test_what_to_record_next_is_then_a_program_that_lets_it_go():
 
 
 def test_nothing_of_it_where_such_a_recording_was_fitted():
-    case = concealed((), seed=LETS_GO)
+    case = concealed((), **LETS_GO)
     mixed = replace(case, recordings=(*case.recordings[1:], *case.holdout), holdout=case.recordings[:1])
     found = diagnose(mixed).diagnosis
     assert found.verdict == "adequate"
@@ -44,7 +46,7 @@ def test_nothing_of_it_where_such_a_recording_was_fitted():
 
 @pytest.mark.parametrize(("improved", "falls"), [(3.0, True), (15.0, False)])
 def test_an_error_is_said_to_fall_only_where_it_does(improved, falls):
-    effect = diagnosed(("gravity_load",), seed=141).diagnosis.effects[0]
+    effect = diagnosed(("gravity_load",), **LONG).diagnosis.effects[0]
     fit = Fit(metric="free-run RMSE", unit="deg", baseline=10.0, improved=improved, floor=1.0)
     said = sentence("explained", [effect], fit)
     assert said.startswith(f"The model leaves out {effect.name}")

@@ -75,7 +75,9 @@ def forget():
 
 
 def test_a_package_s_effect_runs_in_the_kernel_by_its_own_law(install, monkeypatch):
-    monkeypatch.setattr("nxt_twin.physics.library.BUILT_IN", [e for e in BUILT_IN if e.plain])  # fewer to compile
+    monkeypatch.setattr(
+        "nxt_twin.physics.library.BUILT_IN", [e for e in BUILT_IN if e.plain]
+    )  # fewer to compile
     install("eddy_magnet:BRAKE")
     config = {**NXT, "effects": {"eddy_brake": {"strength_nm_s2_per_rad2": 3e-3}}}
     plant = plant_from_config({k: v for k, v in config.items() if k != "inductance_h"}, "power_pct")

@@ -28,11 +28,12 @@ from nxt_twin.twin.settings import AT_ARRIVAL, PACES
 from nxt_twin.twin.sinks import Memory
 
 PORTS = ("a", "b", "c")
+SESSION_S = 15.0
 
 
 def _watched(path, profile):
     """A session's recording."""
-    outcome = run(Rig(profile=profile), 25.0, ports=PORTS, sensors=EVERY_SENSOR)
+    outcome = run(Rig(profile=profile), SESSION_S, ports=PORTS, sensors=EVERY_SENSOR)
     with RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
         for row in outcome.rows:
             writer.row(row)
@@ -46,7 +47,7 @@ def _written_down(path, profile):
     pace = PACES["bt" if profile == "bluetooth" else "usb"]
     with rig.open() as brick, RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
         logbook = Logbook(brick, rig.clock, PORTS, Plan(EVERY_SENSOR), writer, driver, pace)
-        logbook.keep(25.0)
+        logbook.keep(SESSION_S)
     logbook.row_lags.write_beside(path)
 
 
