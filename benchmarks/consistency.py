@@ -57,9 +57,9 @@ class Consistency:
         return self.from_truth.at(seconds) / self.truth.at(seconds)
 
 
-def home(seed: int, *effects: str) -> ConcealedCase:
+def home(seed: int, *effects: str, duration_s: float = _DURATION_S) -> ConcealedCase:
     """A motor with `effects` of medium size, by the benchmark's first simulator."""
-    return make_case(seed, effects=effects, size="medium" if effects else None, duration_s=_DURATION_S)
+    return make_case(seed, effects=effects, size="medium" if effects else None, duration_s=duration_s)
 
 
 def problem_of(made: ConcealedCase) -> Problem:

@@ -45,7 +45,9 @@ def test_an_effect_that_is_missing_does_not_spoil_the_re_fitted_baseline_nor_a_f
 
 
 @pytest.mark.parametrize(
-    "make", [lambda: home(SEED), lambda: FAMILIES["workshop"].make(WORKSHOP)], ids=["home", "workshop"]
+    "make",
+    [lambda: home(SEED), lambda: FAMILIES["workshop"].make(WORKSHOP)],
+    ids=["home", "workshop"],
 )
 def test_a_clean_motor_is_re_fitted_as_well_as_by_a_plain_fit_of_windows(make):
     problem = problem_of(make())
@@ -63,7 +65,7 @@ def test_a_clean_motor_is_re_fitted_as_well_as_by_a_plain_fit_of_windows(make):
 
 
 def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any_horizon():
-    problem = problem_of(home(SEED, "backlash"))
+    problem = problem_of(home(SEED, "backlash", duration_s=8.0))
     with Simulator(problem.plant.layout) as simulator:
         found = searched(simulator, problem, lambda _: None)
         evidence = gather(simulator, problem, found, np.random.default_rng(0))

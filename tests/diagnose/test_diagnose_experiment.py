@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,6 +24,11 @@ from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.files import write_recording
 from nxt_twin.recording.program import MotorProgram, commands, read_program
+
+
+@cache
+def loaded_case():
+    return recorded(71, motor={"constant_torque_nm": 0.004}, seconds=8.0)
 
 
 @pytest.mark.parametrize("most", [20, 55, 100])
@@ -79,7 +85,7 @@ def test_a_structure_cannot_be_told_from_itself(rivals):
 
 @pytest.fixture(scope="module")
 def loaded():
-    return diagnose(recorded(71, motor={"constant_torque_nm": 0.004}))
+    return diagnose(loaded_case())
 
 
 def test_the_json_carries_doubt_intervals_and_the_program(loaded):
@@ -110,7 +116,7 @@ def test_the_transmission_is_told_by_source_since_the_format_knows_four_equation
 @pytest.fixture
 def as_if_diagnosed(loaded, monkeypatch, tmp_path):
     """Run `diagnose --experiment-out` on a recording, as if its diagnosis ended with this experiment."""
-    case = recorded(71, motor={"constant_torque_nm": 0.004})
+    case = loaded_case()
     target = tmp_path / "next" / "program.yaml"
 
     def command(experiment):

@@ -41,13 +41,13 @@ def _watched(path, profile):
     assert "divergence" not in outcome.kinds()
 
 
-def _written_down(path, profile):
+def _written_down(path, profile, seconds=SESSION_S):
     """One that nobody watched."""
     rig, driver = Rig(profile=profile), ProgramDriver(excitation(PORTS))
     pace = PACES["bt" if profile == "bluetooth" else "usb"]
     with rig.open() as brick, RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
         logbook = Logbook(brick, rig.clock, PORTS, Plan(EVERY_SENSOR), writer, driver, pace)
-        logbook.keep(SESSION_S)
+        logbook.keep(seconds)
     logbook.row_lags.write_beside(path)
 
 
@@ -79,7 +79,7 @@ def test_three_motors_played_again_hold_as_they_did_live(tmp_path, record, profi
 
 def test_lags_are_no_delay_to_a_diagnosis(tmp_path):
     path = tmp_path / "run.csv"
-    _written_down(path, "bluetooth")
+    _written_down(path, "bluetooth", 25.0)
     told = read_recording(path)
     assert _named(told) == []
     assert _named(replace(told, lags=KnownLags())) == ["command_delay"]

@@ -18,7 +18,7 @@ SEEDS = range(7000, 7003)
 
 @pytest.mark.parametrize("link", ["usb", "bluetooth"])
 def test_no_alarm_where_nothing_is_missing(link):
-    """Three minutes over both links, with a random torque of 2 mN·m that no model has; docs/live.md has the long run."""
+    """Three minutes over both links, a random torque of 2 mN·m that no model has; docs/live.md has the long run."""
     for seed in SEEDS:
         case = make_case(seed, effects=(), duration_s=15.0, recordings=2, torque_noise_nm=2e-3, link=link)
         for recording in case.recordings:
