@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 from typing import Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import nxt_twin
 from nxt_twin.paper.reproduction import FROM_FIGURES_ONLY, Reproduction
 from nxt_twin.paper.touch import TABLES, deviations, means
+from nxt_twin.view.pages import environment
 from nxt_twin.view.paper_figures import emf_figure, limits_figure, models_figure, touch_figure, units_figure
 from nxt_twin.view.paper_models import beam_figure, sensors_figure
 from nxt_twin.view.svg import inline_svg
@@ -34,15 +34,9 @@ def write_paper_page(reproduction: Reproduction, folder: Path) -> Path:
 
 def render_paper_page(reproduction: Reproduction) -> str:
     """The page's text: self-contained, without scripts, and reproducible."""
-    environment = Environment(
-        loader=PackageLoader("nxt_twin.view"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["set"] = _set
-    return environment.get_template("paper.html.j2").render(
+    pages = environment()
+    pages.filters["set"] = _set
+    return pages.get_template("paper.html.j2").render(
         reproduction=reproduction,
         agreeing=sum(comparison.agrees for comparison in reproduction.comparisons),
         figures=_figures(reproduction),
