@@ -27,10 +27,10 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
 from nxt_twin.diagnose.judging.evidence import Evidence, gather
 from nxt_twin.diagnose.judging.floors import refitted_floors
-from nxt_twin.diagnose.judging.horizons import Errors
+from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
-from nxt_twin.diagnose.judging.verdict import is_patchwork, verdict_of
+from nxt_twin.diagnose.judging.verdict import is_idle, is_patchwork, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
@@ -85,10 +85,24 @@ def diagnose(
     with Simulator(problem.plant.layout) as simulator:
         rng = np.random.default_rng(seed)
         evidence = _evidence(simulator, problem, rng, progress)
-        if verdict_of(evidence.record) == "unexplained" and evidence.colour > COLOURED:
+        if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
         return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written)
+
+
+def _misled(evidence: Evidence) -> bool:
+    """Whether single steps are no evidence, so that windows of simulation alone have to decide.
+
+    They go on in one another, or took more effects than can be missing, or showed stamps that are not to be trusted,
+    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer.
+    """
+    if is_idle(evidence.record):
+        return True
+    if verdict_of(evidence.record) != "unexplained":
+        return False
+    late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
+    return evidence.colour > COLOURED or late or is_patchwork(evidence.record)
 
 
 def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
@@ -134,8 +148,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         {one.id: one.name for one in sizes},
         patchwork=is_patchwork(evidence.record),
     )
-    if verdict == "adequate":  # a parameter that the data set anew is the answer then
-        sentence, load = " ".join([sentence, *load]), ()
+    sentence = " ".join([sentence, *load])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,
@@ -148,7 +161,6 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=(
             *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
-            *load,
             *_what_is_written(evidence),
         ),
         held_out=held_out,
@@ -185,7 +197,7 @@ def _fit(evidence: Evidence, floors: tuple[float, ...]) -> Fit:
         evidence.final_errors.rms,
         floors,
     )
-    floor = _at(Errors(seconds, floors), evidence.problem.window_s)
+    floor = floors[nearest_horizon(evidence.final_errors, evidence.problem.window_s)]
     return Fit(
         metric="free-run RMSE, held-out",
         unit=evidence.units.reading,
@@ -197,11 +209,6 @@ def _fit(evidence: Evidence, floors: tuple[float, ...]) -> Fit:
             for own, *row in zip(seconds, *columns, strict=True)
         ),
     )
-
-
-def _at(errors: Errors, seconds: float) -> float:
-    """The error at the horizon nearest to `seconds`."""
-    return errors.rms[int(np.argmin([abs(np.log(min(own, 1e6) / seconds)) for own in errors.seconds]))]
 
 
 def _held_out(evidence: Evidence) -> list[HeldOutRun]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.batch import batches, predictions, samples_of
-from nxt_twin.diagnose.fitting.fit import Variable, values_of
+from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
 from nxt_twin.diagnose.fitting.likeness import told_apart
 from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
@@ -115,10 +115,19 @@ def trials_of(effect: Effect, scale: Scale, most: int = 6) -> list[Trial]:
 
 
 def linearise(
-    simulator: Simulator, problem: Problem, structure: Structure, step_s: float = _SCREEN_STEP_S
+    simulator: Simulator,
+    problem: Problem,
+    structure: Structure,
+    step_s: float = _SCREEN_STEP_S,
+    *,
+    target: Target | None = None,
 ) -> Linear:
-    """Run `structure` and a small move of each of its variables over every reading that is not held out."""
-    target = with_noise(problem.everything(), structure.noise)
+    """Run `structure` and a small move of each of its variables over every reading that is not held out.
+
+    Without a `target`, each reading is predicted from those before it.
+    """
+    checks = problem.check if target is None else tuple(np.zeros_like(seen) for seen in target.seen())
+    target = with_noise(target or problem.everything(), structure.noise)
     jobs = tuple(replace(job, step_s=step_for(structure.plant, step_s)) for job in target.jobs)
     variables = structure.fitted.variables
     sets, widths = moves(structure.plant, variables)
@@ -149,7 +158,7 @@ def linearise(
                 for job, mask in zip(jobs, counted, strict=True)
             ]
         ),
-        checks=np.concatenate([check[mask] for check, mask in zip(problem.check, counted, strict=True)]),
+        checks=np.concatenate([check[mask] for check, mask in zip(checks, counted, strict=True)]),
         gain=gain,
         predicted=tuple(result.predicted[0] for result in last),
     )

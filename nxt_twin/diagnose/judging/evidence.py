@@ -19,16 +19,18 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.colour import colour
 from nxt_twin.diagnose.judging.detectable import allowed
+from nxt_twin.diagnose.judging.doubt import doubts_of
 from nxt_twin.diagnose.judging.horizons import (
     Errors,
     best_at_every_horizon,
     errors_of,
     floors_of,
     least_wrong,
+    nearest_horizon,
 )
-from nxt_twin.diagnose.judging.intervals import robust_covariance
+from nxt_twin.diagnose.judging.intervals import covariance_of
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
-from nxt_twin.diagnose.judging.verdict import Record
+from nxt_twin.diagnose.judging.verdict import LIMITS, Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
@@ -64,6 +66,7 @@ class Evidence:
         false_alarms: what the search would have made of the clean cases.
         given_errors, baseline_errors, final_errors: of the three plants on what is held out.
         floors: what a plant that lacks nothing would reach there, at each horizon, SI.
+        doubts: how far `final` may err there because fitted readings leave its parameters open, at each horizon, SI.
         record: what the verdict rests on.
         colour: how many readings of `after` count as one, over how many of clean recordings do.
     """
@@ -85,6 +88,7 @@ class Evidence:
     baseline_errors: Errors
     final_errors: Errors
     floors: tuple[float, ...]
+    doubts: tuple[float, ...]
     record: Record
     colour: float
 
@@ -119,6 +123,8 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         for plant in (problem.plant, baseline.plant, final.plant)
     )
     floors = floors_of(problem, final.noise, (given_errors, baseline_errors, final_errors))
+    covariance = covariance_of(simulator, problem, linear)
+    doubts = doubts_of(simulator, problem, final, covariance)
     left = leftover_nats(after), limit
     return Evidence(
         problem=problem,
@@ -131,14 +137,15 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         baseline_runs=free_runs(simulator, problem, baseline.plant, final.plant, final.noise),
         final_runs=free_runs(simulator, problem, final.plant, final.plant, final.noise),
         linear=linear,
-        covariance=robust_covariance(simulator, linear),
+        covariance=covariance,
         clean=linear.left_of(clean),
         false_alarms=FalseAlarms(int(np.sum(alarmed)), len(alarmed)),
         given_errors=given_errors,
         baseline_errors=baseline_errors,
         final_errors=final_errors,
         floors=floors,
-        record=_record(problem, searched, left, (baseline_errors, final_errors), floors),
+        doubts=doubts,
+        record=_record(problem, searched, left, (baseline_errors, final_errors), floors, doubts),
         colour=float(
             colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
         ),
@@ -179,13 +186,17 @@ def _record(
     left: tuple[float, float],
     errors: tuple[Errors, Errors],
     floors: Sequence[float],
+    doubts: Sequence[float],
 ) -> Record:
     baseline, final = searched.refit, searched.final
     before, after = errors
     found = searched.explanation.found
+    expected = np.hypot(floors, doubts)
     windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
     mattering = [n for n in windows if after.rms[n] > problem.tolerance]
-    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
+    window = nearest_horizon(after, problem.window_s)
+    surprising = [n for n in mattering if after.rms[n] > LIMITS.surprising * expected[n]]
+    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in surprising]
     physical = any(not effect.fault for effect, _ in found)
     return Record(
         named=sum(not effect.plain for effect, _ in found),
@@ -199,6 +210,9 @@ def _record(
         off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
         matters=bool(mattering) and not (found and _at_the_floor(after, before, floors)),
         stalled_share=problem.stalled_share if physical else 0.0,
+        surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
+        by_windows=problem.by_windows,
+        nearer=after.rms[window] / max(before.rms[window], 1e-15),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 

@@ -20,6 +20,7 @@ from nxt_twin.physics.start import Start, moving_start, restarts
 
 _SLACK = 1.02
 _SLACK_OF_DRIFT = 1.1  # a whole run is one number, in which much is luck
+_LONG_S = 1e6  # stands for a whole recording
 HORIZONS_S = (0.5, 2.0, 10.0, np.inf)
 """Lengths of the simulated windows, s; inf is a whole recording."""
 
@@ -76,6 +77,11 @@ def floors_of(problem: Problem, noise: Noise, reached: Sequence[Errors]) -> tupl
         floor = float(np.sqrt(max(scale**2 * mean, quantum**2 / 12.0)))
         found.append(min(floor, *(errors.rms[number] for errors in reached)))
     return tuple(found)
+
+
+def nearest_horizon(errors: Errors, seconds: float) -> int:
+    """The number of the horizon that is nearest to `seconds`, in logarithms."""
+    return int(np.argmin([abs(np.log(min(own, _LONG_S) / seconds)) for own in errors.seconds]))
 
 
 def best_at_every_horizon(ranked: Sequence[tuple[Plant, Errors]], tolerance: float) -> Plant:

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.linear import Linear, deviations
+from nxt_twin.diagnose.fitting.linear import Linear, deviations, linearise
+from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.physics.simulate import Simulator
 
-_BLOCK_S = 1.0
+BLOCK_S = 1.0
 _FEWEST_BLOCKS = 12
 _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
 _SUPPLY_MOVE = 1e-3
@@ -23,7 +24,18 @@ _ZERO_DOUBT = 1.0 / math.sqrt(
 )  # quanta: a count stands for some angle within a step of it, to either side
 
 
-def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
+def covariance_of(simulator: Simulator, problem: Problem, linear: Linear) -> FloatArray:
+    """Covariance of the variables of `linear`, SI, from the readings that set them.
+
+    These are single steps, or windows of simulation where single steps are no evidence.
+    """
+    if not problem.by_windows:
+        return robust_covariance(simulator, linear)
+    windows = linearise(simulator, problem, linear.structure, target=problem.simulated.everything())
+    return robust_covariance(simulator, windows, block_s=problem.window_s)
+
+
+def robust_covariance(simulator: Simulator, linear: Linear, *, block_s: float = BLOCK_S) -> FloatArray:
     """Covariance of the structure's variables, SI, shape (variables, variables).
 
     The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
@@ -38,7 +50,7 @@ def robust_covariance(simulator: Simulator, linear: Linear) -> FloatArray:
     inverse: FloatArray = np.asarray(
         np.linalg.pinv(bread + 1e-12 * np.eye(scale.size), hermitian=True), dtype=np.float64
     )
-    filling = _block_scatter(linear) / _MODEL_DOUBT**2 + np.diag(linear.tightness)
+    filling = _block_scatter(linear, block_s) / _MODEL_DOUBT**2 + np.diag(linear.tightness)
     sandwich: FloatArray = inverse @ filling @ inverse
     spread = _larger(inverse, sandwich)
     untold = [
@@ -103,10 +115,10 @@ def _supply_signature(simulator: Simulator, linear: Linear) -> FloatArray:
     return linear.whitened(simulator.run(values[None], active[None], jobs))
 
 
-def _block_scatter(linear: Linear) -> FloatArray:
+def _block_scatter(linear: Linear, most_s: float) -> FloatArray:
     """Sum over blocks of time of the outer products of their scores, with the small-sample factor."""
     length_s = max(float(linear.time_s.max()), 1e-9)
-    block_s = min(_BLOCK_S, length_s * len(linear.jobs) / _FEWEST_BLOCKS)
+    block_s = min(most_s, length_s * len(linear.jobs) / _FEWEST_BLOCKS)
     block = linear.run * (math.ceil(length_s / block_s) + 1) + np.floor(linear.time_s / block_s).astype(int)
     _, number = np.unique(block, return_inverse=True)
     count = int(number.max()) + 1

@@ -24,6 +24,10 @@ class VerdictLimits:
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
         most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
+        surprising: error on held-out readings, over what noise and the doubt in parameters let expect, that shows
+            physics which no fitted reading shows.
+        idle: error over that of the re-fitted baseline above which several effects hardly bring a simulation nearer.
+        large_by_windows: as `large_torque`, where windows alone tell of it; coloured readings add to it.
     """
 
     structured_torque: float = 6e-3
@@ -36,6 +40,9 @@ class VerdictLimits:
     most_named: int = 3
     most_stalled: float = 0.15
     worse: float = 1.05
+    surprising: float = 2.0
+    idle: float = 0.85
+    large_by_windows: float = 4e-2
 
 
 LIMITS = VerdictLimits()
@@ -59,8 +66,12 @@ class Record:
         matters: whether what is left matters: windows of two seconds, or shorter, err by more than the tolerance, and
             beside found effects by more than the floor or hardly less than those of the baseline.
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
-            where it matters.
+            where it matters and surprises.
         stalled_share: largest share of a recording's time in which the host or the link stood still.
+        surprise: error of the improved plant on held-out readings over what noise and the doubt in its parameters let
+            expect there.
+        by_windows: whether windows of simulation alone chose the effects, as single steps are coloured.
+        nearer: error of the improved plant on held-out readings over that of the baseline.
     """
 
     named: int
@@ -75,6 +86,9 @@ class Record:
     matters: bool
     worst_ratio: float
     stalled_share: float
+    surprise: float = 1.0
+    by_windows: bool = False
+    nearer: float = 0.0
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -99,6 +113,11 @@ def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return record.stalled_share > limits.most_stalled and (record.matters or record.named > 1)
 
 
+def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether several effects were found that hardly bring a simulation nearer, though it is not near."""
+    return record.named > 1 and record.matters and record.nearer > limits.idle
+
+
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects predict unseen recordings worse than the re-fitted baseline does."""
     return record.found and record.worst_ratio > limits.worse
@@ -107,10 +126,19 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     """Whether what is left is more than noise."""
     structured = record.left_nats > record.left_limit_nats and record.torque_after > limits.structured_torque
-    large = record.torque_after > limits.large_torque
+    large = record.torque_after > (limits.large_by_windows if record.by_windows else limits.large_torque)
+    surprising = record.surprise > limits.surprising
     if not record.found:
-        return structured or large or record.off > limits.far_off
+        return structured or large or surprising or record.off > limits.far_off
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
-    hardly = record.run_ratio > limits.hardly and record.run_ratio * record.torque_after > limits.unsettled
     still_large = large and record.torque_after > limits.still_large * record.torque_before
-    return mostly_left or hardly or still_large
+    return mostly_left or still_large or surprising or _hardly_explained(record, limits)
+
+
+def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
+    """Whether found effects leave much of the error, and a torque behind it.
+
+    Not asked of windows: how far coloured readings let a simulation come is not known.
+    """
+    much = record.run_ratio > limits.hardly
+    return not record.by_windows and much and record.run_ratio * record.torque_after > limits.unsettled

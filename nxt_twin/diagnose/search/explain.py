@@ -14,6 +14,7 @@ from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
 from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
@@ -220,7 +221,7 @@ class _Search:
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
-        behind = weigh(trial, best).total + self._standard.leaning(effect) - self._standard.leaning(other)
+        behind = weigh(trial, best).total + self._favour(best, effect) - self._favour(trial, other)
         return Rival(other, behind, trial, simulates_worse(best, trial, other))
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
@@ -259,8 +260,12 @@ class _Search:
         return (
             worth_it,
             worth_it and self._standard.lasts(weight, best, trial),
-            weight.total + self._standard.leaning(effect),
+            weight.total + self._favour(trial, effect),
         )
+
+    def _favour(self, structure: Structure, effect: Effect) -> float:
+        """What speaks for `effect` beside the readings, at the size that it has in `structure`, nats."""
+        return self._standard.leaning(effect) - coincidence_nats(structure.plant, effect)
 
     def _leaders(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]

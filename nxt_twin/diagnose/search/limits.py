@@ -32,6 +32,7 @@ class SearchLimits:
         rival_ratio: ratio of errors in free runs from which they speak against a likelier rival.
         sure_rival_ratio: that ratio for a rival with states of its own that is likelier by `sure_nats`.
         sure_nats: see `sure_rival_ratio`.
+        coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
     """
 
@@ -54,6 +55,7 @@ class SearchLimits:
     rival_ratio: float = 1.03
     sure_rival_ratio: float = 1.3
     sure_nats: float = 100.0
+    coincidence_nats: float = 2.5
     left_out_nats: float = 3.0
 
 

@@ -19,7 +19,7 @@ _GRAVITY = "gravity_torque_nm"
 _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
 _ANOTHER = 0.1
-_SURE_STDS = 3.0
+_SURE_STDS = 2.0
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
 
 

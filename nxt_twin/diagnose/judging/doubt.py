@@ -1,0 +1,69 @@
+"""How far simulations of what is held out may err because fitted readings leave parameters open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.fit import values_of
+from nxt_twin.diagnose.fitting.linear import with_slot_values
+from nxt_twin.diagnose.fitting.observed import observed_starts
+from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging.horizons import horizons_of
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.start import moving_start
+
+_TINY = 1e-6  # of the largest variance: directions that move nothing
+
+
+def doubts_of(
+    simulator: Simulator, problem: Problem, structure: Structure, covariance: FloatArray
+) -> tuple[float, ...]:
+    """The RMS standard deviation of simulated held-out readings at each horizon, SI.
+
+    Held-out recordings may do what the fitted ones never did, such as coast. There a small doubt in a parameter may
+    mean a large error, and that error says nothing of physics.
+
+    Args:
+        covariance: of the variables of `structure`, SI, shape (variables, variables).
+    """
+    plants = _moved(structure, covariance)
+    found = []
+    for horizon_s in horizons_of(problem):
+        spread = [_spread(simulator, part, structure, plants, horizon_s) for part in problem.held_out]
+        found.append(float(np.sqrt(np.mean(np.concatenate(spread)))))
+    return tuple(found)
+
+
+def _moved(structure: Structure, covariance: FloatArray) -> list[Plant]:
+    """The plant moved by one standard deviation along each principal direction, forth and back in turn."""
+    variables = structure.fitted.variables
+    own = values_of(structure.plant, variables)
+    scale = np.array([variable.scale for variable in variables])
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    kept = values > _TINY * max(float(values[-1]), 1e-300)
+    steps = (vectors[:, kept] * np.sqrt(values[kept])).T * scale
+    return [
+        with_slot_values(structure.plant, variables, own + sign * step) for step in steps for sign in (1, -1)
+    ]
+
+
+def _spread(
+    simulator: Simulator, part: HeldOut, structure: Structure, plants: list[Plant], horizon_s: float
+) -> FloatArray:
+    """The variance of each judged reading, SI, shape (readings,)."""
+    start = moving_start(part.signals)
+    if np.isfinite(horizon_s):
+        start = observed_starts(
+            simulator, structure.plant, part.signals, start, structure.noise, horizon_s
+        )
+    judged = part.counted & ~start.at
+    vectors = [plant.vectors() for plant in plants]
+    values = np.array([values for values, _ in vectors])
+    active = np.array([active for _, active in vectors])
+    job = free_job(part.signals, start)
+    predicted = simulator.run(values, active, [job])[0].predicted[:, judged]
+    half = (predicted[::2] - predicted[1::2]) / 2.0
+    return np.asarray(np.sum(np.nan_to_num(half) ** 2, axis=0))

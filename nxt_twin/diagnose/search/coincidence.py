@@ -1,0 +1,26 @@
+"""What speaks against an effect whose size happens to hide what would set it apart."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from nxt_twin.diagnose.search.limits import LIMITS
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.plant import Plant
+
+_HIDDEN_BY: Final = {"constant_load": Slot("coulomb_friction", "coulomb")}
+"""By effect: what a size has to exceed so that a motor at rest shows it."""
+
+
+def coincidence_nats(plant: Plant, effect: Effect) -> float:
+    """What speaks against `effect` at the size that it has in `plant`, nats.
+
+    A steady load may have any size. Below friction it moves a motor as friction by direction does, which is always so.
+    Of two laws that do alike, the one that could have done otherwise is the less likely.
+    """
+    hiding = _HIDDEN_BY.get(effect.id)
+    if hiding is None or hiding not in plant.values:
+        return 0.0
+    size = abs(plant.values[Slot(effect.id, effect.parameters[0].symbol)])
+    return LIMITS.coincidence_nats if size < plant.values[hiding] else 0.0
