@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import pytest
 
-from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, verdict_of
+from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, is_idle, verdict_of
 
 QUIET = Record(
     named=0,
@@ -19,6 +19,9 @@ QUIET = Record(
     matters=True,
     worst_ratio=1.0,
     stalled_share=0.0,
+    surprise=1.0,
+    by_windows=False,
+    nearer=1.0,
 )
 FOUND = replace(
     QUIET, found=True, named=1, gained_nats=500.0, torque_before=2e-2, run_ratio=0.1, worst_ratio=0.1
@@ -42,6 +45,8 @@ EDGES = {
     ),
     "most_stalled": (replace(FOUND, stalled_share=LIMITS.most_stalled), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=LIMITS.worse), "worst_ratio"),
+    "surprising": (replace(FOUND, surprise=LIMITS.surprising), "surprise"),
+    "large_by_windows": (replace(QUIET, by_windows=True, torque_after=LIMITS.large_by_windows), "torque_after"),
 }
 
 
@@ -68,7 +73,32 @@ def test_more_effects_than_are_likely_to_be_missing_at_once_are_refused():
 
 
 def test_each_limit_has_a_case_at_its_edge():
-    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named"}
+    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named", "idle"}
+
+
+def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
+    assert verdict_of(replace(QUIET, surprise=0.99 * LIMITS.surprising)) == "adequate"
+    assert verdict_of(replace(QUIET, surprise=ABOVE * LIMITS.surprising)) == "unexplained"
+
+
+@pytest.mark.parametrize(
+    ("changes", "idle"),
+    [
+        ({}, True),
+        ({"nearer": 0.99 * LIMITS.idle}, False),
+        ({"named": 1}, False),
+        ({"matters": False}, False),
+    ],
+)
+def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):
+    several = replace(FOUND, named=2, nearer=ABOVE * LIMITS.idle)
+    assert is_idle(replace(several, **changes)) is idle
+
+
+def test_effects_that_windows_chose_are_held_to_what_windows_can_tell():
+    coloured = replace(FOUND, run_ratio=0.6, torque_after=0.02, torque_before=0.03)
+    assert verdict_of(coloured) == "unexplained"
+    assert verdict_of(replace(coloured, by_windows=True)) == "explained"
 
 
 def test_what_is_left_and_does_not_matter_is_no_objection():

@@ -30,6 +30,8 @@ def doubts_of(
         covariance: of the variables of `structure`, SI, shape (variables, variables).
     """
     plants = _moved(structure, covariance)
+    if not plants:
+        return (0.0,) * len(horizons_of(problem))
     found = []
     for horizon_s in horizons_of(problem):
         spread = [_spread(simulator, part, structure, plants, horizon_s) for part in problem.held_out]
@@ -40,10 +42,12 @@ def doubts_of(
 def _moved(structure: Structure, covariance: FloatArray) -> list[Plant]:
     """The plant moved by one standard deviation along each principal direction, forth and back in turn."""
     variables = structure.fitted.variables
+    if not variables:
+        return []
     own = values_of(structure.plant, variables)
     scale = np.array([variable.scale for variable in variables])
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    kept = values > _TINY * max(float(values[-1]), 1e-300)
+    kept = values > max(_TINY * float(values[-1]), 1e-300)
     steps = (vectors[:, kept] * np.sqrt(values[kept])).T * scale
     return [
         with_slot_values(structure.plant, variables, own + sign * step) for step in steps for sign in (1, -1)

@@ -86,9 +86,9 @@ class Record:
     matters: bool
     worst_ratio: float
     stalled_share: float
-    surprise: float = 1.0
-    by_windows: bool = False
-    nearer: float = 0.0
+    surprise: float
+    by_windows: bool
+    nearer: float
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:

@@ -1,0 +1,59 @@
+"""What fitted readings leave open, on held-out readings; and sizes that hide what would set an effect apart."""
+
+import numpy as np
+import pytest
+from diagnose_motors import clean_case, settled
+
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.judging.doubt import doubts_of
+from nxt_twin.diagnose.judging.horizons import horizons_of
+from nxt_twin.diagnose.search.coincidence import coincidence_nats
+from nxt_twin.diagnose.search.limits import LIMITS
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.simulate import Simulator
+
+
+@pytest.fixture(scope="module")
+def doubted():
+    """How far held-out simulations err for a doubt in every parameter, by that doubt as a fraction."""
+    case = clean_case(41)
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        problem, _, final = settled(simulator, case)
+        scale = np.array([variable.scale for variable in final.fitted.variables])
+
+        def of(fraction):
+            return np.array(doubts_of(simulator, problem, final, np.diag((fraction * scale) ** 2)))
+
+        yield problem, of
+
+
+def test_parameters_without_doubt_leave_no_doubt(doubted):
+    problem, of = doubted
+    assert of(0.0) == pytest.approx(np.zeros(len(horizons_of(problem))), abs=1e-9)
+
+
+def test_twice_the_doubt_in_parameters_is_twice_that_in_simulations(doubted):
+    _, of = doubted
+    assert of(2e-3) == pytest.approx(2.0 * of(1e-3), rel=0.2)
+    assert (of(1e-3) > 0.0).all()
+
+
+def test_doubt_grows_with_the_horizon(doubted):
+    _, of = doubted
+    assert of(1e-3)[0] < of(1e-3)[-1]
+
+
+@pytest.mark.parametrize(("load_nm", "nats"), [(0.9, LIMITS.coincidence_nats), (-0.9, LIMITS.coincidence_nats), (1.1, 0.0)])
+def test_a_load_below_friction_is_a_coincidence(load_nm, nats):
+    plain = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+    friction_nm = NOMINAL["coulomb_friction_nm"]
+    loaded = plain.with_effect("constant_load", {"load": load_nm * friction_nm})
+    assert coincidence_nats(loaded, plain.layout.effect("constant_load")) == nats
+
+
+def test_friction_by_direction_is_no_coincidence():
+    plain = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+    effect = plain.layout.effect("asymmetric_friction")
+    values = {p.symbol: p.starts[0] * p.si for p in effect.parameters}
+    assert coincidence_nats(plain.with_effect(effect.id, values), effect) == 0.0
