@@ -44,7 +44,9 @@ def test_doubt_grows_with_the_horizon(doubted):
     assert of(1e-3)[0] < of(1e-3)[-1]
 
 
-@pytest.mark.parametrize(("load_nm", "nats"), [(0.9, LIMITS.coincidence_nats), (-0.9, LIMITS.coincidence_nats), (1.1, 0.0)])
+@pytest.mark.parametrize(
+    ("load_nm", "nats"), [(0.9, LIMITS.coincidence_nats), (-0.9, LIMITS.coincidence_nats), (1.1, 0.0)]
+)
 def test_a_load_below_friction_is_a_coincidence(load_nm, nats):
     plain = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
     friction_nm = NOMINAL["coulomb_friction_nm"]

@@ -46,7 +46,10 @@ EDGES = {
     "most_stalled": (replace(FOUND, stalled_share=LIMITS.most_stalled), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=LIMITS.worse), "worst_ratio"),
     "surprising": (replace(FOUND, surprise=LIMITS.surprising), "surprise"),
-    "large_by_windows": (replace(QUIET, by_windows=True, torque_after=LIMITS.large_by_windows), "torque_after"),
+    "large_by_windows": (
+        replace(QUIET, by_windows=True, torque_after=LIMITS.large_by_windows),
+        "torque_after",
+    ),
 }
 
 

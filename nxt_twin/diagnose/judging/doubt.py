@@ -26,8 +26,7 @@ def doubts_of(
     Held-out recordings may do what the fitted ones never did, such as coast. There a small doubt in a parameter may
     mean a large error, and that error says nothing of physics.
 
-    Args:
-        covariance: of the variables of `structure`, SI, shape (variables, variables).
+    `covariance` is of the variables of `structure`, SI, shape (variables, variables).
     """
     plants = _moved(structure, covariance)
     if not plants:
@@ -60,9 +59,7 @@ def _spread(
     """The variance of each judged reading, SI, shape (readings,)."""
     start = moving_start(part.signals)
     if np.isfinite(horizon_s):
-        start = observed_starts(
-            simulator, structure.plant, part.signals, start, structure.noise, horizon_s
-        )
+        start = observed_starts(simulator, structure.plant, part.signals, start, structure.noise, horizon_s)
     judged = part.counted & ~start.at
     vectors = [plant.vectors() for plant in plants]
     values = np.array([values for values, _ in vectors])
