@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,6 +52,25 @@ def test_what_was_written_is_read_back_and_the_stream_is_gone(tmp_path):
     assert np.isnan(recording.columns["battery_v"]).sum() == 117
     assert "s1_touch" not in recording.columns
     assert [each.name for each in tmp_path.iterdir()] == ["run.parquet"]
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="asks /proc for a handle's file")
+def test_a_recording_and_its_folder_are_on_the_disk_before_the_stream_goes(tmp_path, monkeypatch):
+    path, synced = tmp_path / "run.csv", []
+
+    def noted(handle):
+        name = Path(f"/proc/self/fd/{handle}").readlink().name
+        synced.append((name, path.exists(), stream_path(path).exists()))
+
+    with RecordingWriter(path, COLUMNS) as writer:
+        for row in rows(5):
+            writer.row(row)
+        monkeypatch.setattr(os, "fsync", noted)
+    (stream, *_), (partial, *then), folder = synced
+    assert stream == stream_path(path).name
+    assert (partial.endswith(".partial"), then) == (True, [False, True])
+    assert folder == (tmp_path.name, True, True)
+    assert not stream_path(path).exists()
 
 
 def test_a_recording_may_be_csv(tmp_path):
