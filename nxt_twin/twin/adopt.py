@@ -168,15 +168,15 @@ class Adopter:
         self.diagnoses.append((run.port, answer.diagnosis))
         weak = weak_battery(answer.diagnosis, run.leaning.get(BATTERY_SAG.id, 0.0))
         named = bool(answer.diagnosis.effects) or weak >= _SURE
-        why_not = _why_not(answer.diagnosis, gained, named=named)
+        reason = why_not(answer.diagnosis, gained, named=named)
         surely = is_earned(answer.diagnosis) and gained.any if named else gained.large
         if run.unasked and not surely:
-            why_not = why_not or "nothing is surely missing"
-        experiment = self._asked_for(run, answer.diagnosis, found=not why_not)
+            reason = reason or "nothing is surely missing"
+        experiment = self._asked_for(run, answer.diagnosis, found=not reason)
         if experiment is not None:
-            why_not = why_not or _doubt(answer.diagnosis)
-        if why_not:
-            return Finished(run.port, run.began_s, None, why_not, experiment=experiment, unasked=run.unasked)
+            reason = reason or _doubt(answer.diagnosis)
+        if reason:
+            return Finished(run.port, run.began_s, None, reason, experiment=experiment, unasked=run.unasked)
         if named:
             self._tries[run.port], self._checks[run.port] = 0, _CHECKS
         self._doubted.discard(run.port)
@@ -210,10 +210,11 @@ def _why(error: BaseException) -> str:
     return f"the diagnosis failed by an error in nxt-twin ({type(error).__name__}: {error})"
 
 
-def _why_not(diagnosis: Diagnosis, gained: Gain, *, named: bool) -> str:
+def why_not(diagnosis: Diagnosis, gained: Gain, *, named: bool) -> str:
     """Why what was found is not worth taking over; empty where it is."""
     if diagnosis.verdict == "unexplained":
-        nearer = diagnosis.fit.improved < _WORTHWHILE * diagnosis.fit.baseline
+        fit = diagnosis.fit  # its baseline is re-fitted: it may hide what the model in use lacks
+        nearer = min(fit.improved / fit.baseline, gained.after_deg / gained.before_deg) < _WORTHWHILE
         return "" if diagnosis.effects and nearer else "no known effect explains the divergence so far"
     if named or gained.worthwhile:
         return ""

@@ -25,6 +25,7 @@ from nxt_twin.twin.adopt import (
     leaning_to,
     told,
     weak_battery,
+    why_not,
 )
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
@@ -297,6 +298,16 @@ def test_a_session_on_its_model_is_checked_after_a_while_and_says_nothing():
     kinds = run(Rig(), 16.0, program=steady(40, 60.0), period_s=0.05, adopter=Adopter(answering)).kinds()
     assert len(answering.leanings) == 1
     assert kinds == ["started", "stopped"]
+
+
+@pytest.mark.parametrize(
+    ("names", "improved", "after_deg", "kept"),
+    [(1, 0.5, 0.5, False), (1, 0.2, 9.0, False), (1, 0.5, 9.0, True), (0, 0.5, 0.5, True)],
+)
+def test_names_beside_what_is_unexplained_are_worth_what_either_error_says(names, improved, after_deg, kept):
+    fit = SimpleNamespace(improved=improved, baseline=0.46)
+    found = SimpleNamespace(verdict="unexplained", effects=("shaft",) * names, fit=fit)
+    assert bool(why_not(found, Gain(10.0, after_deg), named=bool(names))) == kept
 
 
 def _asking(name):
