@@ -160,6 +160,8 @@ def peers(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases, which carry the seals.")],
     answers: Annotated[Path, typer.Argument(help="Folder of the answers.")],
     out: Annotated[Path, typer.Argument(help="Folder for the methods' answers, one folder each.")],
+    jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
     diagnoses: Annotated[
         Path | None, typer.Option(help="Folder of nxt-twin's diagnoses, to put beside them.")
     ] = None,
@@ -176,7 +178,7 @@ def peers(
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
     folders = case_folders(cases)
-    follow("letting others answer", answer_all(folders, out), len(folders))
+    follow("letting others answer", answer_all(folders, out, _place(jobs, cluster)), len(folders))
     named = {OURS: diagnoses} if diagnoses else {}
     cells = localise_all(folders, answers, out, named)
     every = {**named, **{peer.name: out / peer.name for peer in PEERS}}
@@ -267,6 +269,8 @@ def robots(
     pairs: Annotated[int, typer.Option(min=0, help="Cases with two effects.")] = 20,
     clean: Annotated[int, typer.Option(min=0, help="Cases in which nothing is missing.")] = 30,
     unknown: Annotated[int, typer.Option(min=0, help="Cases with an effect that no library holds.")] = 10,
+    jobs: JobsOption = 1,
+    cluster: ClusterOption = None,
 ) -> None:
     """Make, solve and score concealed robots on two wheels, and print the table with the aims."""
     from nxt_twin.blind.robot.bench import plan_robots, robots_as_text, solve_robots
@@ -274,10 +278,10 @@ def robots(
     plans = plan_robots(seed, singles=singles, pairs=pairs, clean=clean, unknown=unknown)
     outcomes = []
     with progress("robots") as tell:
-        for number, outcome in enumerate(solve_robots(plans, folder), start=1):
+        for number, outcome in enumerate(solve_robots(plans, folder, _place(jobs, cluster)), start=1):
             tell(f"{number} of {len(plans)}")
             outcomes.append(outcome)
-    print(robots_as_text(outcomes))
+    print(robots_as_text(sorted(outcomes, key=lambda one: one.plan.seed)))
 
 
 def _families(names: str) -> tuple[Family, ...]:

@@ -9,12 +9,14 @@ import pytest
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.families.numbers import Numbers
 from nxt_twin.blind.families.workshop.machine import Workshop
+from nxt_twin.blind.peers.answers import PEERS, answer_all
 from nxt_twin.blind.peers.localised import TRUTH, cells_of_names, f1
 from nxt_twin.blind.peers.process_noise import lacks_something
 from nxt_twin.blind.peers.recipes import cells_of, freed, lisdd, lisdd_cells, sindy
 from nxt_twin.blind.peers.regression import EXPRESSED, regression_of
 from nxt_twin.blind.peers.rows import peer_rows
 from nxt_twin.blind.verdict import NOTHING_GIVEN, judge
+from nxt_twin.fleet.workers.place import HERE
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
 
@@ -111,3 +113,11 @@ def test_sample_splitting_points_at_no_regime_that_noise_alone_makes(weighted):
     noise = np.random.default_rng(1).standard_normal(regression.acceleration.size)
     silent = replace(regression, acceleration=regression.base @ np.array([30.0, -15.0, -7.0]) + noise)
     assert lisdd_cells(silent) == frozenset()
+
+
+def test_what_every_method_has_answered_is_not_asked_again(tmp_path):
+    for peer in PEERS:
+        (tmp_path / peer.name).mkdir()
+        (tmp_path / peer.name / "kept.json").write_text("{}")
+    assert list(answer_all([tmp_path / "kept"], tmp_path, HERE)) == [("kept", "")]
+    assert all((tmp_path / peer.name / "kept.json").read_text() == "{}" for peer in PEERS)

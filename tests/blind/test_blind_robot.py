@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from nxt_twin.blind.robot import bench
 from nxt_twin.blind.robot.bench import (
     RobotOutcome,
     RobotPlan,
@@ -15,6 +16,8 @@ from nxt_twin.blind.robot.truth.body import TrueRobot
 from nxt_twin.blind.robot.truth.integrator import drive
 from nxt_twin.blind.robot.world import ROBOT_EFFECTS, make_world
 from nxt_twin.diagnose.robot.engine import diagnose_robot
+from nxt_twin.errors import DiagnosisError, NxtTwinError
+from nxt_twin.fleet.workers.place import Processes
 
 TIME_S = np.arange(0.0, 1.5, 0.05)
 
@@ -69,8 +72,17 @@ def test_a_slope_and_a_wrong_track_are_named_together_with_their_sizes(tmp_path)
     (outcome,) = solve_robots([plan], tmp_path)
     assert outcome.exact
     assert sum(outcome.inside) >= 2
-    (kept,) = solve_robots([plan], tmp_path)
+    (kept,) = solve_robots([plan], tmp_path, Processes(1))
     assert kept == outcome
+
+
+def test_a_robot_that_cannot_be_diagnosed_is_named(tmp_path, monkeypatch):
+    def refuse(_case):
+        raise DiagnosisError("has no wheels")
+
+    monkeypatch.setattr(bench, "diagnose_robot", refuse)
+    with pytest.raises(NxtTwinError, match=r"robot-7: .*has no wheels"):
+        next(solve_robots([RobotPlan("clean", (), 7)], tmp_path))
 
 
 def test_a_cable_that_pulls_is_known_to_no_effect_and_refused():

@@ -11,9 +11,10 @@ from typing import Any, Final, final
 from nxt_twin.blind.peers.process_noise import lacks_something
 from nxt_twin.blind.peers.recipes import freed, lisdd, lisdd_cells, sindy
 from nxt_twin.blind.peers.regression import EXPRESSED, Regression, regression_of
-from nxt_twin.blind.spread import Outcome
+from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.errors import NxtTwinError
+from nxt_twin.fleet.workers.place import HERE, Place
 from nxt_twin.recording.case import Case, read_case
 
 
@@ -52,10 +53,11 @@ PEERS: Final[tuple[RivalMethod, ...]] = (
 )  # fmt: skip
 
 
-def answer_all(folders: Sequence[Path], out: Path) -> Iterator[Outcome]:
+def answer_all(folders: Sequence[Path], out: Path, place: Place = HERE) -> Iterator[Outcome]:
     """Let each method answer each case into `out/METHOD/CASE.json`; yields names, and why one failed."""
-    for folder in folders:
-        yield answer_one(folder, out)
+    # Workers of a cluster have folders of their own to start from.
+    tasks = [(folder.resolve(), out.resolve()) for folder in folders]
+    yield from spread((CaseTask(task[0].name, answer_one, task) for task in tasks), place)
 
 
 def answer_one(folder: Path, out: Path) -> Outcome:

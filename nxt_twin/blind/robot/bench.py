@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, final
@@ -12,8 +13,12 @@ import numpy as np
 
 from nxt_twin.blind.robot.world import ROBOT_EFFECTS, ROBOT_SURPRISES, RobotWorld, make_world
 from nxt_twin.blind.share import Share
+from nxt_twin.blind.whole import write_whole
 from nxt_twin.diagnose.robot.engine import diagnose_robot
 from nxt_twin.diagnose.telling.to_json import to_json
+from nxt_twin.errors import NxtTwinError
+from nxt_twin.fleet.workers.each import each
+from nxt_twin.fleet.workers.place import HERE, Place
 from nxt_twin.recording.case import Case
 
 RobotCaseKind = Literal["single", "pair", "clean", "unknown"]
@@ -78,17 +83,30 @@ def plan_robots(
     )
 
 
-def solve_robots(plans: Sequence[RobotPlan], folder: Path) -> Iterator[RobotOutcome]:
-    """Make and diagnose each case; what `folder` holds of it already is not done again."""
+def solve_robots(plans: Sequence[RobotPlan], folder: Path, place: Place = HERE) -> Iterator[RobotOutcome]:
+    """Make and diagnose each case, in the order in which they end; what `folder` holds already is not done again.
+
+    Raises:
+        NxtTwinError: a case cannot be diagnosed; those that have been are kept.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    for plan in plans:
-        target = folder / f"robot-{plan.seed}.json"
-        world = make_world(plan.effects, plan.seed)
-        if not target.exists():
-            target.write_text(
-                to_json(diagnose_robot(case_of_world(world, plan.seed)).diagnosis), encoding="utf-8"
-            )
-        yield _outcome(plan, world, json.loads(target.read_text(encoding="utf-8")))
+    # Workers of a cluster have folders of their own to start from.
+    tasks = [(plan, folder.resolve()) for plan in plans]
+    with closing(each(_solved, tasks, place)) as outcomes:  # type: ignore[type-var]
+        for outcome in outcomes:
+            if outcome.result is None:
+                why = outcome.failure.text if outcome.failure else "no answer"
+                raise NxtTwinError(why, where=f"robot-{outcome.task[0].seed}")
+            yield outcome.result
+
+
+def _solved(task: tuple[RobotPlan, Path]) -> RobotOutcome:
+    plan, folder = task
+    target = folder / f"robot-{plan.seed}.json"
+    world = make_world(plan.effects, plan.seed)
+    if not target.exists():
+        write_whole(target, to_json(diagnose_robot(case_of_world(world, plan.seed)).diagnosis))
+    return _outcome(plan, world, json.loads(target.read_text(encoding="utf-8")))
 
 
 def case_of_world(world: RobotWorld, seed: int) -> Case:
