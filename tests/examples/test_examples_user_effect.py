@@ -1,6 +1,8 @@
 """The example package, really installed: its effect takes part in everything."""
 
 import importlib.util
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -61,7 +63,7 @@ def installed(tmp_path_factory):
     patch.setenv(CACHE_VARIABLE, str(tmp_path_factory.mktemp("kernels")))
     patch.syspath_prepend(place)
     forget()
-    yield
+    yield place
     patch.undo()
     forget()
 
@@ -91,6 +93,18 @@ def test_a_diagnosis_names_the_effect_and_its_numbers(case):
     found = answer.plant.to_config()["effects"]["centrifugal_brake"]
     assert found["brake_nm_s2_per_rad2"] == pytest.approx(9e-4, rel=0.2)
     assert found["engage_speed_rad_s"] == pytest.approx(7.0, rel=0.1)
+
+
+def test_its_page_says_what_its_commands_say(installed, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(EXAMPLE.parents[1] / "tools")
+    monkeypatch.setenv("PYTHONPATH", f"{EXAMPLE.parents[1]}{os.pathsep}{installed}")
+    import tutorials
+
+    shutil.copytree(EXAMPLE, tmp_path, dirs_exist_ok=True)
+    page = (EXAMPLE / "README.md").read_text(encoding="utf-8")
+    assert sum(not step.file for step in tutorials.steps(page)) == 3
+    instead = {"pip install --quiet --no-deps .": f"ls {installed}/centrifugal_brake.py > installed"}
+    assert list(tutorials.played(page, tmp_path, instead)) == []
 
 
 def test_the_effect_goes_through_a_plant_file():
