@@ -1,9 +1,9 @@
-"""What a round trip costs above the bare link: ours and nxt-python's, over the same link and peer in one run.
+"""Cost of a round trip above the bare link: ours and nxt-python's, over one link and peer in one run.
 
-A round is what a control loop polls: three motors, four sensors, the battery. Short blocks of rounds of the bare
-link, ours and nxt-python's take turns, and each turn gives two differences to the bare link of the same moment:
-so what else the machine does, its clock rate included, strikes all three alike. The median over all turns counts.
-Two times are taken: this thread's share of the processor, and the wall's.
+A round is what a control loop polls: three motors, four sensors, the battery. Short blocks of rounds of the
+bare link, ours and nxt-python's take turns. Each turn gives two differences to the bare link at that moment,
+so other load and the clock rate strike all three alike. The median over all turns counts. Two times are
+taken: this thread's share of the processor, and the wall's.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ def home(seed: int, *effects: str, duration_s: float = _DURATION_S) -> Concealed
 
 
 def problem_of(made: ConcealedCase) -> Problem:
-    """What a diagnosis of the case would work on."""
+    """The problem that a diagnosis of the case would work on."""
     listed = made.content["recordings"]
     fitted = tuple(one for one in made.recordings if one.name in listed)
     held_out = tuple(one for one in made.recordings if one.name not in listed)

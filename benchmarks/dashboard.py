@@ -1,4 +1,5 @@
-"""What the dashboard costs: the loop a poll handed over, and the dashboard's own process a poll drawn."""
+"""Cost of the dashboard: to the loop for each poll handed over, and to its own process for each poll
+drawn."""
 
 from __future__ import annotations
 

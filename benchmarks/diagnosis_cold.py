@@ -1,4 +1,4 @@
-"""What a diagnosis takes longer as a command of its own: starting, importing, and finding compiled code again."""
+"""Extra time of a diagnosis as a command of its own: starting, importing, and finding compiled code again."""
 
 from __future__ import annotations
 

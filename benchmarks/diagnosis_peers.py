@@ -1,4 +1,4 @@
-"""What a user would otherwise do with the same recordings: two plain recipes, each at its own pace."""
+"""Two plain recipes that a user could apply to these recordings instead, each at its own pace."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ CANDIDATES: dict[str, Term] = {
 
 
 class Peer(NamedTuple):
-    """What a recipe named, and what it took."""
+    """The names that a recipe gave, and its time."""
 
     named: tuple[str, ...]
     taken_s: float

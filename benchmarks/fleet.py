@@ -41,7 +41,7 @@ _RUSAGE_MB: Final = 1024.0
 
 
 class Measured(NamedTuple):
-    """What a fleet took.
+    """Time and memory of a fleet.
 
     Attributes:
         wall_s: by the clock, for the sessions that count.

@@ -1,8 +1,9 @@
-"""What it costs to kill workers of a fleet: results are counted, and moments are random.
+"""Cost of killing workers of a fleet at random moments; results are counted.
 
 python -m benchmarks fleet_kills
 
-A task naps for some milliseconds, so that many moments are cheap; what it does plays no part in what a kill costs.
+A task naps for some milliseconds, so that many moments are cheap; its work plays no part in the cost of a
+kill.
 """
 
 from __future__ import annotations

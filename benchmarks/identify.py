@@ -28,7 +28,7 @@ MOST_PCT: Final = 98.0
 
 
 class Repeated(NamedTuple):
-    """What a repetition gave.
+    """The result of a repetition.
 
     Attributes:
         outcomes: by parameter.

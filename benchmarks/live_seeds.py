@@ -1,10 +1,10 @@
 """Whether a live session names what a mock brick conceals: `live mock:?conceal=SEED --adopt`, in virtual time.
 
-`python -m benchmarks.live_seeds FIRST LAST` holds a session of 45 s with each of these seeds and prints what became of
-it: the concealed effect, when it was noticed, what was taken over, and whether brick and twin are together at the end.
+`python -m benchmarks.live_seeds FIRST LAST` holds a session of 45 s with each of these seeds. It prints the
+concealed effect, the time of its notice, the adopted effect, and whether brick and twin agree at the end.
 
-A diagnosis takes five seconds of virtual time. The mock has its own battery and the four sensors that ship with a
-brick, its link takes as long as USB does, and the session polls it every 20 ms.
+A diagnosis takes five seconds of virtual time. The mock has its own battery and the four sensors that ship
+with a brick. Its link is as slow as USB, and the session polls it every 20 ms.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a second of a mock brick's time costs, with three loaded motors under speed regulation."""
+"""Cost of a second of a mock brick's time, with three loaded motors under speed regulation."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class Wanted(NamedTuple):
 
 
 class Told(NamedTuple):
-    """What a diagnosis of it said.
+    """The answer of a diagnosis.
 
     Attributes:
         outcome: one of `OUTCOMES`.

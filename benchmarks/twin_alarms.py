@@ -1,8 +1,8 @@
 """How often the live monitor calls a divergence where none is: three motors and a sensor on one link, side by side.
 
-The motors are those of the benchmark's own simulator, which shares no formula with the twin, beside their true
-parameters, with a random torque, over links whose stamps are off. `python -m benchmarks.twin_alarms HOURS [SEED]`
-counts so many hours over each link, which is longer than `make bench` has time for.
+The motors come from the benchmark's own simulator, which shares no formula with the twin. The twin knows
+their true parameters. A random torque acts, and the links' stamps are off. `python -m benchmarks.twin_alarms
+HOURS [SEED]` counts that number of hours over each link, which is longer than `make bench` has time for.
 """
 
 from __future__ import annotations

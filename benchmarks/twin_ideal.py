@@ -1,8 +1,9 @@
-"""What there is to be noticed at all: the nats that an observer gains who knows what is missing, and how large it is.
+"""The most that a monitor could notice: the nats that an observer gains who knows the missing effect and its
+size.
 
-The same readings, with the same stamps, are followed by a filter whose model has the effect with its true numbers and
-by one whose model lacks it; both know the random torque. The difference of their log-likelihoods is about what any
-monitor could gain at most, and one that does not know the effect gains less.
+Two filters follow the same readings and stamps. One has the effect with its true numbers, the other lacks it;
+both know the random torque. The difference of their log-likelihoods is about what any monitor could gain at
+most, and one that does not know the effect gains less.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""What a second of a robot's world costs on one core: a tribot with two motors and four sensors, driving in a pen."""
+"""Cost of a second of a robot's world on one core: a tribot with two motors and four sensors, driving in a
+pen."""
 
 from __future__ import annotations
 

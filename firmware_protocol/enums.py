@@ -42,7 +42,7 @@ class MotorMode(IntFlag):
 
 
 class RegulationMode(IntEnum):
-    """What a regulated motor is regulated to; ``POSITION`` needs an enhanced firmware (1.29 builds)."""
+    """The quantity that a motor's regulation holds; ``POSITION`` needs an enhanced firmware (1.29 builds)."""
 
     IDLE = 0
     SPEED = 1
@@ -74,7 +74,7 @@ class OutputFlags(IntFlag):
 
 
 class SensorType(IntEnum):
-    """What is plugged into a sensor port."""
+    """The sensor on a port."""
 
     NO_SENSOR = 0x00
     SWITCH = 0x01

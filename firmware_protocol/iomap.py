@@ -1,7 +1,7 @@
 """IO maps: the memory that each firmware module shares, and where its fields are.
 
-Source: LEGO NXT firmware 1.29, the modules' IO map declarations; for what lies behind the first fields of the
-user interface's and the command module's, the IO map offsets published with the NXC language.
+Source: LEGO NXT firmware 1.29, the modules' IO map declarations. For the later fields of the user interface
+and the command module: the IO map offsets published with the NXC language.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Names of files on the brick: what they may be, what makes them the same, and what a search pattern finds.
+"""Names of files on the brick: which are legal, which are equal, and which a search pattern finds.
 
 Source: LEGO NXT firmware 1.29, d_loader.c (dLoaderInsertSearchStr, dLoaderCheckName).
 """
@@ -19,8 +19,8 @@ _EXTENSION_KEY_LENGTH: Final = 4
 def check_file_name(name: str) -> str:
     """The name itself, if the brick can store a file under it.
 
-    The brick refuses names that are too long with the same error; an empty one, or one that holds
-    characters that cannot be sent, is refused here.
+    The brick also refuses a name that is too long with this error. An empty name, and one with characters
+    that cannot be sent, is refused here.
 
     Raises:
         IllegalFileNameError: the name is empty, longer than 19 characters, or not Latin-1 without NUL.

@@ -83,7 +83,7 @@ class Status(IntEnum):
 
     @property
     def text(self) -> str:
-        """What the status means, in a few words without a full stop."""
+        """The meaning of the status, in a few words without a full stop."""
         return _TEXTS.get(self.value, "status unknown to this package")
 
 

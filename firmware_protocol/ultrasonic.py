@@ -44,7 +44,7 @@ class UltrasonicRegister(IntEnum):
 
 
 class UltrasonicCommand(IntEnum):
-    """What the sensor can be told to do; it wakes up measuring continuously."""
+    """Commands to the sensor; it wakes up measuring continuously."""
 
     OFF = 0x00
     SINGLE_SHOT = 0x01

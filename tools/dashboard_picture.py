@@ -2,9 +2,9 @@
 
     python tools/dashboard_picture.py [--chromium PROGRAM] [--seconds S]
 
-A mock brick whose motor on A carries a weight that the model does not know is watched for a while, and what a
-diagnosis finds is taken over, as with --adopt. What the twin says goes to the dashboard as in any session; a browser
-without a window loads it and is photographed.
+The twin watches a mock brick whose motor on A carries a weight that the model does not know. It adopts the
+result of a diagnosis, as with --adopt. Its messages go to the dashboard as in any session; a browser without
+a window loads the dashboard and takes the picture.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
     python tools/mutation.py [--sample N] [--seed S] [--only WORD]
 
 Cosmic Ray's operators make the changes: another number, another comparison, `and` for `or`, a loop that never runs.
-Its own driver is not used, since it works in place on the checkout and has no sample: here each change is made in a
-copy, and only the tests of its file run. They run in a fork of this process, which has imported what others made.
-Changes that alter no behaviour (annotations, decorators) are left out where they can be told; survivors are printed,
-to be looked at.
+Its own driver works in place on the checkout and cannot sample, so it is not used. Here each change is made
+in a copy, and only the tests of its file run. They run in a fork of this process, which has imported what
+others made. Changes that alter no behaviour (annotations, decorators) are left out where they can be told;
+survivors are printed, to be looked at.
 """
 
 from __future__ import annotations

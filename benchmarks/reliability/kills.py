@@ -1,7 +1,7 @@
 """kill -9 at random moments of record, live and recover: every row that was acknowledged is there afterwards.
 
-The killed process notes each row beside its recording before it is handed over and again after, by calls that a kill
-cannot undo; what `recover` gives is compared with these notes row by row.
+The killed process notes each row beside its recording, before and after it hands the row over. A kill cannot
+undo these notes. The benchmark compares the rows that `recover` gives with them, one by one.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Hours of `live` in virtual time over a Bluetooth link with faults: memory, alarms, and motors that coast at the end.
 
-Faults: one reply in 500 is lost, the host stands still for up to half a second once in 500 replies, and the link is
-gone for some seconds six times an hour. The brick is the mock, its motors are those of their models.
+Faults: one reply in 500 is lost. Once in 500 replies the host stands still for up to half a second. Six times
+an hour the link is gone for some seconds. The brick is the mock, its motors are those of their models.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ RUN_S = 12.0
 
 
 def acceleration(speed: float, power: float) -> float:
-    """What the true motor does, rad/s²: a little heavier and rougher than the baseline says."""
+    """Acceleration of the true motor, rad/s²: a little heavier and rougher than the baseline says."""
     current = (power * SUPPLY_V - 0.48 * speed) / 7.9
     torque = 0.48 * current - 0.010 * math.tanh(speed / 0.02) - 0.0021 * speed
     if abs(speed) > ENGAGE_SPEED_RAD_S:

@@ -17,7 +17,7 @@ _KEY_BYTES: Final = 16
 @final
 @dataclass(frozen=True)
 class Options:
-    """What a fleet is diagnosed with.
+    """The options of a fleet's diagnoses.
 
     Attributes:
         seed: of the random shifts behind p-values.

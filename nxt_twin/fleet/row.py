@@ -63,7 +63,7 @@ SCHEMA: Final = pa.schema(
 
 
 def row_of(diagnosis: Diagnosis) -> Row:
-    """What a diagnosis adds to a row."""
+    """The columns that a diagnosis adds to a row."""
     alarms = diagnosis.false_alarm_rate
     tried = {one.id for one in diagnosis.detectable} | {one.id for one in diagnosis.effects}
     return {
@@ -93,7 +93,7 @@ def row_of(diagnosis: Diagnosis) -> Row:
 
 
 def failed(kind: FailureKind, error: str) -> Row:
-    """What a failure adds to a row: one line of text."""
+    """The columns that a failure adds to a row: one line of text."""
     return {"failure": kind, "error": " ".join(error.split())}
 
 

@@ -1,4 +1,5 @@
-"""What a worker does: unpack a case, diagnose it, answer with a row. It never raises for what a recording holds."""
+"""A worker's task: unpack a case, diagnose it, answer with a row. No content of a recording makes it
+raise."""
 
 from __future__ import annotations
 

@@ -227,7 +227,7 @@ def is_earned(diagnosis: Diagnosis) -> bool:
 
 
 def leaning_to(weighed: Mapping[str, float]) -> dict[str, float]:
-    """What the weighed effects add to a diagnosis, nats by id.
+    """Log-likelihood that the weighed effects add to a diagnosis, nats by id.
 
     They have seen the readings that are diagnosed, and know few effects. So they break ties, and no more.
     """
@@ -273,7 +273,7 @@ def weak_battery(diagnosis: Diagnosis, leaning_nats: float = 0.0) -> float:
 
 
 def told(finished: Finished, diagnosis: Diagnosis, time_s: float) -> list[Event]:
-    """What a diagnosis that was taken over says, as events."""
+    """The events that tell an adopted diagnosis."""
     port, channel = finished.port, tacho_column(finished.port)
     where = f"port {port.upper()}:"
     sure = {effect.name: effect.probability for effect in diagnosis.effects}

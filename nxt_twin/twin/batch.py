@@ -34,8 +34,8 @@ class _Line(NamedTuple):
 class Batch:
     """Rows of plants, each on a port, from one moment to the next.
 
-    Every row carries a torque that its plant does not have, and that fades; it acts with its mean over the time of a
-    call of `advance`, or from command to command.
+    Every row carries an unknown torque that fades. Its mean acts over the time of a call of `advance`, or
+    from command to command.
 
     Args:
         plants: one a row, all of one layout.

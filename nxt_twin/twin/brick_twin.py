@@ -177,7 +177,7 @@ class BrickTwin:
         self._motors[port].begin_anew(self._batch)
 
     def state(self, port: Port) -> MotorBelief:
-        """What is believed of a motor now."""
+        """The present estimate of a motor's state."""
         return self._motors[port].state(self._batch, *self._commands[port])
 
     def adopt(
@@ -191,9 +191,9 @@ class BrickTwin:
     ) -> None:
         """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
 
-        A battery's resistance that the motor's own model did not have before is that of all motors' battery, as it
-        looks from this one, and is left as it was unless the model is `told_of_battery`. What has changed slowly since
-        then, such as how warm its winding is, follows from what its bridge `held`.
+        A battery resistance that is new to the motor's model belongs to the battery of all motors. The model
+        in place keeps its own unless it is `told_of_battery`. What has changed slowly since then, such as how
+        warm its winding is, follows from what its bridge `held`.
         """
         motors, batch = self._motors, self._batch
         if _SAG.owner in plant.active and _SAG.owner not in self._plants[port].active:

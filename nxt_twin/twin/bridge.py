@@ -1,4 +1,4 @@
-"""What a command does to the motor's bridge, and when."""
+"""The effect of a command on the motor's bridge, and its time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ DRIVE, FLOAT, COAST, BRAKE = range(len(DRIVE_MODES))
 
 
 class Hold(NamedTuple):
-    """What the bridge does from `after_s` after the command on: a duty -1…1 in a mode (index into `DRIVE_MODES`)."""
+    """The bridge's state from `after_s` after the command on: a duty -1…1 in a mode (index into
+    `DRIVE_MODES`)."""
 
     after_s: float
     duty: float

@@ -50,7 +50,7 @@ class Candidate:
 
 
 def candidates(plant: Plant, ids: Sequence[str] = DEFAULT_CANDIDATES) -> tuple[Candidate, ...]:
-    """What is weighed against a plant: nothing missing, a torque of unknown origin, and effects.
+    """The explanations weighed against a plant: nothing missing, a torque of unknown origin, and effects.
 
     An effect that the plant has already is weighed as more or less of it. Effects that this installation does not
     know, or whose first number is none, are left out.

@@ -1,4 +1,4 @@
-"""What the motors are told while they are watched."""
+"""The commands to the motors while the twin watches them."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class Estimator:
         self._filter.x = moved.reshape(-1, 1).copy()
 
     def compare(self, reading: float, variance: float) -> ComparedReading:
-        """What a reading of the first component says, without believing it yet."""
+        """The innovation of a reading of the first component; the state stays as it is."""
         predicted = float(self._filter.x[0, 0])
         total = float(self._filter.P[0, 0]) + variance
         square = (reading - predicted) ** 2 / total
@@ -221,7 +221,7 @@ class Drift:
         self._filter.predict(F=np.array([[1.0, dt_s], [0.0, 1.0]]), Q=self._jerk * powers)
 
     def compare(self, reading: float, variance: float) -> ComparedReading:
-        """What a reading says, without believing it yet."""
+        """The innovation of a reading; the state stays as it is."""
         predicted = self.value
         total = float(self._filter.P[0, 0]) + variance
         square = (reading - predicted) ** 2 / total

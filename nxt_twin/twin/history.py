@@ -57,7 +57,7 @@ class History:
             self._counted.append(_Counted(taken_s, float(count)))
 
     def held(self, from_s: float) -> list[tuple[float, Hold]]:
-        """What the bridge did from a moment on, and since when."""
+        """The bridge's state from a moment on, and its beginning."""
         before = [row for row in self._held if row.time_s <= from_s][-1:]
         since = [row for row in self._held if row.time_s > from_s]
         return [
@@ -91,10 +91,10 @@ class History:
         return max(itertools.pairwise(ends), key=lambda part: part[1] - part[0])
 
     def recording(self, from_s: float, open_v: Callable[[float], float]) -> Recording:
-        """What was kept from `from_s` on, or its longest part if that is more than half of it.
+        """The kept rows from `from_s` on, or their longest part if that is more than half of them.
 
-        Duties are those of the bridge, so not always whole percents. The battery's column has the voltage without
-        load, which `open_v` gives for the moment at which the recording begins: a drain is left to be found.
+        Duties are those of the bridge, so not always whole percents. The battery's column has the voltage
+        without load. `open_v` gives it for the recording's first moment, so a drain is left to be found.
         """
         (low_s, high_s), (first_s, last_s) = self._longest(from_s), self._span(from_s)
         if high_s - low_s < 0.5 * (last_s - first_s):

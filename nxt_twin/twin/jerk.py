@@ -1,4 +1,4 @@
-"""What it does to a motion that a command acted at a moment that is not known well."""
+"""The change of a motion by a command whose time of action is uncertain."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ from nxt_twin.twin.settings import Pace
 @final
 @dataclass(frozen=True)
 class LiveOptions:
-    """What a session with a brick does.
+    """The choices of a session with a brick.
 
     Attributes:
         plants: the model of each motor that is watched.

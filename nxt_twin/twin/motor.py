@@ -225,7 +225,7 @@ class MotorTwin:
         self._probable = None
 
     def state(self, batch: Batch, power_pct: float, mode: DriveMode) -> MotorBelief:
-        """What is believed of the motor now."""
+        """The present estimate of the motor's state."""
         row = batch.state[self.row]
         covariance = self._tracking.estimator.covariance
         return MotorBelief(

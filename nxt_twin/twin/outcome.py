@@ -35,7 +35,7 @@ class MotorOutcome:
 @final
 @dataclass(frozen=True)
 class Outcome:
-    """What a session came to.
+    """The outcome of a session.
 
     Attributes:
         verdict: in one word and one sentence.
@@ -105,7 +105,7 @@ class Sitting:
             self._parts.adopter.close()
 
     def outcome(self) -> Outcome:
-        """What it came to so far."""
+        """The outcome so far."""
         session, adopter = self.session, self._parts.adopter
         monitors = session.monitors
         diverging = [port for port, each in monitors.items() if each.diverging]

@@ -1,4 +1,4 @@
-"""What a poll asks of the brick: every motor, and of the rest what is due."""
+"""The requests of a poll: every motor, and of the rest those that are due."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def tell(brick: Brick, port: Port, power_pct: int, mode: DriveMode) -> Stamped[N
 
 
 def reported(state: MotorState) -> tuple[int, DriveMode]:
-    """What a motor is doing by the brick's own word, for motors that somebody else commands."""
+    """A motor's command as the brick reports it, for motors that another program commands."""
     if not state.mode & MotorMode.ON or state.run_state == RunState.IDLE:
         return 0, "coast"
     if not state.mode & MotorMode.BRAKE:

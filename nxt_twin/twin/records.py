@@ -1,4 +1,4 @@
-"""What a live twin tells its sinks: one `Tick` a poll, and an `Event` when something is to be said in words."""
+"""The messages of a live twin to its sinks: one `Tick` a poll, and an `Event` for a sentence."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Innovation:
 @final
 @dataclass(frozen=True)
 class MotorBelief:
-    """What the twin believes of one motor after an update.
+    """The twin's estimate of one motor after an update.
 
     Attributes:
         port: of the brick.

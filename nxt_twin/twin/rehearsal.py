@@ -1,4 +1,4 @@
-"""What a session does, done once before it: whatever is compiled is compiled then, and no poll has to wait for it."""
+"""A rehearsal of a session: it compiles all code that the session needs, so no poll waits for a compiler."""
 
 from __future__ import annotations
 

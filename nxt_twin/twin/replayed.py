@@ -69,7 +69,7 @@ def replay_sitting(
 
 
 def sensors_of(recording: Recording) -> dict[Slot, SensorKind]:
-    """What was plugged in, by the recording's columns."""
+    """The sensors of a recording, by its columns."""
     names: Mapping[SensorKind, Any] = {
         "touch": touch_column,
         "light": light_column,

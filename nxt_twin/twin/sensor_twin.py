@@ -35,8 +35,8 @@ _UNIT = {"touch": "", "light": "raw", "sound": "raw", "ultrasonic": "cm"}
 class SensorTwin:
     """One sensor. Where nothing is known of its surroundings, its truth is a number that wanders.
 
-    An ultrasonic reading has the variance of the sensor's own model; 255 (no echo) is passed by, a reading sooner than
-    the next ping as well, and what cannot be is disbelieved, but not for ever.
+    An ultrasonic reading has the variance of the sensor's own model. The filter skips 255 (no echo) and
+    readings before the next ping. It rejects an impossible reading, unless such readings go on.
 
     Args:
         slot: of the brick.

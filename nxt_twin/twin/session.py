@@ -49,7 +49,7 @@ is diagnosed."""
 @final
 @dataclass(frozen=True)
 class Parts:
-    """What a session is put together from.
+    """The parts of a session.
 
     Attributes:
         open_brick: opens the link, again after it was lost.

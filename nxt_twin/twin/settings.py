@@ -1,4 +1,4 @@
-"""What the twin takes for noise, and when it speaks up."""
+"""The twin's noise, and the limits from which it reports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class MotorNoise:
-    """What is random about a motor whose model holds.
+    """The noise of a motor whose model holds.
 
     Attributes:
         torque_nm: standard deviation of the torque that no model has (friction is never quite smooth).
@@ -31,8 +31,8 @@ class MotorNoise:
 class Pace:
     """When, between a request and its reply, the brick does what was asked.
 
-    The firmware (LEGO, 1.29) answers with the count that its output module published in the pass before, and hands
-    commands to the motor bridges in every second pass; a pass takes 1 ms.
+    The firmware (LEGO, 1.29) runs in passes of 1 ms. It answers with the count of the pass before, and hands
+    commands to the motor bridges in every second pass.
 
     Attributes:
         share: of the round trip that has passed when the brick takes the request up.

@@ -26,8 +26,8 @@ _FEWEST = 6
 class Standstill:
     """Watches the counts of one motor.
 
-    A blocked motor gives way a little when it is driven the other way, and it had turned before; one whose cable
-    is out gives no count at all, whichever way it is driven, or has never given any.
+    A blocked motor had turned before, and gives way a little when it is driven the other way. A motor without
+    a cable gives no count in either direction, or has never given any.
     """
 
     def __init__(self, watch: Watch) -> None:

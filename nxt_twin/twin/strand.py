@@ -42,9 +42,9 @@ def place_matters(plant: Plant) -> bool:
 class Strand:
     """A Kalman filter for angle, speed, unknown torque and, of a candidate, its number.
 
-    The rows of the batch are the estimate itself and, each way along each component, a neighbour one standard
-    deviation away; central differences between them, after they have moved, are the filter's transition. So a
-    motor that sticks, or is about to break away, is seen as such. Where nothing depends on the angle itself, a
+    The rows of the batch are the estimate and its neighbours, one standard deviation away in each direction
+    of each component. Central differences between the moved rows give the filter's transition. So a motor
+    that sticks, or is about to break away, is seen as such. Where nothing depends on the angle itself, a
     neighbour at another angle would move exactly alike, and is left out.
 
     Args:
@@ -150,7 +150,7 @@ class Strand:
         self.estimator.predict(moved, transition, process)
 
     def compare(self, reading: float, variance: float) -> ComparedReading:
-        """What a reading (rad) says of this model."""
+        """The innovation of a reading (rad) under this model."""
         return self.estimator.compare(reading, variance)
 
     def update(self, reading: float, variance: float) -> ComparedReading:

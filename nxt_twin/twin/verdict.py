@@ -1,4 +1,4 @@
-"""What a session comes to, in one line."""
+"""The verdict of a session, in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PyBullet behind `Engine`. What is set here was found by trying."""
+"""PyBullet behind `Engine`. Its settings were found by trial."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rest of this room asks of a physics engine; narrow, so that another can stand behind it."""
+"""The interface of a physics engine to this room; narrow, so that another engine can stand behind it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is printed on a floor, as a picture of how much light comes back from each spot."""
+"""The print on a floor, as a picture of the light that each spot reflects."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """A gear train's inertia on a hub, without the kick that a flywheel on the hub would give to the body.
 
-An NXT motor's rotor turns 48 times as fast as its hub, so that nearly all inertia felt at the hub (J) is a small
-rotor's, whose own angular momentum is J/48 of the hub's speed: braking hardly tips the robot. A flywheel of J on the
-hub would have all of it, and throws a castor bot over. A bare wheel with a rotor on a gear of 48 is badly conditioned,
-so the train is lumped anew: a share of J on the hub, and the rest as a rotor that turns the other way, a few times as
-fast, with as much momentum.
+An NXT motor's rotor turns 48 times as fast as its hub. Nearly all inertia felt at the hub (J) is that of the
+small rotor. Its angular momentum is J/48 times the hub's speed, so braking hardly tips the robot. A flywheel
+of J on the hub would have all of it, and throws a castor bot over. A bare wheel with a rotor on a gear of 48
+is badly conditioned, so the train is lumped anew. A share of J sits on the hub. The rest is a rotor of equal
+momentum, which turns the other way at a few times the speed.
 """
 
 from __future__ import annotations

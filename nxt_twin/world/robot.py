@@ -87,7 +87,7 @@ class Wheel(Written):
 
 @final
 class Glide(Written):
-    """What a robot glides on, such as a castor, whose swivelling is left out.
+    """A support that glides, such as a castor; its swivelling is left out.
 
     Attributes:
         at_mm: its middle.

@@ -168,7 +168,7 @@ class StartPose(Written):
 
 @final
 class Scene(Written):
-    """What a robot stands in.
+    """The surroundings of a robot.
 
     Attributes:
         floor, carpets, things, lamps, sounds, room: see there.

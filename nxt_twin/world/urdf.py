@@ -11,8 +11,8 @@ from nxt_twin.world.assembly import Assembly, RigidLink, Shape, Vector
 def urdf(assembly: Assembly) -> str:
     """The text of the file.
 
-    PyBullet refuses moments that no body has, as a wheel's with a gear train in its spin: the largest stands for all,
-    until the moments themselves are set.
+    PyBullet refuses moments of inertia that no body has, such as those of a wheel with a gear train. The file
+    gives the largest for all three; the engine then sets each.
     """
     lines = [line for link in assembly.links for line in (*_link(link), *_joint(link, assembly.links[0]))]
     return "\n".join((f"<robot name={quoteattr(assembly.name)}>", *lines, "</robot>"))

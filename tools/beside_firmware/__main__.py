@@ -3,9 +3,9 @@
     git clone https://github.com/schodet/nxt-firmware
     python tools/beside_firmware nxt-firmware --sessions 50
 
-Prints what they answer differently. Needs gcc on 64-bit Linux and Pillow. Left out are telegrams after which the
-source reads or writes memory that is not its own, those that need the radio's or the co-processor's answer, and bytes
-that are uninitialised on a brick.
+Prints what they answer differently. Needs gcc on 64-bit Linux and Pillow. Left out are telegrams after which
+the source reads or writes memory that is not its own. Left out too are those that need an answer of the radio
+or the co-processor, and bytes that a brick does not initialise.
 """
 
 from __future__ import annotations
@@ -210,7 +210,7 @@ def comparable(telegram: bytes, transport: Transport) -> bool:
 
 
 def plain(telegram: bytes, said: Answers) -> Answers:
-    """What was said, without what a brick leaves to chance and without sizes that pointers change."""
+    """The answers, without bytes that a brick leaves to chance and without sizes that pointers change."""
     head = {"u": 0, "b": fp.bluetooth.LENGTH_PREFIX_SIZE}
     kept = dict(said)
     for key, offset in head.items():
@@ -223,7 +223,7 @@ def plain(telegram: bytes, said: Answers) -> Answers:
 
 
 def session(program: Path, seed: int, count: int) -> Counter[str]:
-    """Send both the same; how often they answered alike."""
+    """Send both the same telegrams; return the number of equal answers."""
     random, seen = Random(seed), Counter[str]()
     sides = (Source(program), Mock())
     try:

@@ -1,4 +1,4 @@
-"""What a comparison says: verdict, changes, errors."""
+"""The answer of a comparison: verdict, changes, errors."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ class Changes:
         changes: the likeliest first.
         refit: what both sides share, as it came and as it was fitted.
         effects: those among the changes.
-        fit: errors of simulated windows of the side after that were not fitted: of the plant as it was before, of
-            the plant with the changes, and of a plant that shares nothing with the side before.
+        fit: errors of simulated windows of the side after, which no fit saw. They are given for the plant
+            before, for the plant with the changes, and for a plant that shares nothing with the side before.
         tolerance: error that does not matter.
         mismatch: the column that was read, and the equation in which the changes stand.
         notes: what else a reader should know.
-        held_out: recordings of the side after, in the windows that were not fitted: as measured, as the plant before
-            predicts them (`baseline`), and with the changes (`improved`).
+        held_out: recordings of the side after, in windows that no fit saw: as measured, as predicted by the
+            plant before (`baseline`), and with the changes (`improved`).
         plant: of the side after.
     """
 

@@ -113,11 +113,11 @@ class Chooser:
         return [(bare, rival) for rival in found if sum(rival.check_rms) < _WORSE * sum(joint.check_rms)]
 
     def net(self, simpler: JointFit, wider: JointFit) -> float:
-        """What `wider` gains beyond the penalty for its further numbers, nats.
+        """The gain of `wider` beyond the penalty for its further numbers, nats.
 
-        That a parameter is another one is likelier beforehand than that a law came in, and that a load is another one
-        likelier than that the motor is: a weaker motor and a heavier load look much alike. A law of how a motor is made
-        is less likely than one that somebody brings in.
+        A priori, a changed parameter is likelier than a new law. A changed load is likelier than a changed
+        motor: a weaker motor and a heavier load look much alike. A law of how a motor is made is less likely
+        than one that somebody brings in.
         """
         size = wider.model.size - simpler.model.size
         laws = len(wider.model.effects) - len(simpler.model.effects)

@@ -25,8 +25,8 @@ def changed(
     Args:
         before: its plant is the model of all sides.
         afters: their plants play no part.
-        tolerance: error of a simulation that does not matter, SI (rad, m, or per second); without one, half a step of
-            the encoder or the roughness of its readings.
+        tolerance: error of a simulation that does not matter, SI (rad, m, or per second). None takes half a
+            step of the encoder, or the roughness of its readings.
         progress: told in words what is being done.
 
     Raises:

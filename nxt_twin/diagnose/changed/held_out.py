@@ -1,4 +1,4 @@
-"""What the plant before and the changed plant predict of windows after that were not fitted."""
+"""Predictions of the plant before and of the changed plant, for windows after the change that no fit saw."""
 
 from __future__ import annotations
 

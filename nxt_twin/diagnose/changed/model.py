@@ -30,8 +30,8 @@ _SUPPLY = Slot(BASE_OWNER, "supply_v")
 class WayToDiffer:
     """One way in which the plant may differ after, moved by one number inside.
 
-    A supply that nobody read is such a way: motion under s times the voltage is that of a torque constant 1/s times,
-    and a resistance 1/s² times, as large.
+    An unread supply is such a way. Motion under s times the voltage equals motion with 1/s times the torque
+    constant and 1/s² times the resistance.
 
     Attributes:
         slot: the parameter that differs.
@@ -60,7 +60,7 @@ class WayToDiffer:
 @final
 @dataclass(frozen=True)
 class Model:
-    """What is shared and what differs.
+    """Parameters that both sides share, and those that differ.
 
     Attributes:
         plant: as it came; the parameters that no fit moves are taken from it.

@@ -15,7 +15,7 @@ _FEWEST = 2
 
 
 def alarm_nats(fitter: JointFitter, joint: JointFit) -> float | None:
-    """What the best single parameter gains where one side's repeats are split against one another, nats net.
+    """The gain of the best single parameter between repeats of one side, where nothing changed; net, nats.
 
     None where there is one recording alone. Recordings are sorted by how far they move, so that repeats of one motion
     come apart.

@@ -1,4 +1,4 @@
-"""What a comparison says to a person."""
+"""The sentences of a comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the readings that only check a choice say of a fitted plant."""
+"""Likelihood and errors of a fitted plant on the check readings, which only judge a choice."""
 
 from __future__ import annotations
 

@@ -90,8 +90,8 @@ class Target:
         counted: which samples of each count, shape (samples,).
         check: which samples of each only judge a choice, shape (samples,).
         evidence: what one reading of each job is worth, less than 1 where readings tell of one another.
-        corrected: which samples correct the run, shape (samples,); None where all do. What is predicted between them
-            is simulation.
+        corrected: which samples correct the run, shape (samples,); None where all do. Predictions between
+            them are simulation.
         lenient: whether readings that are far off count softly.
         pull: how many times its evidence a job counts for while parameters are sought, so that they simulate.
     """
@@ -239,10 +239,10 @@ def fit(
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
 
     Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
-    Those at which another fit of the same variables on the same readings came to rest may be brought: they hold where
-    the noise has changed since by a little, and are measured anew before the fit rests where they are not exact.
-    Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
-    that of the last step stands in for the one at the end, which takes twice as many runs.
+    A caller may pass slopes from an earlier fit of these variables on these readings. They hold while the
+    noise has changed little; inexact slopes are measured anew before the fit ends. Stops after so many
+    `iterations`, or where the next would gain less than `patience_nats`. Without `covariance` that of the
+    last step stands in for the one at the end, which takes twice as many runs.
     """
     search = _FitSurroundings(simulator, plant, tuple(variables), target.pulling())
     x: FloatArray = search.centred(search.inside(values_of(plant, variables)))

@@ -1,7 +1,7 @@
 """The linear observer by itself: deviations from innovations, their likelihood, and synthetic clean recordings.
 
-The state is position, speed and an unknown torque over inertia that leaks away, as in `physics.observer`; what is
-random may here change from reading to reading.
+The state is position, speed and an unknown torque over inertia that leaks away, as in `physics.observer`.
+Here the noise may change from reading to reading.
 """
 
 from __future__ import annotations
@@ -90,8 +90,8 @@ def clean_innovations(
 ) -> FloatArray:
     """Innovations of `count` recordings like `job` in which nothing is missing, over their standard deviations.
 
-    Same stamps and gains, the same unknown torque and reading noise, readings cut to the same quantum; where the
-    plant stands, dry friction holds it against the unknown torque.
+    They share the stamps, gains, unknown torque, reading noise and quantum of `job`. Where the plant stands,
+    dry friction holds it against the unknown torque.
 
     Returns:
         Shape (count, samples); 0 where there is no reading.

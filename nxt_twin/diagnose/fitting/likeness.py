@@ -18,8 +18,8 @@ _ROUNDS = 6
 def told_apart(slopes: FloatArray, along: FloatArray) -> FloatArray:
     """`slopes` without what they have between such motors, shape (variables, readings).
 
-    There they hold nothing but the unevenness of finite differences over stops, sticking and late readings, which
-    would pass for evidence of what only the priors know.
+    There the slopes hold only errors of finite differences, from stops, sticking and late readings. A fit
+    would take these errors for evidence, where only the priors know anything.
 
     Args:
         slopes: of each reading for each variable, in the variable's scale.

@@ -61,7 +61,7 @@ class Linear:
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        """What the re-fit may move."""
+        """The variables that the re-fit may move."""
         return self.structure.fitted.variables
 
     def absorbed(self, signatures: FloatArray, kept: BoolArray | None = None) -> FloatArray:
@@ -78,7 +78,7 @@ class Linear:
         return np.asarray(np.linalg.solve(normal, common).T)
 
     def left_of(self, signatures: FloatArray, kept: BoolArray | None = None) -> FloatArray:
-        """What the re-fit cannot take up of `signatures`, shape (signatures, readings).
+        """The part of `signatures` that the re-fit cannot absorb, shape (signatures, readings).
 
         With `kept`, the re-fit sees only those readings and the others are predicted by it.
         """

@@ -107,9 +107,9 @@ def estimate(
 ) -> tuple[Noise, float]:
     """The likeliest noise under `plant`, searched from `start`, and how much likelier than that it is, nats.
 
-    In the logarithms of both deviations the likelihood is nearly a paraboloid: a star of points is weighed at once,
-    the paraboloid through them gives the next centre, and the star shrinks as it comes to rest. A start that is `near`
-    already gets a narrower star.
+    In the logarithms of both deviations, the log-likelihood is nearly a paraboloid. The search evaluates a
+    star of points at once, moves its centre to the paraboloid's peak, and shrinks the star. A start that is
+    `near` already gets a narrower star.
     """
     whole, target = target, target.predicting()
     floor = reading_floor([job.signals for job in target.jobs])

@@ -54,14 +54,14 @@ class HeldOut:
 @final
 @dataclass(frozen=True)
 class Problem:
-    """What one diagnosis works on.
+    """The plant and the readings of one diagnosis.
 
     Attributes:
         name: the case's.
         plant: the baseline as it came.
         scale: torque and speed that are ordinary for it.
-        target: readings that a fit sees, thinned to what the plant's time constant leaves independent, each predicted
-            from those before it; those that only judge a choice of structure are marked.
+        target: readings that a fit sees, each predicted from those before it. They are thinned until the
+            plant's time constant leaves them independent. Check readings are marked.
         simulated: the same readings, predicted by windows of simulation.
         held_out: what the final figures are about.
         signals: the recordings of `target`, unthinned.
@@ -95,7 +95,7 @@ class Problem:
 
     @property
     def objective(self) -> Target:
-        """What a fit sees: each reading predicted from those before it, and simulated."""
+        """The targets of a fit: each reading predicted one step ahead, and each reading simulated."""
         if not self.by_windows:
             return self.target.beside(self.simulated)
         windows = replace(self.simulated, pull=(1.0,) * len(self.simulated.jobs))

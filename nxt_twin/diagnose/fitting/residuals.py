@@ -1,4 +1,4 @@
-"""What a plant leaves unexplained at each reading, and what the plant was doing then."""
+"""The innovation that a plant leaves at each reading, and the plant's state at that moment."""
 
 from __future__ import annotations
 

@@ -30,8 +30,8 @@ class Structure:
         fitted: the fit on the target's readings.
         noise: under which it was fitted.
         check_cost: negative log-likelihood of the readings that only check, nats.
-        window_errors: RMS error of each window over the readings that only check, in their SI unit, of free runs that
-            start anew in each, and of one free run over each whole recording; arrays of shape (windows,).
+        window_errors: RMS error of each window over the check readings, SI. The first array is for free runs
+            that start anew in each window, the second for one free run over each recording; shape (windows,).
         believed: how many of those readings were taken for readings rather than for faults.
     """
 

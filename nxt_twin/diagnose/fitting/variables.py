@@ -43,10 +43,10 @@ def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
 
 
 def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable, ...]:
-    """What a fit of `plant` moves.
+    """The variables that a fit of `plant` moves.
 
-    Of the baseline everything but its anchors, softly held near the value it came with; of the effects added to
-    it everything but the share of a fault, which follows from the readings' weights and not from a slope.
+    Of the baseline: all parameters except its anchors, each with a prior around its given value. Of added
+    effects: all parameters except a fault's share, which follows from the readings' weights.
     """
     shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
     driven = scale.recordings[0].input_kind if scale.recordings else None

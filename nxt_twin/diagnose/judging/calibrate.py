@@ -26,11 +26,11 @@ _SIGMAS = 3.0
 @final
 @dataclass(frozen=True)
 class FalseAlarms:
-    """What a search would have done with clean recordings of the same inputs, stamps, quantum and noise.
+    """The result of the search on synthetic clean recordings with these inputs, stamps, quantum and noise.
 
     Attributes:
         alarms: of the synthetic cases, how many would have had an effect named in them.
-        of: how many were made up.
+        of: the number of synthetic cases.
     """
 
     alarms: int
@@ -66,8 +66,8 @@ def clean_cases(linear: Linear, rng: Generator) -> FloatArray:
 def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray) -> BoolArray:
     """In which of the clean cases an effect would be named, shape (cases,).
 
-    Each trial's signature is scaled to fit the fitted readings of a clean case best (a score test with the re-fit
-    projected out); both these and the checking readings have to accept it, as in the search.
+    Each trial's signature is scaled to fit a clean case's fitted readings best (a score test with the re-fit
+    projected out). As in the search, fitted and check readings must both accept it.
     """
     fitted = ~linear.checks
     innovations = linear.left_of(clean, fitted)
@@ -88,6 +88,7 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
 
 
 def leftover_threshold(clean_nats: FloatArray, least: float) -> float:
-    """What a clean case's leftover exceeds less than once in so many synthetic cases; never below `least`."""
+    """The largest leftover of the synthetic clean cases, or their mean plus some standard deviations; never
+    below `least`."""
     spread = float(np.mean(clean_nats) + _SIGMAS * np.std(clean_nats))
     return max(least, float(np.max(clean_nats)), spread)

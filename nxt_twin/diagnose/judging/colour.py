@@ -19,8 +19,8 @@ _LAGS = 20
 def colour(innovations: FloatArray, run: IntArray) -> FloatArray:
     """How many readings count as one in a comparison of likelihoods, shape (cases,): 1 where all are independent.
 
-    It is 1 plus twice the sum of squared autocorrelations: by so much the score of an effect scatters more, whose own
-    innovations are coloured alike.
+    It is 1 plus twice the sum of squared autocorrelations. That factor widens the scatter of an effect's
+    score, where its signature is coloured alike.
 
     Args:
         innovations: shape (cases, readings), recordings one after another.

@@ -30,7 +30,7 @@ _WITHOUT_EFFECT = {"exponent": 1.0}
 @final
 @dataclass(frozen=True)
 class Detectable:
-    """What it takes of an effect to be found.
+    """The smallest size at which an effect is found.
 
     Attributes:
         effect: the effect.
@@ -47,7 +47,7 @@ class Detectable:
 
 
 def needed_nats(effect: Effect, readings: int) -> tuple[float, float]:
-    """What an effect has to gain on average in fitted and in checking readings to be accepted nine times of ten."""
+    """Mean gain in fitted and in check readings, from which a search accepts an effect nine times of ten."""
     penalty = 0.5 * max(len(effect.parameters) - len(effect.supersedes), 1) * math.log(max(readings, 2))
     fitted = 0.5 * (math.sqrt(2.0 * (LIMITS.gain_nats + penalty)) + _NINE_OF_TEN) ** 2
     checked = 0.5 * (_NINE_OF_TEN + math.sqrt(_NINE_OF_TEN**2 + 2.0 * LIMITS.check_nats)) ** 2

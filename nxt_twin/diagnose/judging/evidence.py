@@ -52,7 +52,7 @@ _MOST_CELLS = 4_000_000  # synthetic readings held at a time, which bounds the m
 @final
 @dataclass(frozen=True)
 class Evidence:
-    """What the verdict and all findings rest on.
+    """The evidence behind the verdict and all findings.
 
     Attributes:
         problem, units, explanation: as their types say.

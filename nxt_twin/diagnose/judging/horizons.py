@@ -61,9 +61,9 @@ def errors_of(simulator: Simulator, problem: Problem, plant: Plant, best: Plant,
 def floors_of(problem: Problem, noise: Noise, reached: Sequence[Errors]) -> tuple[float, ...]:
     """The RMS error of a model that lacks nothing, at each horizon: what noise makes of a simulation, SI.
 
-    Linear theory says how an unknown torque's effect grows. It takes the torque to act at rest too, where friction
-    holds the motor, so it is scaled by what simulated readings that were fitted really show. No floor lies above
-    what some plant has `reached`.
+    Linear theory says how an unknown torque's effect grows. It assumes that the torque also acts at rest,
+    where friction holds the motor. The floor is therefore scaled to the errors of fitted simulated readings.
+    No floor lies above what some plant has `reached`.
     """
     scale = min(noise.drift, 1.0)
     found = []

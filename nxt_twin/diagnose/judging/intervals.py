@@ -38,11 +38,11 @@ def covariance_of(simulator: Simulator, problem: Problem, linear: Linear) -> Flo
 def robust_covariance(simulator: Simulator, linear: Linear, *, block_s: float = BLOCK_S) -> FloatArray:
     """Covariance of the structure's variables, SI, shape (variables, variables).
 
-    The larger, direction by direction, of the Gauss-Newton covariance and the sandwich whose filling is the scatter
-    of the scores over blocks of time (Newey and West's idea, with blocks): where innovations hang together or gather
-    in places, blocks scatter more than single readings would. The weak priors enter as evidence of their own. On top
-    come what nobody told: the supply between the battery's readings, parameters that no fit moves, where within a
-    step the encoder's zero lies, and which of the laws of one name the plant follows (`Parameter.law`).
+    In each direction, the larger of the Gauss-Newton covariance and a sandwich estimate. The sandwich's
+    middle is the scatter of the scores over blocks of time (Newey and West's idea, with blocks). Correlated
+    innovations make blocks scatter more than single readings. The weak priors enter as evidence of their own.
+    Unknown inputs add to it: the supply between battery readings, fixed parameters, the encoder's zero within
+    a step, and the choice among laws of one name (`Parameter.law`).
     """
     variables = linear.variables
     scale = np.array([v.scale for v in variables])

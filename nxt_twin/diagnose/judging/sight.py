@@ -57,7 +57,7 @@ def _as_size(one: Detectable, problem: Problem) -> DetectableSize:
 
 
 def lacks(problem: Problem) -> tuple[str, ...]:
-    """What the inputs of these recordings never do, in words."""
+    """Motions that the inputs of these recordings never cause, in words."""
     speed = np.concatenate([smoothed(s)[1] for s in problem.signals])
     command = np.concatenate([s.command_at_samples() for s in problem.signals])
     moving = speed[np.abs(speed) > _MOVING_SHARE * problem.scale.speed]

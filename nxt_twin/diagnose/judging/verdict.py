@@ -51,7 +51,7 @@ LIMITS = VerdictLimits()
 @final
 @dataclass(frozen=True)
 class Record:
-    """What a verdict rests on.
+    """The numbers that a verdict rests on.
 
     Attributes:
         named: effects found, those left out that plant files mostly state.
@@ -63,8 +63,9 @@ class Record:
             of an ordinary one.
         run_ratio: error in free runs of the improved plant over that of the baseline, on readings that check.
         off: error of the improved plant in free runs over that of noise alone, on readings that check.
-        matters: whether what is left matters: windows of two seconds, or shorter, err by more than the tolerance, and
-            beside found effects by more than the floor or hardly less than those of the baseline.
+        matters: whether the remaining error matters: windows of at most two seconds err by more than the
+            tolerance. Where effects were found, they must also exceed the floor or hardly improve on the
+            baseline.
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
             where it matters and surprises.
         stalled_share: largest share of a recording's time in which the host or the link stood still.
@@ -108,7 +109,8 @@ def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the host or the link stood still for too long to trust what the stamps say.
 
-    One effect that leaves nothing that matters is trusted all the same: no stall explains the rest of a recording.
+    One effect that leaves no error above the tolerance is trusted nevertheless: no stall explains the rest of
+    a recording.
     """
     return record.stalled_share > limits.most_stalled and (record.matters or record.named > 1)
 

@@ -33,7 +33,7 @@ Progress = Callable[[str], None]
 @final
 @dataclass(frozen=True)
 class Explanation:
-    """What the search found.
+    """The result of the search.
 
     Attributes:
         baseline: the re-fitted baseline.

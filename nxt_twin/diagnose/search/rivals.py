@@ -49,8 +49,8 @@ def likelier_structure(rivals: dict[str, tuple[Rival, ...]]) -> Structure | None
 def simulates_worse(best: Structure, trial: Structure, other: Effect) -> bool:
     """Whether free runs speak against `trial`, which has `other`.
 
-    A start anew does not know where a second body is, so that an effect with states of its own which readings speak
-    for, those that were not fitted too, may be further off.
+    A new start does not know where a second body is. An effect with states of its own may therefore simulate
+    worse, if fitted and check readings speak for it.
     """
     weight = weigh(trial, best)
     sure = bool(other.states) and weight.total < -LIMITS.sure_nats and weight.check_gain < 0.0

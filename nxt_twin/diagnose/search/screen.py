@@ -46,11 +46,11 @@ class Prospect:
 
 
 def screen(fitter: Fitter, structure: Structure, effects: Sequence[Effect]) -> list[Prospect]:
-    """What each start of each of `effects` promises beside `structure`, likeliest first.
+    """The gain that each start of each of `effects` promises beside `structure`, likeliest first.
 
-    One run a start gives the signature: the change of all predictions in standard deviations. What a re-fit of the
-    structure's own variables could imitate is projected out (a score test with nuisance parameters), by their slopes
-    at the structure's values; the rest may be stretched, since a start has only the order of magnitude.
+    One run a start gives the signature: the change of all predictions in standard deviations. A score test
+    with nuisance parameters projects out all that a re-fit of the structure's own variables could imitate.
+    The rest is scaled, since a start has only the order of magnitude.
     """
     plants = [
         (effect, _with_load_split(structure.plant.with_effect(effect.id, start), effect))

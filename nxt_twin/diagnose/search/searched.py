@@ -25,7 +25,7 @@ _AS_GIVEN = replace(SETTLED, iterations=0)
 @final
 @dataclass(frozen=True)
 class Searched:
-    """What a search hands on.
+    """The results of a search.
 
     Attributes:
         explanation: what was found.

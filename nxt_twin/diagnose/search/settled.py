@@ -34,11 +34,11 @@ class Settled:
         return self._best[plant.active]
 
     def like(self, plant: Plant) -> Structure | None:
-        """What was settled before with the effects of `plant`, if anything was."""
+        """The settled structure with the effects of `plant`, or None."""
         return self._best.get(plant.active)
 
     def with_effect(self, bare: Plant, effect: Effect) -> Structure | None:
-        """What was settled before with just `effect` added to `bare`, if anything was."""
+        """The settled structure with only `effect` added to `bare`, or None."""
         return self._best.get((bare.active - set(effect.supersedes)) | {effect.id})
 
     def without(self, best: Structure, effect_id: str) -> Structure:

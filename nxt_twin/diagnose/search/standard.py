@@ -1,4 +1,4 @@
-"""What an effect has to show to be added to a structure, or kept in it."""
+"""The tests that an effect must pass to enter a structure, or to stay in it."""
 
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ class Standard:
         )
 
     def needed(self, best: Structure, weight: Weight | None = None) -> float:
-        """What a further effect has to gain; more where what `best` leaves does not matter to a simulation.
+        """The gain that a further effect needs; more where the error that `best` leaves does not matter to a
+        simulation.
 
         Unless the effect's `weight` shows that a simulation gets much nearer still.
         """
@@ -108,10 +109,11 @@ class Standard:
         return self._settled.like(plant) or self._settled.settle(plant, best.noise)
 
     def belief(self, effect: Effect) -> float:
-        """What speaks for an effect beforehand, nats.
+        """The log prior odds of an effect, nats.
 
-        What plant files mostly state is likely missing where left out. Where windows alone decide, and few readings
-        are independent, a curve of our own that stands for many mechanisms is no match for one that is known.
+        A term that most plant files state is likely missing where a file leaves it out. Where windows alone
+        decide, few readings are independent. A free curve, which stands for many mechanisms, then gives way
+        to a known mechanism.
         """
         first = effect.parameters[0]
         stated = effect.plain and (first.frozen or math.isfinite(first.doubt))

@@ -1,4 +1,4 @@
-"""What a plant was doing in a recording, as predicted before each reading corrected it."""
+"""The course of a plant's state in a recording, predicted before each reading corrected it."""
 
 from __future__ import annotations
 

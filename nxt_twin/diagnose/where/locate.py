@@ -49,9 +49,9 @@ def _spells_of_one(time_s: FloatArray, normalised: FloatArray, name: str) -> lis
 def regimes(found: Residuals, seed: int) -> tuple[RegimeFinding, ...]:
     """Regimes in which the mismatch gathers, strongest first.
 
-    Each statistic is held against what it gives when the innovations are shifted in time against the plant's
-    state, so that their own correlation is kept: the p-value says how often chance does as well, and the strength
-    is the distance from chance in its standard deviations.
+    Each statistic is compared with its values after random shifts of the innovations against the plant's
+    state. A shift keeps the innovations' own correlation. The p-value is the share of shifts that do as well;
+    the strength is the distance from their mean, in standard deviations.
     """
     rng = np.random.default_rng(seed)
     size = found.normalised.size

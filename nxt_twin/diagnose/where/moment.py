@@ -38,9 +38,9 @@ class _Followed:
 def moments(simulator: Simulator, linear: Linear) -> tuple[Onset, ...]:
     """The moments of all effects in the structure that have one, each if it is surely within a recording.
 
-    While the plant stands, or shows nothing of the effect, the likelihood does not fall: the bounds are the last moment
-    known to be before and the first known to be after, and the middle is given. What may as well have come between
-    two recordings has no moment.
+    The likelihood stays flat while the plant stands or the effect does not show. The answer is the middle of
+    that stretch; its bounds are the last moment before and the first moment after. What may as well have come
+    between two recordings has no moment.
     """
     plant = linear.structure.plant
     slots = [Slot(effect.id, _SYMBOL) for effect in plant.effects]

@@ -46,9 +46,9 @@ def onsets(linear: Linear, directions: Sequence[Direction], clean: FloatArray) -
     """Moments at which one of `directions` set in, at most one a recording, the strongest first.
 
     A structural change test: the direction, cut off before (or after) each moment, is weighed with everything that
-    the re-fit can take up projected out. The p-value holds the best moment of a recording against the best moments
-    of `clean` cases, shape (cases, readings), and of these readings' own innovations shifted in time: what is missing
-    all the time gathers at some moment too.
+    the re-fit can take up projected out. The p-value compares the best moment of a recording with two
+    references: `clean` cases, shape (cases, readings), and these readings' own innovations shifted in time.
+    The second is needed because physics that is always missing also gathers at some moment.
     """
     names = np.array([job.signals.name for job in linear.jobs])[linear.run]
     found = []

@@ -1,7 +1,7 @@
 """The reaction of a second body that a motion drags along: on a spring, behind play, or held by rubbing.
 
-The motion is given, so each is a simple sum; all return the body's pull per unit of its inertia, 1/s² times the
-motion's unit, shape (samples,).
+The motion is given, so each is a simple sum. All return the body's pull per unit of its inertia, 1/s² times
+the motion's unit, shape (samples,).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _RUBBING_STEP_S = 2e-3
 def on_a_spring(
     time_s: FloatArray, position: FloatArray, frequency_hz: float, damping_ratio: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Pull of the spring and of the damper beside it: y'' = ω²·(x - y) + 2·ζ·ω·(x' - y') of a body at y."""
+    """Pull of a spring and of a damper beside it, on a body at y: `y'' = ω²·(x - y) + 2·ζ·ω·(x' - y')`."""
     spring, damper = np.zeros(position.size), np.zeros(position.size)
     _spring(time_s, position, 2.0 * math.pi * frequency_hz, damping_ratio, spring, damper)
     return spring, damper

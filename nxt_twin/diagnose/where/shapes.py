@@ -1,7 +1,7 @@
 """The shapes that something missing may have, by the equation that it would be missing from.
 
-No effect of the library takes part: a shape is a family of functions of what the plant was doing (of speed, of
-angle, of time, of the command), any sum of which may be missing, with no parameter but the size of its parts.
+No effect of the library takes part. A shape is a family of functions of speed, angle, time or command. Any
+sum of them may be missing; its only parameters are the sizes of its parts.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _MOST_CELLS = 4_000_000  # parts times samples, which bounds the memory of an ho
 @final
 @dataclass(frozen=True)
 class Yardstick:
-    """What is ordinary in these recordings.
+    """Ordinary sizes in these recordings.
 
     Attributes:
         speed, acceleration, drive: root mean square.

@@ -1,11 +1,11 @@
 """Which equation fails: give each something of its own to be missing and see which makes the readings likeliest.
 
 After Kristensen, Madsen and Jørgensen (2004): where a model lacks something, the equation that lacks it asks for
-noise. That noise may have a shape (any function of speed, of angle, of the command, see `shapes`) or none. All
-hypotheses are Gaussian with one variance each, so they compete by the marginal likelihood of the same innovations
-of the re-fitted baseline, the parameters of the re-fit integrated out, and none is favoured for being flexible. Each
-has beside it what the baseline asks for by itself: an unknown torque and a reading noise of any size.
-No effect of the library takes part, so this also speaks where none is known.
+noise. That noise may have a shape (any function of speed, of angle, of the command, see `shapes`) or none.
+All hypotheses are Gaussian with one variance each. They compete by the marginal likelihood of the re-fitted
+baseline's innovations, with the re-fit's parameters integrated out. No hypothesis gains from being flexible.
+Each also has the baseline's own unknown torque and reading noise, of any size. No effect of the library takes
+part, so this also speaks where none is known.
 """
 
 from __future__ import annotations

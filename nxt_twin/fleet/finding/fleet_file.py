@@ -1,4 +1,4 @@
-"""What a file `fleet.yaml` beside a fleet's folders says of all of them."""
+"""The file `fleet.yaml` beside a fleet's folders: settings for all of them."""
 
 from __future__ import annotations
 

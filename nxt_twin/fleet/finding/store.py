@@ -41,7 +41,7 @@ class Store(Protocol):
     """Files by their paths, with `/` between the parts."""
 
     def roots(self, text: str) -> list[Root]:
-        """What a folder, a file or a glob means; nothing where nothing is there."""
+        """The paths behind a folder, a file or a glob; none where nothing is there."""
 
     def walk(self, path: str) -> Iterator[Folder]:
         """The folder and all below it, in the order of their names."""

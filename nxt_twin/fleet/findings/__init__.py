@@ -1,1 +1,2 @@
-"""What a fleet's table says of its units: what they lack, how they drift, what a batch shares, who stands out."""
+"""Findings in a fleet's table: effects that units lack, drift, effects that a batch shares, units that stand
+out."""

@@ -1,4 +1,4 @@
-"""What the units of a batch have in common, and others have not."""
+"""Effects that the units of a batch have in common, and other units lack."""
 
 from __future__ import annotations
 

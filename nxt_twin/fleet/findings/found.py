@@ -13,7 +13,7 @@ from nxt_twin.fleet.findings.values import LEVEL, Failed, Findings
 
 
 def findings_in(path: Path) -> Findings:
-    """What the table at `path` says, with false discoveries controlled over the whole fleet.
+    """The findings in the table at `path`, with false discoveries controlled over the whole fleet.
 
     Each of the four questions is a family of tests of its own.
 

@@ -21,9 +21,9 @@ _USUAL_ALARM: Final = 0.05
 def lacks(sessions: Sessions) -> tuple[list[Lack], list[EffectShare]]:
     """Each effect that was found in a unit, the surest first, and the share of units with each effect.
 
-    A finding in k of n sessions has a p-value by the engine's own false alarm rate (a binomial tail), and one by its
-    size beside its standard deviation; the smaller counts, doubled, as there are two. Tests are all effects that were
-    tried in all units.
+    A finding in k of n sessions has two p-values. One follows from the engine's own false alarm rate (a
+    binomial tail), the other from the size over its standard deviation. The smaller counts, doubled. Tests
+    are all effects that were tried in all units.
     """
     known = _of_effects(sessions)
     unknown = _of_unknown(sessions)

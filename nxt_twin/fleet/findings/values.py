@@ -1,4 +1,4 @@
-"""What is found in a fleet, each with its doubt."""
+"""The findings of a fleet, each with its uncertainty."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the brick's sensors make of the world around a robot, by the models of `nxt_twin.sensors`."""
+"""Readings of the brick's sensors in the world around a robot, by the models of `nxt_twin.sensors`."""

@@ -18,7 +18,7 @@ _GREATEST_DEG_S: Final = 360.0
 
 @final
 class GyroSense:
-    """What a gyro's converter reads.
+    """Readings of a gyro's converter.
 
     Args:
         mount: what it measures.

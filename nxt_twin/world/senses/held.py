@@ -12,7 +12,7 @@ _ROUNDING_S: Final = 1e-9
 
 @final
 class Held:
-    """What is measured every `period_s`; the mock's `SensorView`.
+    """A reading that is measured every `period_s` and held in between; the mock's `SensorView`.
 
     Args:
         measure: measures now; it is told the time, s.

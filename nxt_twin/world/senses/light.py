@@ -25,7 +25,7 @@ _NEAREST_LAMP_M: Final = 0.05
 
 @final
 class LightSense:
-    """What a light sensor's converter reads, with its own lamp or without.
+    """Readings of a light sensor's converter, with its own lamp or without.
 
     Args:
         mount: where it sits.

@@ -17,7 +17,7 @@ _NEAREST_M = 0.02
 
 @final
 class SoundSense:
-    """What a sound sensor's converter reads. The loudest source's tone is the one that it hears.
+    """Readings of a sound sensor's converter. It hears the loudest source's tone.
 
     Args:
         mount: where it sits.

@@ -33,10 +33,11 @@ _NEVER_DEG: Final = 179.0
 
 @final
 class UltrasonicSense:
-    """What an ultrasonic sensor reads, cm; the mock's `SensorView`, asked at each ping.
+    """Readings of an ultrasonic sensor, cm; the mock's `SensorView`, asked at each ping.
 
-    A surface sends an echo where its incidence and the ray's angle off the axis, together, are within the model's beam:
-    for a flat wall that is the wall's own angle, as the source paper measured it. The echo that counts is the nearest.
+    A surface sends an echo if its incidence plus the ray's angle off the axis is within the model's beam. For
+    a flat wall this sum is the wall's own angle, which the source paper measured. The echo that counts is the
+    nearest.
 
     Args:
         mount: where it sits.
