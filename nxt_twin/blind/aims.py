@@ -1,4 +1,4 @@
-"""What the benchmark asks of a diagnosis engine, and whether a table meets it."""
+"""The benchmark's aims for a diagnosis engine, and whether a table meets them."""
 
 from __future__ import annotations
 

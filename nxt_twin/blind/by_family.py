@@ -1,4 +1,4 @@
-"""What is asked of a diagnosis on each family, and what becomes of a limit that is set on the other families."""
+"""Aims for a diagnosis on each family, and the result there of a limit that was set on the other families."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class AimRow:
     at_least: bool
 
     def cell(self, cases: Sequence[Judged]) -> str:
-        """What was reached and of how many cases, marked where it falls short."""
+        """The figure reached and its number of cases, marked where it misses its aim."""
         found = self.measure(cases)
         if found is None:
             return "-"

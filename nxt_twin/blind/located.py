@@ -26,7 +26,7 @@ class LocatedOnset:
 @final
 @dataclass(frozen=True)
 class OnsetPlace:
-    """What a diagnosis says of where, as far as it is judged.
+    """The parts of a diagnosis about the place of the mismatch that the benchmark judges.
 
     Attributes:
         equation: that it names, one of the four of docs/formats.md#diagnosis-json.

@@ -1,4 +1,4 @@
-"""What the true structure reaches on a case: the measure of whether it could be found, and of what was found."""
+"""The errors that the true structure reaches on a case: the measure of whether a search could find it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the true structure reached on a case, as it is kept."""
+"""The record of the errors that the true structure reached on a case."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any, final
 @final
 @dataclass(frozen=True)
 class Reach:
-    """What the library reaches with exactly the effects that are hidden, fitted from their true sizes.
+    """Gain and error of the library with exactly the hidden effects, fitted from their true sizes.
 
     Attributes:
         gain_nats: by which it beats the re-fitted baseline on the readings that are fitted (BIC).
-        check_nats: the same on the readings that only check.
+        check_nats: that gain on the check readings.
         held_out_rmse: its free-run error on what nobody fitted, in the diagnosis's unit.
         horizons: that error by the length of the simulated windows, s; inf is a whole recording.
     """

@@ -1,4 +1,4 @@
-"""What the host writes down of a true run."""
+"""The host's record of a true run."""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ class Taken:
 def take(rng: Generator, name: str, motor: Motor, sensing: Sensing, commands: Commands) -> Taken:
     """Run the motor and record it.
 
-    The battery is read in about one row of twenty, and always in the first: its terminal voltage as the brick
-    last refreshed it (every 167 ms), which without internal resistance is the open-circuit voltage.
+    The host reads the battery in about one row of twenty, and always in the first. It gets the terminal
+    voltage as the brick last refreshed it (every 167 ms). Without internal resistance this is the
+    open-circuit voltage.
     """
     run = true_run(motor, sensing, commands)
     rows = run.stamp_s.size

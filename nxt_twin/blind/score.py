@@ -80,7 +80,7 @@ class ScoreTable:
 
     @property
     def aims(self) -> list[Aim]:
-        """What is asked for, beside what was reached."""
+        """The aims, beside the figures reached."""
         return aims_of(self.cases)
 
     @property

@@ -1,4 +1,4 @@
-"""What a mock brick conceals in one of its motors: drawn from a seed, or written in a file."""
+"""The effect that a mock brick conceals in one of its motors: drawn from a seed, or written in a file."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class SecretFile(BaseModel):
 def concealed(
     seed: int, *, effects: tuple[str, ...] | None = None, size: Size | None = None, port: Port = "a"
 ) -> Secret:
-    """Draw what is concealed; the same arguments always draw the same.
+    """Draw the concealed effects; equal arguments draw equal effects.
 
     Args:
         seed: of the effect, its size and its numbers.
@@ -126,7 +126,7 @@ def read_secret(file: Path) -> Secret:
 
 
 def secret_of(text: str) -> Secret:
-    """What a user wrote: a seed, or a file's path.
+    """The secret that a user wrote as a seed, or as a file's path.
 
     Raises:
         CaseError: as with `concealed` and `read_secret`.

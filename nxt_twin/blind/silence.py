@@ -31,7 +31,7 @@ DRIVE, FLOAT, COAST = 0.0, 1.0, 2.0
 @final
 @dataclass(frozen=True)
 class Remains:
-    """What is left of one case.
+    """The remaining errors of one case.
 
     Attributes:
         rms_deg: over all windows.

@@ -50,9 +50,9 @@ class Judged:
         misnamed: whether an explanation names an effect that is not there, nor anything that it is said to be
             confusable with.
         parameter_error: relative error of the main parameter, by hidden id that was named.
-        parameter_error_own: the same with torques and inertias taken relative to the motor's inertia, and
-            resistances, inductances and currents relative to its resistance: encoder and voltage alone do not
-            tell more.
+        parameter_error_own: `parameter_error` of relative sizes. Torques and inertias are divided by the
+            motor's inertia; resistances, inductances and currents by its resistance. Encoder and voltage
+            alone do not tell more.
         covered: whether the main parameter lies in its 95 % interval, by hidden id that was named.
         fit_ratio: error of the improved model over the noise floor, on held-out data.
         improved: that error, in the diagnosis's unit.
@@ -106,7 +106,7 @@ def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
 @final
 @dataclass(frozen=True)
 class Given:
-    """What a diagnosis says, as far as it is judged.
+    """The parts of a diagnosis that the benchmark judges.
 
     Attributes:
         verdict: its verdict, or `none` where there was no diagnosis.

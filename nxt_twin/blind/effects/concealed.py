@@ -1,4 +1,4 @@
-"""What a concealable effect declares."""
+"""The declaration of an effect that a case can conceal."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Draw:
 @final
 @dataclass(frozen=True)
 class Situation:
-    """What a sampler may look at.
+    """The inputs of a sampler.
 
     Attributes:
         rng: the case's own source of chance.

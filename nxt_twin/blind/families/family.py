@@ -1,4 +1,4 @@
-"""What a truth family is, whoever makes its cases."""
+"""The interface of a truth family."""
 
 from __future__ import annotations
 

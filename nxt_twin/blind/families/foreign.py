@@ -33,7 +33,7 @@ Build = Callable[[Numbers, float], Machine]
 @final
 @dataclass(frozen=True)
 class Foreign:
-    """What a foreign family brings.
+    """The parts of a foreign family.
 
     Attributes:
         name: of the family.

@@ -1,4 +1,4 @@
-"""What a host makes of a machine: it polls, commands, and writes rows."""
+"""A host in front of a machine: it polls, commands, and writes rows."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Script:
 @final
 @dataclass(frozen=True)
 class Driven:
-    """What was commanded and what the machine did; arrays have shape (rows,).
+    """Commands and the machine's motion; arrays have shape (rows,).
 
     Attributes:
         duty_pct: commanded at each poll.
@@ -127,7 +127,7 @@ def _loop(machine: Machine, chain: Chain, script: Script, program: Program, step
 
 
 def shown_deg(chain: Chain, states: FloatArray) -> FloatArray:
-    """What the encoder shows before it is cut to its steps."""
+    """The encoder's reading before it is cut to its steps."""
     return chain.encoder_deg(*np.rad2deg(states[:, :VOLTS].T))
 
 

@@ -1,4 +1,5 @@
-"""What a foreign family's motor is, in the contract's terms; each family makes equations of its own of it."""
+"""The parameters of a foreign family's motor, named as in docs/formats.md; each family has its own
+equations."""
 
 from __future__ import annotations
 
@@ -120,6 +121,6 @@ class Chain:
         return np.asarray(self.lag_span_s * wave, dtype=np.float64)
 
     def encoder_deg(self, hub_deg: FloatArray, miscount_deg: FloatArray) -> FloatArray:
-        """What the encoder would read were it not for its steps."""
+        """The encoder's reading before it is cut to its steps."""
         turn_rad = self.eccentricity_cycles * np.deg2rad(hub_deg) + self.eccentricity_phase_rad
         return np.asarray(hub_deg + miscount_deg + self.eccentricity_deg * np.sin(turn_rad))

@@ -1,4 +1,4 @@
-"""What a host commands: by hand, in steps, slowly, saturated, coasting, or in a loop that it closes itself."""
+"""The programs of a host: by hand, in steps, slow, saturated, coasting, or in a loop that the host closes."""
 
 from __future__ import annotations
 

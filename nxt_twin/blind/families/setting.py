@@ -1,4 +1,4 @@
-"""What the sampler of a hidden effect may look at, and what it gives back."""
+"""The inputs and outputs of the sampler of a hidden effect."""
 
 from __future__ import annotations
 

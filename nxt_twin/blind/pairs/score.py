@@ -105,7 +105,7 @@ def aims_of_pairs(pairs: Sequence[JudgedPair]) -> list[Aim]:
 
 
 def as_lines(pairs: Sequence[JudgedPair]) -> str:
-    """What was wrong, a line each."""
+    """The faults, a line each."""
     return "".join(
         f"{pair.name} {pair.family:9} {' + '.join(pair.touched) or 'nothing':34} "
         f"{pair.verdict}: {', '.join(pair.named) or 'nothing'}\n"

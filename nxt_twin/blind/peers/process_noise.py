@@ -24,8 +24,8 @@ MOST_TRIALS: Final = 500
 def lacks_something(case: Case) -> bool:
     """Whether noise on the speed makes the readings likelier than half a chi-squared of one degree allows.
 
-    An extended Kalman filter of angle and speed carries the plain motor (drive, damping, dry friction); all
-    parameters and the reading's noise are fitted anew with and without noise on the speed.
+    An extended Kalman filter of angle and speed carries the plain motor (drive, damping, dry friction). It
+    fits all parameters and the reading's noise twice: with and without noise on the speed.
     """
     plant = case.plant if isinstance(case.plant, dict) else {}
     inertia = float(plant["inertia_kg_m2"])

@@ -61,8 +61,9 @@ def freed(case: Regression) -> tuple[str, ...]:
 def lisdd(case: Regression) -> tuple[str, ...]:
     """Localised sparse discovery (arXiv 2606.23215), from its abstract: there is no published code.
 
-    The plain model is fitted on the quieter regimes, loud ones are flagged, in each the candidate is chosen on one
-    half of the data and confirmed by an F test on the other, and false discoveries are controlled over regimes.
+    It fits the plain model on the quieter regimes and flags the loud ones. In each it chooses a candidate on
+    one half of the data, and confirms it by an F test on the other. It controls false discoveries over
+    regimes.
     """
     return tuple(sorted({name for name, _ in _confirmed_cells(case)}))
 

@@ -44,7 +44,7 @@ class Regression:
     part: FloatArray
 
     def without_base(self, columns: FloatArray) -> FloatArray:
-        """What is left of columns once the plain model's are projected out."""
+        """The columns after the plain model's columns are projected out."""
         fit, *_ = np.linalg.lstsq(self.base, columns, rcond=None)
         return np.asarray(columns - self.base @ fit)
 

@@ -39,7 +39,7 @@ class RobotPlan:
 @final
 @dataclass(frozen=True)
 class RobotOutcome:
-    """What a diagnosis said of one case, and whether the truth lies in its intervals.
+    """The answer of a diagnosis to one case, and whether the truth lies in its intervals.
 
     Attributes:
         plan: the case.
@@ -110,7 +110,7 @@ def _solved(task: tuple[RobotPlan, Path]) -> RobotOutcome:
 
 
 def case_of_world(world: RobotWorld, seed: int) -> Case:
-    """What a solver may see of a world."""
+    """The case of a world that a solver may see."""
     fitted = len(world.content["recordings"])
     runs = world.recordings
     return Case(f"robot-{seed}", Path(), world.content["plant"], runs[:fitted], runs[fitted:], None)

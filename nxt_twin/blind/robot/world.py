@@ -25,7 +25,7 @@ _RAMP_PCT_PER_S: Final = 250.0
 @final
 @dataclass(frozen=True)
 class Concealed:
-    """What an effect changes, and its true parameters.
+    """The changes that an effect makes, and its true parameters.
 
     Attributes:
         robot: attributes of the true robot that it replaces.

@@ -1,7 +1,7 @@
 """An ultrasonic echo, timed: emitter, wall, receiver, a threshold, a timer.
 
-Nothing here knows of the sensor models that are fitted. The speed of sound comes from the gas law, the beam from
-a budget in decibels, the noise from the timer's jitter at a weaker echo.
+Nothing here knows of the sensor models that are fitted. The speed of sound comes from the gas law, and the
+beam from a budget in decibels. The noise comes from the timer's jitter, which grows as the echo weakens.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def speed_of_sound_m_per_s(temperature_c: float) -> float:
 def readings_cm(
     echo: EchoMechanism, time_s: FloatArray, distance_mm: FloatArray, angle_deg: FloatArray, rng: Generator
 ) -> FloatArray:
-    """What the sensor says of each target, whole cm, 255 without echo; arrays of shape (polls,)."""
+    """The sensor's reading of each target, whole cm, 255 without echo; arrays of shape (polls,)."""
     count = distance_mm.size
     bent_mm = distance_mm * (1.0 + echo.bent_per_m * (distance_mm / 1000.0 - 0.5) * distance_mm / 1000.0)
     path_m = 2.0 * (bent_mm + echo.drift_mm_per_min * (time_s - time_s[0]) / 60.0) / 1000.0

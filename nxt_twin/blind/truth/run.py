@@ -19,10 +19,10 @@ SPIN_UP_S = 0.5
 @final
 @dataclass(frozen=True)
 class Commands:
-    """What the host does: when it polls, and what it commands then. Arrays have shape (rows,).
+    """The host's polls and commands. Arrays have shape (rows,).
 
     Attributes:
-        read_s: true time of each reading; command rows are the same.
+        read_s: true time of each reading, and of each command.
         power_pct: duty commanded, -100…100, whole numbers.
         mode: 0 drive, 1 float, 2 coast, 3 brake.
         start_deg: hub angle at the first reading.

@@ -42,7 +42,7 @@ class Sensing:
         return np.asarray(self.lag_span_s * wave, dtype=np.float64)
 
     def encoder_deg(self, hub_deg: FloatArray, miscount_deg: FloatArray) -> FloatArray:
-        """What the encoder would read without its whole-degree steps."""
+        """The encoder's reading before it is cut to whole degrees."""
         turn_rad = self.eccentricity_cycles * np.deg2rad(hub_deg) + self.eccentricity_phase_rad
         return np.asarray(hub_deg + miscount_deg + self.eccentricity_deg * np.sin(turn_rad))
 

@@ -87,7 +87,7 @@ def film_torque(motor: Motor, memory: float) -> float:
 
 @compiled
 def count_rate(motor: Motor, t: float, omega: float) -> float:
-    """What the swapped encoder adds to the rate of its count (rad/s)."""
+    """The rate that the swapped encoder adds to its count (rad/s)."""
     if int(motor.surprise) == SWAPPED_SENSE and (t - motor.surprise_c) % motor.surprise_a < motor.surprise_b:
         return -2.0 * omega
     return 0.0

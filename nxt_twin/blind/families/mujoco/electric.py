@@ -1,4 +1,4 @@
-"""What is not mechanics: winding, bridge, battery, the budget of friction, torques that no body makes."""
+"""All but the mechanics: winding, bridge, battery, the budget of friction, torques that no body makes."""
 
 from __future__ import annotations
 

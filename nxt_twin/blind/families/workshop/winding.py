@@ -14,7 +14,7 @@ OPEN_WINDING_S = 1.5e-4
 
 @compiled
 def drawn_a(current: float, duty: float, mode: int) -> float:
-    """What the bridge draws from the battery, A."""
+    """The bridge's current from the battery, A."""
     if mode >= COAST:
         return 0.0
     return abs(current) if mode == FLOAT else current * duty
