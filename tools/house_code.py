@@ -8,19 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-ROOMS: Final = (
-    "api", "brick", "cli", "errors.py", "experiment", "export", "mock", "paper", "physics", "recording", "sensors",
-    "testing", "view", "diagnose/sensor", "diagnose/robot", "diagnose/telling", "diagnose/next", "diagnose/engine.py",
-    "diagnose/diagnosis.py",
-)  # fmt: skip
-"""Where each public docstring follows docs/writing.md; a room that is rewritten joins."""
+ROOMS: Final = ("nxt_twin", "firmware_protocol", "benchmarks", "tools", "examples")
+"""Each public docstring in these folders follows docs/writing.md."""
 
-SPEAKERS: Final = (
-    "cli", "twin", "diagnose/robot/words.py", "diagnose/robot/effects.py", "diagnose/sensor",
-    "diagnose/changed/words.py", "diagnose/telling", "physics/effects", "view/wording.py",
-)  # fmt: skip
-"""Where each string is a sentence, or a part of one, that a person reads."""
+SPEAKERS: Final = ("nxt_twin", "firmware_protocol")
+"""Each string in these folders is a sentence, or a part of one, that a person reads; code and markup are left out."""
 
+_MARKUP: Final = re.compile(r"[\n<]")
 _SECTION: Final = re.compile(r"^\s*(?:Args|Attributes|Raises|Returns|Yields):\s*")
 _ENTRY: Final = re.compile(r"^\s+\*{0,2}[\w.]+(?:, [\w.]+)*: ")
 _CODE: Final = re.compile(r"\s*(?:>>>|\.\.\. |[─│├└]| +\S* = )")
@@ -47,8 +41,9 @@ def spoken(root: Path) -> Iterator[tuple[str, str]]:
         for node in ast.walk(tree):
             if id(node) in docs or not isinstance(node, ast.Constant | ast.JoinedStr):
                 continue
-            if isinstance(node, ast.JoinedStr) or id(node) not in inner:
-                yield f"{place}:{node.lineno}", _text(node)
+            whole = isinstance(node, ast.JoinedStr) or id(node) not in inner
+            if whole and not _MARKUP.search(text := _text(node)):
+                yield f"{place}:{node.lineno}", text
 
 
 def _equations(tree: ast.Module) -> set[int]:
@@ -67,7 +62,7 @@ def _text(node: ast.Constant | ast.JoinedStr) -> str:
 
 def _files(root: Path, names: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
     for name in names:
-        path = root / "nxt_twin" / name
+        path = root / name
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             yield file, file.relative_to(root).as_posix()
 

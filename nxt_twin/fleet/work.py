@@ -1,5 +1,4 @@
-"""A worker's task: unpack a case, diagnose it, answer with a row. No content of a recording makes it
-raise."""
+"""A worker's task: unpack a case, diagnose it, answer with a row. No recording makes it raise."""
 
 from __future__ import annotations
 

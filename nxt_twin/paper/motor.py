@@ -151,9 +151,9 @@ def _static(numbers: MotorNumbers) -> Contradiction:
         claim=f"the torque of static friction is {powers(printed.STATIC_FRICTION_NM, 3)} N·m",
         evidence=f"equation 5 is at rest at {numbers.stall_v:.4f} V, for which equation 6 gives"
         f" {powers(numbers.static_friction_nm, 3)} N·m, {factor:.1f} times as much",
-        cause=f"a current was taken for the torque: v_c / (48 R_a) = {powers(current, 3)} A, the stall current over the"
-        " gear ratio, is the printed number but for one digit, as if K_s had been left out and that digit misread;"
-        " this is a guess, nothing in the text confirms it",
+        cause="our guess, which nothing in the text confirms: a current was taken for the torque. The stall current"
+        f" over the gear ratio, v_c / (48 R_a), is {powers(current, 3)} A. One digit differs from the printed number,"
+        " as if K_s had been left out and the digit misread",
         used=f"{powers(numbers.static_friction_nm, 3)} N·m",
     )
 
@@ -167,11 +167,12 @@ def _viscous(numbers: MotorNumbers) -> Contradiction:
         title="The viscous friction does not go with the static friction of the same table",
         where="equation 11, Table II",
         claim="B = 1.92E-3 N·m·s/rad has the least absolute error in equation 11 with Table II's T_c",
-        evidence=f"with the printed T_c the least absolute error against equation 5 (to {SUPPLY_V:.0f} V) is at"
-        f" B = {powers(numbers.viscous_with_printed, 2)}, and Table II as printed errs by {own:.3f} rad/s on average;"
-        f" with T_c of equation 6 it is at {powers(numbers.viscous, 3)}, and the printed B errs by {mended:.3f} rad/s",
-        cause="B was fitted with the right T_c, to the measured speeds behind equation 5, which are not printed: it is"
-        f" {apart:.1%} from the value that the line gives. Only T_c was printed wrongly",
+        evidence=f"errors are means against equation 5, to {SUPPLY_V:.0f} V. With the printed T_c the error is least at"
+        f" B = {powers(numbers.viscous_with_printed, 2)}; the printed B errs by {own:.3f} rad/s."
+        f" With T_c of equation 6 it is least at B = {powers(numbers.viscous, 3)}; the printed B errs by"
+        f" {mended:.3f} rad/s",
+        cause="B was fitted with the right T_c, to the measured speeds behind equation 5, which are not printed."
+        f" It is {apart:.1%} from the value that the line gives. Only T_c was printed wrongly",
         used="1.92e-3 N·m·s/rad, with T_c of equation 6",
     )
 
@@ -227,8 +228,8 @@ def _symbol() -> Contradiction:
         title="The speed in equation 5 is named as if it were in rev/min",
         where="equation 5",
         claim="rot = 1.9248 v - 0.2519, rot being Table I's symbol of which one column is in rev/min",
-        evidence="the text below means ω in rad/s, and only that fits: without friction the slope would be"
-        f" 1 / K_s = {1.0 / printed.KS:.4f} rad/s per V; 1.9248 rad/s per V is {slope_rpm:.2f} rev/min per V",
+        evidence="the text below the equation means ω in rad/s, and only that unit fits. Without friction the slope"
+        f" would be 1 / K_s = {1.0 / printed.KS:.4f} rad/s per V. 1.9248 rad/s per V is {slope_rpm:.2f} rev/min per V",
         cause="a label taken over from the plot",
         used="rad/s",
     )

@@ -13,12 +13,12 @@ from nxt_twin.paper.touch import TABLES, compare_touch, deviations, means, touch
 from nxt_twin.paper.ultrasonic import UNITS_MM, line_error_mm, ultrasonic_contradictions
 
 FROM_FIGURES_ONLY = (
-    "Figure 11 (light sensor across a gradient): a constant slope, and an offset by room light, is all that the text"
-    " says; slope, offset and noise in configs/sensors are not from the paper.",
+    "Figure 11 (light sensor across a gradient): the text only says that the slope is constant and that room light"
+    " adds an offset. Slope, offset and noise in configs/sensors are not from the paper.",
     "Figure 16 (ultrasonic sensor against distance): modelled from the text's 40, 250 and 1500 mm, the 20 mm error and"
-    " the line; that noise grows with distance is said, by how much is not.",
-    "Figure 17 (beam pattern): modelled from the text's 55 degrees at 438 mm, growing from 138 mm and shrinking to"
-    " 1538 mm; the angles at the ends are not printed.",
+    " the line. The text says that noise grows with distance, without a number.",
+    "Figure 17 (beam pattern): modelled from the text's 55 degrees at 438 mm. The beam grows from 138 mm and shrinks"
+    " towards 1538 mm; the angles at the ends are not printed.",
 )
 """What exists only as a figure, and what stands in for it."""
 

@@ -101,11 +101,11 @@ def _travel() -> Contradiction:
         id="travel_deviation",
         title="The deviation of the travel is twenty times too small",
         where="III-B, Tables V and VI",
-        claim="the travel varies for sensor 8 (off to on) and sensor 6 (on to off) only, in both cases with a standard"
+        claim="the travel varies only for sensor 8 (off to on) and sensor 6 (on to off), each with a standard"
         " deviation of 1.6E-3 mm",
-        evidence=f"sensor 8 has {on.std():.4f} mm and sensor 6 {off.std():.4f} mm, about twenty times as much, and not"
-        f" the same (their variances are {powers(on.var(), 2)} and {powers(off.var(), 2)} mm²)",
-        cause="of the size of a variance, as in Table IV, but of neither; the printed readings step by about 0.1 mm, so"
-        " the deviation of a sensor that changes once in eight cannot be smaller than 0.03 mm",
+        evidence=f"sensor 8 has {on.std():.4f} mm and sensor 6 {off.std():.4f} mm: about twenty times as much,"
+        f" and unequal (their variances are {powers(on.var(), 2)} and {powers(off.var(), 2)} mm²)",
+        cause="the printed number has the size of a variance, as in Table IV, but equals neither. The printed readings"
+        " step by about 0.1 mm. A sensor that changes once in eight therefore deviates by at least 0.03 mm",
         used="the standard deviations of the readings",
     )

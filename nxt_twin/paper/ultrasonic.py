@@ -35,11 +35,11 @@ def ultrasonic_contradictions() -> list[Contradiction]:
             where="III-C",
             claim="between 250 and 1500 mm the sensor measures correctly, along y = 1.0055 x + 0.013",
             evidence=f"the line's unit is not given, and the errors that it means depend on it:"
-            f" {errors}. In m it is wrong by more than the"
-            " sensor's step of 10 mm everywhere, and joins the 20 mm error below 250 mm nearly smoothly; in mm or"
-            " cm the error stays below one step, but jumps by 18 mm at 250 mm",
+            f" {errors}. In m, the error exceeds the sensor's"
+            " step of 10 mm everywhere, and nearly joins the 20 mm error below 250 mm. In mm or"
+            " cm, the error stays below one step, but jumps by 18 mm at 250 mm",
             cause="the figure's axes are probably in metres (SI, as in Table II), and 'correctly' means linearly",
-            used="metres for the line, as a sensor's deviation from the ideal; the slope is near enough to what"
-            " 3 °C of air temperature do that it should be fitted anew in every room",
+            used="metres for the line, as a sensor's deviation from the ideal. A change of 3 °C in air temperature has"
+            " nearly this slope, so the slope should be fitted anew in every room",
         )
     ]

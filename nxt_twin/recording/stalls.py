@@ -62,5 +62,5 @@ def stalls_in_words(found: Sequence[Stall]) -> str:
     often = "once" if len(found) == 1 else f"{len(found)} times"
     return (
         f"the host or the link stood still {often}, for up to {1e3 * longest.length_s:.0f} ms "
-        f"(at {longest.start_s:.1f} s): readings and commands there are late by an unknown time"
+        f"(at {longest.start_s:.1f} s); readings and commands there have an unknown delay"
     )

@@ -191,8 +191,8 @@ class BrickTwin:
     ) -> None:
         """Put another model, for which time began at `began_s`, in a motor's place, and go on where it is.
 
-        A battery resistance that is new to the motor's model belongs to the battery of all motors. The model
-        in place keeps its own unless it is `told_of_battery`. What has changed slowly since then, such as how
+        A battery resistance that is new to the motor's model belongs to the battery of all motors. The battery
+        keeps its present resistance unless it is `told_of_battery`. What has changed slowly since then, such as how
         warm its winding is, follows from what its bridge `held`.
         """
         motors, batch = self._motors, self._batch

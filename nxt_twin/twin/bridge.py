@@ -16,8 +16,7 @@ DRIVE, FLOAT, COAST, BRAKE = range(len(DRIVE_MODES))
 
 
 class Hold(NamedTuple):
-    """The bridge's state from `after_s` after the command on: a duty -1…1 in a mode (index into
-    `DRIVE_MODES`)."""
+    """The bridge's state from `after_s` after the command on: a duty -1…1 in a mode (index into `DRIVE_MODES`)."""
 
     after_s: float
     duty: float

@@ -107,4 +107,4 @@ def _draw_leftover(diagnosis: Diagnosis) -> str:
     if leftover is None or leftover.time_s.size == 0:
         return ""
     figure = leftover_figure(leftover, improves=wording.improves(diagnosis))
-    return inline_svg(figure, "leftover", "What the model lacks against speed, position and time")
+    return inline_svg(figure, "leftover", "Unknown torque against speed, position and time")

@@ -21,8 +21,7 @@ def house_words():
 
 def findings(house_words, tmp_path, text):
     code = sys.modules["house_code"]
-    rooms = [f"nxt_twin/{name}" for name in (*code.ROOMS, *code.SPEAKERS)]
-    for name in (*house_words.PAGES, *rooms):
+    for name in (*house_words.PAGES, *code.ROOMS, *code.SPEAKERS):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.suffix:
@@ -61,3 +60,20 @@ def test_a_page_that_breaks_a_rule_is_named(house_words, tmp_path, text, complai
 )
 def test_code_tables_and_short_sentences_are_left_alone(house_words, tmp_path, text):
     assert findings(house_words, tmp_path, text) == []
+
+
+def in_code(house_words, tmp_path, text):
+    findings(house_words, tmp_path, "")
+    (tmp_path / "nxt_twin/room").mkdir()
+    (tmp_path / "nxt_twin/room/file.py").write_text(text, encoding="utf-8")
+    return list(house_words.words(tmp_path))
+
+
+@pytest.mark.parametrize("text", [f'"""{LONG}."""\n', f'def told():\n    """Say."""\n    return "{LONG}"\n'])
+def test_any_room_s_docstring_or_sentence_that_breaks_a_rule_is_named(house_words, tmp_path, text):
+    assert any("nxt_twin/room/file.py" in found for found in in_code(house_words, tmp_path, text))
+
+
+@pytest.mark.parametrize("text", [f'def _inner():\n    """{LONG}."""\n', f'TABLE = "a {LONG}\\nb"\n'])
+def test_private_docstrings_and_tables_are_left_alone(house_words, tmp_path, text):
+    assert in_code(house_words, tmp_path, text) == []

@@ -55,8 +55,7 @@ def true_parameters(motor: Numbers) -> dict[str, float]:
 
 
 def draw_baseline(rng: Generator, motor: Numbers) -> dict[str, float]:
-    """The parameters in the plant file: each true one times 0.8 to 1.2; one factor for both constants, the
-    supply within 4 %."""
+    """Parameters for the plant file: each true one times 0.8 to 1.2, one factor for both constants; supply ± 4 %."""
     true = true_parameters(motor)
     off = {key: float(1.0 + rng.uniform(-SPREAD, SPREAD)) for key in true}
     off["back_emf_v_s_per_rad"] = off["torque_constant_nm_per_a"]

@@ -1,5 +1,4 @@
-"""The parameters of a foreign family's motor, named as in docs/formats.md; each family has its own
-equations."""
+"""Parameters of a foreign family's motor, named as in docs/formats.md; each family has its own equations."""
 
 from __future__ import annotations
 

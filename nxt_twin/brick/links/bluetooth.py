@@ -35,8 +35,8 @@ def lacks_sockets(sockets: ModuleType) -> str:
 def serial_port_advice(address: str) -> str:
     """How to reach the brick of that address without Bluetooth sockets."""
     return (
-        f"bind a serial port: sudo rfcomm bind 0 {address} {CHANNEL}, then use serial:/dev/rfcomm0;"
-        " on Windows and macOS pair the brick and take its outgoing serial port"
+        f"bind a serial port: sudo rfcomm bind 0 {address} {CHANNEL}, then use serial:/dev/rfcomm0."
+        " On Windows and macOS pair the brick and take its outgoing serial port"
     )
 
 

@@ -88,7 +88,6 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
 
 
 def leftover_threshold(clean_nats: FloatArray, least: float) -> float:
-    """The largest leftover of the synthetic clean cases, or their mean plus some standard deviations; never
-    below `least`."""
+    """The largest leftover of synthetic clean cases, or mean plus some standard deviations; at least `least`."""
     spread = float(np.mean(clean_nats) + _SIGMAS * np.std(clean_nats))
     return max(least, float(np.max(clean_nats)), spread)

@@ -36,8 +36,7 @@ class Alike:
 
 
 def trace_of(simulator: Simulator, linear: Linear, bare: Plant) -> FloatArray:
-    """Change that the effects which `bare` lacks make to the readings of `linear`'s structure, shape
-    (readings,)."""
+    """Change that the effects which `bare` lacks make to the readings of `linear`'s structure, shape (readings,)."""
     trace: FloatArray = -deviations(simulator, linear, [bare])[0]
     return trace
 

@@ -41,8 +41,8 @@ def robust_covariance(simulator: Simulator, linear: Linear, *, block_s: float = 
     In each direction, the larger of the Gauss-Newton covariance and a sandwich estimate. The sandwich's
     middle is the scatter of the scores over blocks of time (Newey and West's idea, with blocks). Correlated
     innovations make blocks scatter more than single readings. The weak priors enter as evidence of their own.
-    Unknown inputs add to it: the supply between battery readings, fixed parameters, the encoder's zero within
-    a step, and the choice among laws of one name (`Parameter.law`).
+    Unknown inputs add to it: the supply between battery readings, fixed parameters, the encoder's zero within a step,
+    and the choice of a law (`Parameter.law`).
     """
     variables = linear.variables
     scale = np.array([v.scale for v in variables])

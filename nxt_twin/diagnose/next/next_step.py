@@ -47,7 +47,7 @@ def next_experiment(
         return _with_program(problem, hint, "livelier", _lively(problem))
     if run_outs := unfitted_run_outs(problem, fit):
         hint = words.experiment_for_run_outs([run_out.recording for run_out in run_outs])
-        return _with_program(problem, hint, "run-outs", _run_outs(problem))
+        return _with_program(problem, hint, "coast-downs", _run_outs(problem))
     return None
 
 
@@ -82,7 +82,7 @@ def _twice_and_half(problem: Problem) -> dict[str, tuple[Segment, ...]]:
 
 
 def _lively(problem: Problem) -> dict[str, tuple[Segment, ...]]:
-    """Steps of several sizes, slow ramps through zero, run-outs and reversals: a little of everything."""
+    """Steps of several sizes, slow ramps through zero, coast-downs and reversals: a little of everything."""
     wanted = ("steps both ways", "slow ramps", "spin up", "reversals")
     chosen: dict[str, Pattern] = {}
     for pattern in family(most_pct(problem)):
@@ -95,7 +95,7 @@ def _lively(problem: Problem) -> dict[str, tuple[Segment, ...]]:
 def _run_outs(problem: Problem) -> dict[str, tuple[Segment, ...]]:
     """The patterns that let the motor run out without current."""
     patterns = [p for p in family(most_pct(problem)) if any(s.mode == "coast" for s in p.segments)]
-    return {f"run-out-{n}": pattern.lasting(8.0) for n, pattern in enumerate(patterns, 1)}
+    return {f"coast-down-{n}": pattern.lasting(8.0) for n, pattern in enumerate(patterns, 1)}
 
 
 def _program(

@@ -9,8 +9,7 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class SearchLimits:
-    """Limits that an effect must pass. Set on development seeds of the truth families that docs/proof.md
-    names.
+    """Limits that an effect must pass. Set on development seeds of the truth families that docs/proof.md names.
 
     Attributes:
         most_effects: effects that a plant may lack at once.

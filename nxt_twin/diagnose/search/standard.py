@@ -74,8 +74,7 @@ class Standard:
         )
 
     def needed(self, best: Structure, weight: Weight | None = None) -> float:
-        """The gain that a further effect needs; more where the error that `best` leaves does not matter to a
-        simulation.
+        """Gain that a further effect needs; more where the error that `best` leaves is below the tolerance.
 
         Unless the effect's `weight` shows that a simulation gets much nearer still.
         """

@@ -1,2 +1,1 @@
-"""Findings in a fleet's table: effects that units lack, drift, effects that a batch shares, units that stand
-out."""
+"""Findings in a fleet's table: effects that units lack or a batch shares, drift, and units that stand out."""
