@@ -11,8 +11,8 @@ CaseT = TypeVar("CaseT")
 def in_fair_order(cases: Sequence[CaseT], stratum: Callable[[CaseT], Hashable]) -> list[CaseT]:
     """Sort cases so that each beginning holds about as large a share of every stratum.
 
-    The cases of one stratum keep their order, and are spread evenly over the whole; strata with equal numbers of cases
-    take turns in the order in which they first come.
+    The cases of one stratum keep their order, and are spread evenly over the whole. Strata with equal numbers
+    of cases take turns in the order of their first cases.
     """
     members: dict[Hashable, list[int]] = {}
     for index, case in enumerate(cases):

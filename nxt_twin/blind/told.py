@@ -1,4 +1,4 @@
-"""What was told of concealed effects: confusions, physics of nobody's library, probabilities, deletions, floors."""
+"""Answers about concealed effects: confusions, unknown physics, probabilities, deletions, floors."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class Adopter:
         return self._running is None and tries < _TRIES and enough
 
     def may_check(self, port: Port, seen_s: float) -> bool:
-        """Whether a motor that has been on its model for so long is diagnosed all the same."""
+        """Whether a motor that has been on its model for `seen_s` is diagnosed nevertheless."""
         checks = self._checks.get(port, 0)
         return self._running is None and checks < _CHECKS and seen_s >= CHECK_S * 2.0**checks
 

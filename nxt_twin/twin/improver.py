@@ -71,7 +71,7 @@ class Improver:
             self._go_on(finished, now_s)
 
     def begin_anew(self, port: Port) -> None:
-        """What was seen of a motor is not to be compared with what comes."""
+        """Forget a motor's past readings: later readings cannot be compared with them."""
         self._history[port].clear()
         self._apart.forget(port)
 

@@ -63,7 +63,7 @@ def localise_one(folder: Path, answer_file: Path, answers_of: Mapping[str, Path]
 def cells_of_names(case: Regression, names: Collection[str]) -> frozenset[int]:
     """Cells in which the terms of the named effects push at least half as hard as over all rows, in mean squares.
 
-    The terms are fitted beside the plain model, each effect in the variant that fits best; that of an effect which a
+    The terms are fitted beside the plain model, each effect in the variant that fits best. An effect that a
     regression cannot express is in no cell.
     """
     target = case.without_base(case.acceleration)

@@ -23,8 +23,8 @@ _HEAD = (
 def peer_rows(judged: Mapping[str, Sequence[Judged]], cells: Sequence[Cells]) -> list[Row]:
     """Each method: what it names, what it names falsely, and whether it points at the regimes that are wrong.
 
-    False discoveries are the share of names given that are not hidden there. The F1 is that of the cells of speed and
-    volts in which the model is wrong, over all cases whose effects a regression can express.
+    False discoveries are the share of names given that are not hidden there. The F1 counts cells of speed and
+    volts in which the model is wrong. It runs over all cases whose effects a regression can express.
     """
     return [_HEAD, *(_row(method, cases, cells) for method, cases in judged.items())]
 

@@ -1,4 +1,4 @@
-"""What a correct model would reach: synthetic recordings of the final model, re-fitted, and judged as the real ones."""
+"""The errors that a correct model would reach: synthetic recordings of the final model, re-fitted and judged."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def refitted_floors(
 ) -> tuple[float, ...]:
     """The error on held-out readings that a correct model stays below nine times of ten, at each horizon, SI.
 
-    `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one, and an
-    unknown torque as the noise has it, against which dry friction holds. The plant is re-fitted to such recordings, by
-    windows of simulation. No floor lies above what some plant has `reached` on the real ones.
+    `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one. It
+    has the noise's unknown torque, against which dry friction holds. The plant is re-fitted to such
+    recordings, by windows of simulation. No floor lies above what some plant has `reached` on the real ones.
     """
     made = [_replicate(simulator, problem, final.plant, final.noise, rng).rms for _ in range(REPLICATES)]
     # A re-fit that ran away counts as large, and not as none.
