@@ -18,6 +18,7 @@ from nxt_twin.view.svg import inline_svg
 MOST_TICKS: Final = 8000
 _MOST_EVENTS: Final = 2000
 _MOST_TOLD: Final = 200
+_DIAGNOSED: Final = ("adopted", "effect_named", "undiagnosed")
 _TROUBLES: Final = ("divergence", "stall", "slip", "link_lost", "low_battery", "undiagnosed")
 
 
@@ -146,6 +147,7 @@ def render_live_report(
         sentence=sentence or (said[-1] if said else "Nothing was said."),
         kept=kept,
         findings=findings,
+        diagnosed=any(event.kind in _DIAGNOSED for event in kept.events),
         troubles=[event.words for event in kept.events if event.kind in _TROUBLES],
         seconds=kept.ticks[-1].received_s if kept.ticks else 0.0,
         told=kept.events[-_MOST_TOLD:],

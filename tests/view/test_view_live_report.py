@@ -55,6 +55,14 @@ def test_without_a_diagnosis_the_first_screen_lists_the_troubles_or_their_absenc
     assert "Nothing was wrong" in render_live_report(calm, title="mock:")
 
 
+@pytest.mark.parametrize("kind", ["adopted", "undiagnosed"])
+def test_a_session_that_diagnosed_is_not_told_to_diagnose(page: str, kind):
+    assert "Nothing was diagnosed" in page
+    kept = _kept(50)
+    kept.event(Event(time_s=kept.ticks[20].received_s, kind=kind, words="port A: a diagnosis", port="a"))
+    assert "Nothing was diagnosed" not in render_live_report(kept, title="mock:")
+
+
 def test_torque_against_speed_starts_anew_where_a_model_was_adopted():
     kept = _kept(200, ports=("a",))
     assert "model before" not in render_live_report(kept, title="mock:")

@@ -21,9 +21,9 @@ _LONGEST_PATH: Final = 80
 
 
 def page_url(page_port: int, data_port: int) -> str:
-    """What to open in a browser."""
+    """The address to open in a browser. The page is dark on every machine, as its colours were chosen."""
     data = quote(f"rerun+http://{LOOPBACK}:{data_port}/proxy", safe="")
-    return f"http://{LOOPBACK}:{page_port}/?url={data}&renderer=webgl&hide_welcome_screen=1"
+    return f"http://{LOOPBACK}:{page_port}/?url={data}&renderer=webgl&theme=dark&hide_welcome_screen=1"
 
 
 def policy(data_port: int) -> str:
