@@ -18,7 +18,7 @@ from nxt_twin.view.svg import inline_svg
 MOST_TICKS: Final = 8000
 _MOST_EVENTS: Final = 2000
 _MOST_TOLD: Final = 200
-_DIAGNOSED: Final = ("adopted", "effect_named", "undiagnosed")
+_DIAGNOSED: Final = ("adopted", "undiagnosed")
 _TROUBLES: Final = ("divergence", "stall", "slip", "link_lost", "low_battery", "undiagnosed")
 
 

@@ -1,4 +1,4 @@
-"""Two fits under the claim that most of their numbers are one and the same."""
+"""Two fits under the claim that they share most of their numbers."""
 
 from __future__ import annotations
 

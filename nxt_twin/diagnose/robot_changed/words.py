@@ -1,4 +1,4 @@
-"""What is said to a person of a robot before and after."""
+"""The sentences about a robot before and after."""
 
 from __future__ import annotations
 
