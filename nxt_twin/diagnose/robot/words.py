@@ -45,8 +45,11 @@ def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
         return f"Something is missing, and no known effect accounts for it; {left}."
     named = listed([effect.name for effect in effects])
     given = next((one.given for one in fit.horizons if one.seconds is None), fit.baseline)
-    falls = given > 1.02 * fit.improved
-    gain = f"from {given:.3g} to {fit.improved:.3g} mm {unseen}"
+    falls = max(given, fit.baseline) > 1.02 * fit.improved
+    before = f"{fit.baseline:.3g} mm re-fitted"
+    if given > 1.02 * fit.baseline:
+        before = f"{given:.3g} mm as given and {before}"
+    gain = f"from {before} to {fit.improved:.3g} mm {unseen}"
     told = (
         f"the position error falls {gain}"
         if falls
