@@ -25,6 +25,10 @@ while before it showed."""
 _CHECKED_S = 40.0
 """So much of a motor that is not off its model is diagnosed: more costs time, and tells little more."""
 
+_WELL_DATED_S = 1e-3
+"""Standard deviation of the moments of readings up to which a motor on its model is diagnosed: a diagnosis takes stamps
+that are wrong by more, as over Bluetooth, for physics. Without any, as of a table from elsewhere, nobody knows it."""
+
 
 @final
 class Improver:
@@ -53,14 +57,14 @@ class Improver:
         self._gathered_s: dict[Port, float] = {}
         self._apart = Apart()
 
-    def step(self, now_s: float) -> None:
-        """Begin what is due, and take over what has been found."""
+    def step(self, now_s: float, doubt_s: float) -> None:
+        """Begin what is due, and take over what has been found; `doubt_s` is how well readings are dated."""
         if self._adopter is None:
             return
         for port, monitor in self._monitors.items():
             if monitor.diverging:
                 self._diagnose(self._adopter, port, self._apart.since(port, monitor.since_s, now_s), now_s)
-            elif monitor.trouble is None:
+            elif monitor.trouble is None and 0.0 < doubt_s <= _WELL_DATED_S:
                 self._check(self._adopter, port, now_s)
         finished = self._adopter.finished()
         if finished is None:

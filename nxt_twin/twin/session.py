@@ -112,6 +112,7 @@ class Session:
         self._sensors = {slot: SensorTwin(slot, kind) for slot, kind in parts.plan.sensors.items()}
         self._counts: dict[Port, int] = {}
         self._presumed: set[Port] = set()
+        self._doubt_s = 0.0
         self._battery_due_s = 0.0
         self._battery_low = False
         self._misses = 0
@@ -201,7 +202,7 @@ class Session:
         read = (*innovations, *of_sensors)
         self._sink.tick(Tick(self.polls, sent_s, received_s, states, read, battery_v))
         self.polls += 1
-        self._improver.step(self.now_s)
+        self._improver.step(self.now_s, self._doubt_s)
 
     def _put_down(self, row: dict[str, float]) -> None:
         for port in self._twin.ports:
@@ -277,6 +278,7 @@ class Session:
         self._counts[port] = count
         if not taken.late:
             self._history[port].count(at_s, count)
+            self._doubt_s = std_s
         self._watch(port, at_s, evidence, power_pct)
         row[tacho_column(port)] = float(count)
         return evidence.innovation

@@ -293,10 +293,11 @@ def _coasting(resistance_ohm):
     return Recording("r", {**driven.columns, "a_tacho_deg": np.floor(np.degrees(angle))})
 
 
-def test_a_session_on_its_model_is_checked_after_a_while_and_says_nothing():
-    answering = _Answering(7.6)
-    kinds = run(Rig(), 16.0, program=steady(40, 60.0), period_s=0.05, adopter=Adopter(answering)).kinds()
-    assert len(answering.leanings) == 1
+@pytest.mark.parametrize(("profile", "checks"), [("usb", 1), ("bluetooth", 0)])
+def test_a_session_on_its_model_is_checked_after_a_while_and_says_nothing(profile, checks):
+    answering, rig = _Answering(7.6), Rig(profile=profile)
+    kinds = run(rig, 16.0, program=steady(40, 60.0), period_s=0.05, adopter=Adopter(answering)).kinds()
+    assert len(answering.leanings) == checks
     assert kinds == ["started", "stopped"]
 
 
