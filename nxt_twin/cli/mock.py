@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,7 @@ import typer
 
 from nxt_twin.api.openers import concealing, world_bodies
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.run import Served, parse_address, serve
 from nxt_twin.mock.serve.profile import LinkProfile
@@ -45,6 +46,15 @@ def mock(
         ),
     ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
+    usb_fake: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="SCRIPT", help="Run this Python program, which finds the brick on USB, and end."
+        ),
+    ] = None,
+    argument: Annotated[
+        list[str] | None, typer.Option(help="An argument of that program; may be given again.")
+    ] = None,
     world: Annotated[
         Path | None, typer.Option(metavar="FILE", help="World file: what surrounds the brick.")
     ] = None,
@@ -59,7 +69,11 @@ def mock(
     ] = None,
     json: JsonOption = None,
 ) -> None:
-    """Serve a mock brick until interrupted. Telegrams are framed as on Bluetooth."""
+    """Serve a mock brick until interrupted. Telegrams are framed as on Bluetooth.
+
+    With --usb-fake, the brick is on the USB of one program, in real time, until this program ends. Exit status 1 if it
+    fails.
+    """
 
     def announce(served: Served) -> None:
         if json:
@@ -72,6 +86,9 @@ def mock(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     try:
+        if usb_fake is not None:
+            _run_on_usb(usb_fake, argument or (), world, seed, conceal)
+            return
         serve(
             clock=SystemClock(),
             announce=announce,
@@ -86,3 +103,25 @@ def mock(
         )
     except KeyboardInterrupt:
         return
+
+
+def _run_on_usb(
+    script: Path, arguments: Sequence[str], world: Path | None, seed: int, conceal: str | None
+) -> None:
+    """Run a program with the brick on its USB; exit status 1 if it fails."""
+    from nxt_twin.mock.serve.program import serve_script
+
+    if not script.is_file():
+        raise typer.BadParameter(f"there is no program {script}", param_hint="--usb-fake")
+    ending, said = serve_script(
+        script,
+        arguments,
+        SystemClock(),
+        world=world,
+        seed=seed,
+        change=concealing(conceal),
+        bodies=world_bodies,
+    )
+    if ending != "done":
+        fail(said)
+        raise typer.Exit(1)

@@ -6,28 +6,23 @@ uses has to reach USB through pyusb, as nxt-python does.
 
 from __future__ import annotations
 
-import runpy
-import sys
 import time
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal, final
+from typing import Final, Literal, final
 from unittest.mock import patch
-
-import usb.backend.libusb1
 
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
+from nxt_twin.mock.serve.program import run_script
 from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
 from nxt_twin.world.arena import Arena
 
 _LOOK_S: Final = 5e-6
 """What a look at the clock costs: a program that only looks until it is late enough would never end."""
-_SHOWN: Final = 300
 
 Ending = Literal["done", "failed", "out of time"]
 
@@ -115,31 +110,16 @@ def let_pass(arena: Arena, duration_s: float) -> Ran:
 def _run(
     script: Path, arguments: Sequence[str], clock: ProgramClock, bus: MockUsbBackend
 ) -> tuple[Ending, str]:
-    with _instead(clock, bus), _as_main(script, arguments):
+    with _instead(clock):
         try:
-            runpy.run_path(str(script), run_name="__main__")
+            return run_script(script, arguments, bus)
         except TimeIsUp:
             return "out of time", ""
-        except SystemExit as leaving:
-            wrong = leaving.code not in (None, 0)
-            return ("failed", f"{script}: left with status {leaving.code}") if wrong else ("done", "")
-        except Exception as error:
-            return "failed", _told(script, error)
-    return "done", ""
-
-
-def _told(script: Path, error: Exception) -> str:
-    """A program's error in one line, with the line of its own at which it came up."""
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == script]
-    place = f"{script}, line {frames[-1].lineno}" if frames else str(script)
-    missing = isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] == "nxt"
-    mend = " (pip install nxt-python)" if missing else ""
-    return " ".join(f"{place}: {type(error).__name__}: {error}{mend}".split())[:_SHOWN]
 
 
 @contextmanager
-def _instead(clock: ProgramClock, bus: MockUsbBackend) -> Iterator[None]:
-    """The world's clock and USB in the place of the machine's."""
+def _instead(clock: ProgramClock) -> Iterator[None]:
+    """The world's clock in the place of the machine's."""
 
     def look_ns() -> int:
         return round(clock.look_s() * 1e9)
@@ -151,15 +131,4 @@ def _instead(clock: ProgramClock, bus: MockUsbBackend) -> Iterator[None]:
             stack.enter_context(patch.object(time, f"{name}_ns", look_ns))
         stack.enter_context(patch.object(time, "time", lambda: began_s + clock.look_s()))
         stack.enter_context(patch.object(time, "sleep", clock.sleep))
-        stack.enter_context(patch.object(usb.backend.libusb1, "get_backend", lambda *_, **__: bus))
         yield
-
-
-@contextmanager
-def _as_main(script: Path, arguments: Sequence[str]) -> Iterator[None]:
-    kept: tuple[Any, Any] = (sys.argv, sys.path)
-    sys.argv, sys.path = [str(script), *arguments], [str(script.parent), *sys.path]
-    try:
-        yield
-    finally:
-        sys.argv, sys.path = kept

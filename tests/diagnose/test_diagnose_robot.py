@@ -18,6 +18,7 @@ from nxt_twin.physics.robot.odometry import axle_path, measured_path
 from nxt_twin.recording.case import Case, read_case
 from nxt_twin.recording.realdata import data_root
 from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.robot_path import read_path, write_path
 from nxt_twin.view.report import render_report
 
 
@@ -232,3 +233,23 @@ def test_tyres_that_scrub_in_a_long_spin_are_no_spell_of_slip(scrub, lag_s, back
     late = [np.interp(time_s - lag_s, time_s, angle) for angle in rolled]
     run = RobotRun("run.csv", "run", time_s, *counted, axle_path(robot, *late))
     assert all(spell.ratio < 0.1 for spell in find_slip([run], robot, [tuple(counted)]))
+
+
+def test_an_effect_that_moves_the_path_by_less_than_matters_gets_no_name():
+    case = robot_case(radius_m=0.02805)
+    named, tolerated = diagnose_robot(case), diagnose_robot(case, tolerance_m=0.02)
+    assert ids(named) == ["wheel_radius"]
+    assert tolerated.diagnosis.verdict == "adequate"
+    assert ids(tolerated) == []
+    assert "less than the tolerance of 20 mm" in tolerated.diagnosis.sentence
+    assert tolerated.diagnosis.tolerance.unit == "mm"
+    assert ids(diagnose_robot(robot_case(track_m=0.125), tolerance_m=0.02)) == ["wrong_track"]
+
+
+def test_the_next_experiment_is_a_path_to_drive(tmp_path):
+    experiment = found(drift=0.04).diagnosis.next_experiment
+    write_path(experiment.path, tmp_path / "path.yaml")
+    path = read_path(tmp_path / "path.yaml")
+    turned = [leg.turn_deg for leg in path.legs if leg.turn_deg]
+    assert max(turned) > 0.0 > min(turned)
+    assert path.why == experiment.why

@@ -91,3 +91,27 @@ def test_the_mock_prints_json_and_nothing_else_and_ends_quietly_when_interrupted
         "schema": "nxt-twin/mock/1", "name": "NXT", "urls": ["tcp:127.0.0.1:7000"],
     }  # fmt: skip
     assert result.stderr == ""
+
+
+def test_a_program_of_its_own_finds_the_brick_on_its_usb(tmp_path):
+    script, told = tmp_path / "robot.py", tmp_path / "told.txt"
+    script.write_text(
+        "import sys, pathlib, nxt.locator\n"
+        "with nxt.locator.find() as brick:\n"
+        "    pathlib.Path(sys.argv[1]).write_text(brick.get_device_info()[0])\n"
+    )
+    assert (
+        run("mock", "--world", str(WORKSHOP), "--usb-fake", str(script), "--argument", str(told)).exit_code
+        == 0
+    )
+    assert told.read_text() == "Workshop"
+
+
+@pytest.mark.parametrize(("text", "status"), [("raise ValueError('oh')\n", 1), (None, 2)])
+def test_a_program_that_fails_or_is_none_is_told_by_the_exit_status(tmp_path, text, status):
+    script = tmp_path / "robot.py"
+    if text is not None:
+        script.write_text(text)
+    result = run("mock", "--usb-fake", str(script))
+    assert result.exit_code == status
+    assert "Traceback" not in result.output

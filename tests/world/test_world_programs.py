@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from world_runs import run
 
+from nxt_twin.recording.robot_path import squares_and_lines, write_path
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.load import load_setting
 from nxt_twin.world.program import let_pass
@@ -19,6 +20,16 @@ def test_a_castor_bot_drives_a_square():
     assert np.linalg.norm(driven.trace.places_m[-1]) < 0.05
     assert abs(driven.trace.column("heading_deg")[-1] - 360.0) < 8.0
     assert abs(driven.trace.column("z_m")).max() < 1e-3
+
+
+def test_a_castor_bot_drives_a_written_path(tmp_path):
+    write_path(squares_and_lines("test", side_m=0.2, laps=1, straight_m=0.3), tmp_path / "path.yaml")
+    driven = run("playground", "drive_path.py", str(tmp_path / "path.yaml"))
+    heading = driven.trace.column("heading_deg")
+    assert heading.max() == pytest.approx(360.0, abs=12.0)
+    assert heading[-1] == pytest.approx(90.0, abs=12.0)
+    assert np.linalg.norm(driven.trace.places_m[-1]) < 0.05
+    assert driven.trace.path_m == pytest.approx(2 * 4 * 0.2 + 4 * 0.3, rel=0.1)
 
 
 def test_a_robot_follows_a_line_all_the_way_round():
