@@ -56,7 +56,9 @@ class RobotPath(BaseModel):
     legs: tuple[Leg, ...] = Field(min_length=1, max_length=10_000)
 
 
-def squares_and_lines(why: str, *, side_m: float = 1.0, laps: int = 5, straight_m: float = 2.0) -> RobotPath:
+def squares_and_lines(
+    why: str, *, side_m: float = 1.0, laps: int = 5, straight_m: float = 2.0, rest_s: float = 2.0
+) -> RobotPath:
     """Squares both ways round, then a straight way forward and back at two headings.
 
     Args:
@@ -64,8 +66,9 @@ def squares_and_lines(why: str, *, side_m: float = 1.0, laps: int = 5, straight_
         side_m: of a square.
         laps: each way round.
         straight_m: length of the straight way.
+        rest_s: between two legs.
     """
-    rest = Leg(rest_s=2.0)
+    rest = Leg(rest_s=rest_s)
     corner = (Leg(travel_m=side_m), rest)
     round_left = (*corner, Leg(turn_deg=90.0), rest) * 4 * laps
     round_right = (*corner, Leg(turn_deg=-90.0), rest) * 4 * laps

@@ -23,7 +23,9 @@ def test_a_castor_bot_drives_a_square():
 
 
 def test_a_castor_bot_drives_a_written_path(tmp_path):
-    write_path(squares_and_lines("test", side_m=0.2, laps=1, straight_m=0.3), tmp_path / "path.yaml")
+    write_path(
+        squares_and_lines("test", side_m=0.2, laps=1, straight_m=0.3, rest_s=0.3), tmp_path / "path.yaml"
+    )
     driven = run("playground", "drive_path.py", str(tmp_path / "path.yaml"))
     heading = driven.trace.column("heading_deg")
     assert heading.max() == pytest.approx(360.0, abs=12.0)

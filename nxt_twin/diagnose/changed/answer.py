@@ -15,6 +15,7 @@ from nxt_twin.diagnose.diagnosis import (
     Tolerance,
 )
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.robot.drive import DifferentialDrive
 
 ChangeVerdict = Literal["unchanged", "changed", "unexplained"]
 
@@ -78,7 +79,7 @@ class Changes:
     mismatch: Mismatch
     notes: tuple[str, ...]
     held_out: tuple[HeldOutRun, ...]
-    plant: Plant = field(compare=False)
+    plant: Plant | DifferentialDrive = field(compare=False)
 
     def __repr__(self) -> str:
         """Short: names, verdict and changes."""

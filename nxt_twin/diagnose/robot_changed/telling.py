@@ -79,7 +79,7 @@ def told(evidence: RobotSides) -> Changes:
         mismatch=Mismatch("pose_x_m", (), (), "kinematic" if changes else None),
         notes=words.notes(evidence.left, evidence.after, powered=evidence.body is not None),
         held_out=drawn_runs(evidence.judged),
-        plant=_plant(evidence),  # type: ignore[arg-type]  # a robot has a model of its own
+        plant=_plant(evidence),
     )
 
 
