@@ -13,7 +13,7 @@ import nxt.motor
 import yaml
 
 WHEEL_MM, TRACK_MM = 56.0, 103.0
-GAIN_PER_DEG, RAMP, SLOWEST, QUICKEST, NEAR_DEG = 0.2, 1, 2, 60, 2
+GAIN_PER_DEG, RAMP, SLOWEST, QUICKEST, NEAR_DEG = 0.2, 1, 2, 50, 2
 
 
 def turn_by(motors, degrees):

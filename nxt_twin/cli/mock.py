@@ -18,6 +18,22 @@ from nxt_twin.mock.run import Served, parse_address, serve
 from nxt_twin.mock.serve.profile import LinkProfile
 
 
+UsbFakeOption = Annotated[
+    Path | None,
+    typer.Option(metavar="SCRIPT", help="Run this Python program, which finds the brick on USB, and end."),
+]
+ArgumentOption = Annotated[
+    list[str] | None, typer.Option(help="An argument of that program; may be given again.")
+]
+ConcealOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SEED|FILE",
+        help="Conceal an effect in motor A, from a seed or a file; nxt-twin blind reveal prints it.",
+    ),
+]
+
+
 def _place(tcp: str | None) -> str | None:
     """Refuse what is not HOST:PORT as wrong use."""
     try:
@@ -46,27 +62,14 @@ def mock(
         ),
     ] = None,
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
-    usb_fake: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="SCRIPT", help="Run this Python program, which finds the brick on USB, and end."
-        ),
-    ] = None,
-    argument: Annotated[
-        list[str] | None, typer.Option(help="An argument of that program; may be given again.")
-    ] = None,
+    usb_fake: UsbFakeOption = None,
+    argument: ArgumentOption = None,
     world: Annotated[
         Path | None, typer.Option(metavar="FILE", help="World file: what surrounds the brick.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Random seed of noise, jitter and faults.")] = 0,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link.")] = "none",
-    conceal: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SEED|FILE",
-            help="Conceal an effect in motor A, from a seed or a file; nxt-twin blind reveal prints it.",
-        ),
-    ] = None,
+    conceal: ConcealOption = None,
     json: JsonOption = None,
 ) -> None:
     """Serve a mock brick until interrupted. Telegrams are framed as on Bluetooth.
