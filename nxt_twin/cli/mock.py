@@ -17,13 +17,15 @@ from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.run import Served, parse_address, serve
 from nxt_twin.mock.serve.profile import LinkProfile
 
-
 UsbFakeOption = Annotated[
     Path | None,
     typer.Option(metavar="SCRIPT", help="Run this Python program, which finds the brick on USB, and end."),
 ]
 ArgumentOption = Annotated[
     list[str] | None, typer.Option(help="An argument of that program; may be given again.")
+]
+WorldOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="World file: what surrounds the brick.")
 ]
 ConcealOption = Annotated[
     str | None,
@@ -64,9 +66,7 @@ def mock(
     pty: Annotated[Path | None, typer.Option(metavar="LINK", help="Link to a pseudo-terminal.")] = None,
     usb_fake: UsbFakeOption = None,
     argument: ArgumentOption = None,
-    world: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="World file: what surrounds the brick.")
-    ] = None,
+    world: WorldOption = None,
     seed: Annotated[int, typer.Option(help="Random seed of noise, jitter and faults.")] = 0,
     profile: Annotated[LinkProfile, typer.Option(help="Delays of the link.")] = "none",
     conceal: ConcealOption = None,
