@@ -54,7 +54,7 @@ class Observer:
 def observer(signals: Signals, noise: Noise) -> Observer:
     """The optimal gains for `signals` under `noise`; a reading that is missing has none."""
     known = np.isfinite(signals.measured)
-    return _observe(signals, noise, known, np.arange(known.size) == 0)
+    return _observe(signals, noise, known, np.zeros(known.size, dtype=bool))
 
 
 def free_run_std(signals: Signals, noise: Noise, start: Start) -> FloatArray:

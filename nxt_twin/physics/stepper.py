@@ -76,18 +76,16 @@ class Stepper:
     def step(self, duty: FloatArray, mode: IntArray, supply_v: float, step_s: float) -> None:
         """Advance by `step_s` with these duties (-1…1) and drive modes, each of shape (plants,)."""
         in_force, mode_in_force = self._commands.at(self._elapsed_s, duty, mode)
-        if self._may_rest and not any(in_force.tolist()):
-            self._elapsed_s += step_s
-            return
-        self._may_rest = False
-        self._kernel.step_many(
-            self._values,
-            self._active,
-            self._state,
-            in_force,
-            mode_in_force,
-            supply_v,
-            self._elapsed_s,
-            step_s,
-        )
+        self._may_rest = self._may_rest and not any(in_force.tolist())
+        if not self._may_rest:
+            self._kernel.step_many(
+                self._values,
+                self._active,
+                self._state,
+                in_force,
+                mode_in_force,
+                supply_v,
+                self._elapsed_s,
+                step_s,
+            )
         self._elapsed_s += step_s

@@ -126,9 +126,9 @@ def check_range(
 
 def hold(commands: FloatArray, before_first: float = 0.0) -> FloatArray:
     """Fill each empty command with the one in force: the last before it, or `before_first`."""
-    rows = np.arange(commands.size)
-    latest = np.maximum.accumulate(np.where(np.isnan(commands), -1, rows))
-    return np.where(latest >= 0, commands[latest], before_first)
+    numbers = np.arange(1, commands.size + 1)
+    latest = np.maximum.accumulate(np.where(np.isnan(commands), 0, numbers))
+    return np.concatenate(([before_first], commands))[latest]
 
 
 def _indices(table: Table, name: str, column: Column) -> FloatArray:

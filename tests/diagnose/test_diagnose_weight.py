@@ -1,12 +1,13 @@
 """What speaks for a structure over a simpler one, and the units in which errors are told."""
 
 import math
+from dataclasses import FrozenInstanceError
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from nxt_twin.diagnose.search.weight import free_run_ratio, weigh
+from nxt_twin.diagnose.search.weight import Weight, free_run_ratio, weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.effects.friction import LOAD_DEPENDENT_FRICTION
 from nxt_twin.physics.plant import plant_from_config
@@ -44,6 +45,13 @@ def test_a_share_of_faulty_readings_costs_as_much_as_a_parameter():
     stale = MOTOR.adding("stale_samples", stale_fraction=0.05)
     gain = weigh(structure(cost=200.0), structure(cost=150.0, plant=stale)).gain
     assert gain == pytest.approx(50.0 - 0.5 * math.log(READINGS))
+
+
+@pytest.mark.parametrize(("readings", "counted"), [(1, 2), (2, 2), (3, 3)])
+def test_a_parameter_costs_something_however_few_readings_there_are(readings, counted):
+    richer = structure(cost=150.0, variables=8)
+    richer.fitted.readings = readings
+    assert weigh(structure(cost=200.0), richer).gain == pytest.approx(50.0 - 0.5 * math.log(counted))
 
 
 def test_what_a_parameter_gains_by_chance_does_not_pay_for_it():
@@ -93,6 +101,9 @@ def test_the_kinder_of_the_two_free_runs_counts(runs):
     assert free_run_ratio(simpler, richer) == pytest.approx(0.4)
 
 
+SECOND_BODY = {"backlash": {"gap_deg": 5.0, "load_inertia_kg_m2": 5e-4}}
+
+
 @pytest.mark.parametrize(
     ("ratio", "check", "added", "worse"),
     [
@@ -101,6 +112,11 @@ def test_the_kinder_of_the_two_free_runs_counts(runs):
         (1.049, 41.0, {}, False),
         (1.051, 41.0, {}, True),
         (1.02, 39.0, {}, True),
+        (1.02, 40.0, {}, True),
+        (1.14, 10.1, SECOND_BODY, False),
+        (1.16, 10.1, SECOND_BODY, True),
+        (1.14, 10.0, SECOND_BODY, True),
+        (1.14, 10.1, {"constant_load": {"load_torque_nm": 0.01}}, True),
         (1.09, 0.0, {"stale_samples": {"stale_fraction": 0.05}}, False),
         (1.11, 0.0, {"stale_samples": {"stale_fraction": 0.05}}, True),
     ],
@@ -122,7 +138,8 @@ def test_one_kind_of_run_much_worse_speaks_against_it_unless_readings_are_sure(r
 
 def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_nothing():
     assert not weighed(runs=(3.0, 3.0), believed=int(0.96 * READINGS)).runs_worse
-    assert weighed(runs=(3.0, 3.0), believed=int(0.98 * READINGS)).runs_worse
+    for believed in (0.97, 0.98):
+        assert weighed(runs=(3.0, 3.0), believed=int(believed * READINGS)).runs_worse
 
 
 @pytest.mark.parametrize(
@@ -138,3 +155,23 @@ def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_
 )
 def test_readings_that_were_not_fitted_bear_it_out_by_likelihood_or_much_nearer_runs(ratio, check, borne_out):
     assert weighed(runs=(ratio, ratio), check=check).borne_out(5.0) == borne_out
+
+
+@pytest.mark.parametrize(
+    ("ratio", "check", "borne_out"),
+    [(1.0, 5.0, False), (0.49, -2.9, True), (0.49, -3.0, False), (0.5, -2.9, False)],
+)
+def test_where_little_is_gained_three_nats_are_enough_to_deny_it(ratio, check, borne_out):
+    assert Weight(10.0, check, ratio, runs_worse=False).borne_out(5.0) == borne_out
+
+
+def test_a_weight_never_changes():
+    with pytest.raises(FrozenInstanceError):
+        Weight(10.0, 0.0, 1.0, runs_worse=False).gain = 20.0
+
+
+def test_structures_of_which_one_was_run_in_fewer_ways_are_not_compared():
+    richer = structure(cost=150.0)
+    richer.window_errors = richer.window_errors[:1]
+    with pytest.raises(ValueError, match="zip"):
+        weigh(structure(cost=200.0), richer)

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ from physics_reference import predict
 from physics_samples import NXT, job_with_readings, signals
 
 from nxt_twin.errors import PlantError
+from nxt_twin.physics import stepper as stepper_module
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.simulate import Simulator, free_job
@@ -161,6 +163,28 @@ def test_each_plant_of_a_stepper_has_its_own_state():
     assert stepper.current[1] > 0.05
     assert 0.0 < stepper.angle[1] < 0.05 * stepper.speed[1]
     np.testing.assert_array_equal(stepper.shown, stepper.angle)
+
+
+@pytest.mark.parametrize(
+    ("effects", "ready", "duty", "loaded"),
+    [
+        ({}, {}, 0.0, True),
+        ({}, {"ready": True}, 0.0, True),
+        ({}, {"ready": False}, 0.0, False),
+        ({}, {"ready": False}, 0.1, True),
+        ({"constant_load": {"load_torque_nm": 0.02}}, {"ready": False}, 0.0, True),
+    ],
+)
+def test_the_kernel_is_loaded_at_the_first_step_unless_all_may_rest(
+    monkeypatch, effects, ready, duty, loaded
+):
+    stepped = []
+    monkeypatch.setattr(
+        stepper_module, "kernel", lambda _: SimpleNamespace(step_many=lambda *a: stepped.append(a))
+    )
+    stepper = Stepper([plant_from_config({**NXT, "effects": effects}, "power_pct")], **ready)
+    stepper.step(np.array([duty]), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
+    assert bool(stepped) is loaded
 
 
 @pytest.mark.parametrize("rests_s", [0.0, 0.2])

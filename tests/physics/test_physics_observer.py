@@ -1,6 +1,7 @@
 """The gains of a prediction-error run against a Kalman filter written out here."""
 
 import math
+from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
@@ -130,13 +131,13 @@ def whole(triangle):
     return matrix + np.triu(matrix, 1).T
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_covariance_is_carried_and_corrected_as_with_matrices(seed):
+@pytest.mark.parametrize(("seed", "damping"), [(0, 4.0), (1, 4.0), (2, 0.5), (3, 0.0)])
+def test_a_covariance_is_carried_and_corrected_as_with_matrices(seed, damping):
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(3, 3))
-    before, dt, damping, leak, torque_var = root @ root.T, 0.03, 4.0, 2.5, 7.0
+    before, dt, leak, torque_var = root @ root.T, 0.03, 2.5, 7.0
     hold, forget = math.exp(-damping * dt), math.exp(-leak * dt)
-    gain, fresh = (1.0 - hold) / damping, torque_var * (1.0 - forget**2)
+    gain, fresh = (1.0 - hold) / damping if damping else dt, torque_var * (1.0 - forget**2)
     transition = np.array([[1.0, gain, 0.5 * dt**2], [0.0, hold, gain], [0.0, 0.0, forget]])
     process = whole([0.0, 0.0, 0.0, fresh * dt**2 / 3.0, 0.5 * fresh * dt, fresh])
     after = transition @ before @ transition.T + process
@@ -150,3 +151,11 @@ def test_a_covariance_is_carried_and_corrected_as_with_matrices(seed):
         np.testing.assert_allclose(told_gains, gains, rtol=1e-12)
         assert told_variance == pytest.approx(variance)
         np.testing.assert_allclose(whole(left), after - np.outer(gains, watch @ after), rtol=1e-9, atol=1e-12)
+
+
+def test_noise_has_no_systematic_error_unless_told_and_never_changes():
+    assert NOISE.drift == 1.0
+    with pytest.raises(FrozenInstanceError):
+        NOISE.drift = 2.0
+    with pytest.raises(FrozenInstanceError):
+        free(with_readings(np.zeros(3)), 0.1).gains = None

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import signal
 import subprocess
 import sys
+from dataclasses import FrozenInstanceError
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -193,6 +196,44 @@ def test_which_rows_are_lost_is_told(tmp_path):
     assert list(recovered.recording.columns["a_tacho_deg"]) == [*range(7), 9, 10, 11, *range(13, 20)]
 
 
+def test_of_many_damages_the_first_are_told_and_how_many_more_there_are(tmp_path):
+    data = bytearray(begun(tmp_path / "run.parquet", 20))
+    head, size = data.index(b"NXTr", data.index(b"NXTr", 1) + 1), 20 + 8 * len(COLUMNS)
+    places = [head + row * size for row in (2, 5, 8, 11, 19)]
+    for place in places:
+        data[place + 25] ^= 4
+    (tmp_path / "damaged.csv.stream").write_bytes(data)
+    first = ", ".join(f"byte {place}" for place in places[:3])
+    recovered = recover(tmp_path / "damaged.csv")
+    assert recovered.damages == (f"damaged at {first} and 2 places more", "rows lost: 3, 6, 9, …")
+    with pytest.raises(FrozenInstanceError):
+        recovered.damages = ()
+
+
+def test_a_last_row_that_is_damaged_takes_all_after_it(tmp_path):
+    data = bytearray(begun(tmp_path / "run.parquet", 20))
+    data[-5] ^= 4
+    (tmp_path / "damaged.csv.stream").write_bytes(data)
+    assert recover(tmp_path / "damaged.csv").damages[1] == "rows lost: all after 19"
+
+
+def test_a_mode_that_nobody_knows_is_no_recording(tmp_path):
+    writer = RecordingWriter(tmp_path / "run.csv", ("time_s", "a_mode"))
+    for mode in (0.0, 7.0):
+        writer.row({"time_s": mode, "a_mode": mode})
+    with pytest.raises(RecordingError, match="column a_mode: holds what is no known mode"):
+        writer.finish()
+
+
+def test_the_sidecar_is_renewed_each_time_that_there_are_twice_as_many_rows(tmp_path):
+    writer, at = RecordingWriter(tmp_path / "run.csv", COLUMNS), []
+    writer.keep_lags(SimpleNamespace(write_beside=lambda _: at.append(writer.rows)))
+    for row in rows(10):
+        writer.row(row)
+    writer.finish()
+    assert at == [0, 1, 2, 4, 8, 10]
+
+
 def test_a_disk_that_is_full_leaves_the_rows_before(tmp_path, monkeypatch):
     path = tmp_path / "run.csv"
     writer = RecordingWriter(path, COLUMNS)
@@ -203,6 +244,45 @@ def test_a_disk_that_is_full_leaves_the_rows_before(tmp_path, monkeypatch):
         writer.row({"time_s": 9.0})
     writer.finish()
     assert read_recording(path).rows == 5
+
+
+def test_a_disk_that_refuses_says_why(tmp_path, monkeypatch):
+    writer = RecordingWriter(tmp_path / "run.csv", COLUMNS)
+    file = writer._file
+    monkeypatch.setattr(writer, "_file", SimpleNamespace(write=_refuse))
+    with pytest.raises(RecordingError, match="cannot be written: No space left on device"):
+        writer.row({"time_s": 9.0})
+    file.close()
+
+
+def _refuse(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_where_not_even_the_names_can_be_written_nothing_is_left(tmp_path, monkeypatch):
+    with pytest.raises(RecordingError, match="check the folder"):
+        RecordingWriter(tmp_path / "none" / "run.csv", COLUMNS)
+
+    def full(*_):
+        raise RecordingError("cannot be written: full")
+
+    monkeypatch.setattr(RecordingWriter, "_write", full)
+    with pytest.raises(RecordingError, match="full"):
+        RecordingWriter(tmp_path / "run.csv", COLUMNS)
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_locks_and_without_waiting_for_the_disk_it_is_recorded_all_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr("fcntl.flock", _refuse)
+    waits = iter([_refuse])  # the stream's; the recording's may wait
+    monkeypatch.setattr(os, "fsync", lambda file: next(waits, bool)(file))
+    copy = tmp_path / "copy.csv.stream"
+    with RecordingWriter(tmp_path / "run.csv", COLUMNS) as writer:
+        for row in rows(3):
+            writer.row(row)
+        copy.write_bytes(stream_path(writer.path).read_bytes())
+    assert writer.finish() == tmp_path / "run.csv"
+    assert recover(copy).recording.rows == 3
 
 
 class Full:
@@ -252,6 +332,12 @@ def test_nothing_to_recover_is_said(tmp_path):
         with pytest.raises(RecordingError, match=why):
             recover(path)
         assert stream_path(path).exists()
+
+
+def test_a_stream_of_another_suffix_is_not_recovered(tmp_path):
+    (tmp_path / "run.txt.stream").write_bytes(b"x")
+    with pytest.raises(RecordingError, match="change the suffix"):
+        recover(tmp_path / "run.txt")
 
 
 def test_no_recording_is_written_over(tmp_path):
