@@ -42,15 +42,14 @@ def envelope(time_s: FloatArray, values: FloatArray, columns: int) -> tuple[Floa
         return time_s, values
     edges = np.linspace(time_s[0], time_s[-1], columns + 1)[1:-1]
     bounds = np.concatenate(([0], np.searchsorted(time_s, edges), [values.size]))
+    unknown = np.isnan(values)
+    low, high = np.where(unknown, np.inf, values), np.where(unknown, -np.inf, values)
     kept: list[int] = []
-    for first, last in pairwise(bounds):
-        if first == last:
-            continue
-        column = values[first:last]
-        if np.isnan(column).all():
-            kept.append(int(first))
-        else:
-            kept.extend(sorted({int(first + np.nanargmin(column)), int(first + np.nanargmax(column))}))
+    for first, last in pairwise(bounds.tolist()):
+        if first < last:
+            kept.extend(
+                sorted({first + int(low[first:last].argmin()), first + int(high[first:last].argmax())})
+            )
     index = np.array(kept, dtype=np.intp)
     return time_s[index], values[index]
 

@@ -1,5 +1,6 @@
 """Four diagnoses of a small simulated motor, as the engine could have made them."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -35,18 +36,18 @@ def motor_deg(power_pct, *, friction=11.0, stiction=0.0, gravity=0.0, bump=0.0):
     angle, speed, out = 0.0, 0.0, []
     fine = 5
     step_s = PERIOD_S / fine
-    for power in power_pct:
+    for power in power_pct.tolist():
         out.append(angle)
         for _ in range(fine):
             drive = (
                 36.0 * 0.078 * power
                 - 18.0 * speed
-                - gravity * np.sin(angle)
-                - bump * np.sin(3 * angle) * speed
+                - gravity * math.sin(angle)
+                - bump * math.sin(3 * angle) * speed
             )
-            limit = friction + stiction * np.exp(-((speed / 1.2) ** 2))
+            limit = friction + stiction * math.exp(-((speed / 1.2) ** 2))
             free = speed + step_s * drive
-            speed = np.sign(free) * max(0.0, abs(free) - step_s * limit)
+            speed = math.copysign(max(0.0, abs(free) - step_s * limit), free)
             angle += step_s * speed
     return np.degrees(out)
 
