@@ -32,7 +32,7 @@ ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 
 def full():
     """An explained diagnosis with everything that may be said."""
-    plain = samples.explained()
+    plain = samples.explained(runs=2, samples=700)
     program = MotorProgram(
         name="a-or-b", runs=(Run(name="told-apart", segments=(Segment(duration_s=1.0, power_pct=40),)),)
     )
@@ -98,27 +98,29 @@ def test_what_would_have_been_seen_is_listed_with_its_side(page):
 
 def test_the_program_is_offered_where_there_is_one(page):
     assert "--experiment-out" in page.text("next")
-    plain = Page(render_report(samples.explained()))
+    plain = Page(render_report(samples.explained(runs=1, samples=300)))
     assert "--experiment-out" not in plain.text("next")
 
 
 def test_too_little_excitation_and_the_nearest_effect_are_said():
     poor = replace(
-        samples.adequate(),
+        samples.brief(samples.adequate()),
         excitation=Excitation(enough=False, lacks=("it never turns the other way",), unseen=("stiction",)),
         detectable=SIZES,
     )
     text = Page(render_report(poor)).text("doubt")
     assert "Too little happened to show everything: it never turns the other way" in text
     assert "What would have been seen" in text
-    strange = replace(samples.unexplained(), nearest=Nearest("cogging", "cogging", "free runs get worse"))
+    strange = replace(
+        samples.brief(samples.unexplained()), nearest=Nearest("cogging", "cogging", "free runs get worse")
+    )
     assert "cogging (cogging) comes nearest to what is left, and was not accepted: free runs get worse" in (
         Page(render_report(strange)).text("doubt")
     )
 
 
 def test_what_is_left_is_drawn_against_the_current_too():
-    plain = samples.unexplained()
+    plain = samples.brief(samples.unexplained())
     leftover = replace(plain.leftover, drive=np.sin(plain.leftover.time_s), drive_label="current (A)")
     drawn = "".join(svgs_of(Page(render_report(replace(plain, leftover=leftover)))))
     assert "current (A)" in drawn

@@ -14,10 +14,10 @@ from nxt_twin.view.report import render_report, write_report
 VOID = {"meta", "br"}
 
 EVERY_SAMPLE = {
-    "explained": samples.explained,
+    "explained": lambda: samples.explained(runs=2),
     "adequate": samples.adequate,
-    "unexplained": samples.unexplained,
-    "unexplained with help": lambda: samples.unexplained(helped=True),
+    "unexplained": lambda: samples.brief(samples.unexplained()),
+    "unexplained with help": lambda: samples.brief(samples.unexplained(helped=True)),
     "stale": samples.with_stale_samples,
 }
 
