@@ -24,7 +24,8 @@ _VERDICTS: dict[ChangeVerdict, str] = {
     "changed": "what differs is found",
     "unexplained": "something unknown differs",
 }
-_NAMES = ("as before", "now", "of its own")
+_NAMES = ("as before", "now", "a model of its own, all runs")
+_SHARED = ("one model", "now", "a model of its own, all runs")
 
 
 @final
@@ -91,7 +92,7 @@ def _draw(changes: Changes, run: HeldOutRun, number: int) -> str:
         spells=(),
         improves=bool(changes.changes),
         floor=changes.fit.floor,
-        names=_NAMES,
+        names=_SHARED if changes.verdict == "unchanged" else _NAMES,
     )
     label = (
         f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"

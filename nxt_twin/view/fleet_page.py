@@ -67,7 +67,8 @@ def sentence(findings: Findings) -> str:
         return f"No session of {findings.sessions} could be diagnosed."
     lacking = len({lack.unit for lack in findings.lacks})
     thing = "unit" if findings.units == 1 else "units"
-    parts = [f"{lacking} of {findings.units} {thing} {'lacks' if lacking == 1 else 'lack'} physics"]
+    surely = f"{lacking} of {findings.units} {thing} {'lacks' if lacking == 1 else 'lack'} physics"
+    parts = [surely if lacking else "No unit surely lacks physics"]
     drifting = len({drift.unit for drift in findings.drifts})
     far = len({outlier.unit for outlier in findings.outliers})
     batches = len({common.batch for common in findings.commons})

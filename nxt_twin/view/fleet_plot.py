@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.fleet.findings.values import Findings, FleetParameter, UnitDrift
@@ -61,6 +62,7 @@ def _draw_parameter(axes: Axes, parameter: FleetParameter, far: FloatArray) -> N
     if far.size:
         axes.hist(far * factor, edges, color=palette.BASELINE)
     axes.axvline(parameter.median * factor, color=palette.INK, linewidth=1.0)
+    axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
     palette.name_abscissa(axes, unit or " ")
 
 

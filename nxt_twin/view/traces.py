@@ -36,7 +36,7 @@ class RunPicture:
     spells: tuple[Spell, ...]
     improves: bool
     floor: float
-    names: tuple[str, str, str] = ("baseline", "improved", "noise alone")
+    names: tuple[str, str, str] = ("baseline", "improved", "noise alone, all runs")
 
     @property
     def shaded(self) -> tuple[Spell, ...]:

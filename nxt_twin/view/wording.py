@@ -28,6 +28,7 @@ SOURCES: dict[Source, str] = {
 
 _UNIT_ENDINGS = (
     "_nm_s2_per_rad2",
+    "_raw_per_mm",
     "_nm_s_per_rad",
     "_v_s_per_rad",
     "_nm_per_rad",

@@ -94,7 +94,7 @@ def has_truth(case: Case, kind: str) -> bool:
 
 def unit_of(name: str) -> str:
     """The unit of a parameter by its name's ending."""
-    endings = {"_raw_per_mm": "1/mm", "_mm": "mm", "_g": "g", "_raw": "raw"}
+    endings = {"_raw_per_mm": "raw/mm", "_mm": "mm", "_g": "g", "_raw": "raw"}
     return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
 
 
