@@ -13,10 +13,11 @@ from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
 from nxt_twin.physics import frame
+from nxt_twin.physics.abreast import FEWEST, LANES, abreast
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
-from nxt_twin.physics.template import FORMING, FRAME, LEAVING, STEP, STEPPING, TURNING
+from nxt_twin.physics.template import COMPILED, FORMING, FRAME, LEAVING, MANY, RUN, STEP, STEPPING, TURNING
 from nxt_twin.physics.terms import Call, calls
 
 SETTLING = 6
@@ -38,7 +39,16 @@ _HELD = (
 _FORMED = frozenset({"resistance", "supply_v"})
 """Parameters of a base that a step forms anew."""
 
-_FRAME = (frame.schedule, frame.log_scales, frame.free_speed, frame.slowed, frame.scattered, frame.believed)
+_FRAME = (
+    frame.room,
+    frame.schedule,
+    frame.log_scales,
+    frame.same,
+    frame.free_speed,
+    frame.slowed,
+    frame.scattered,
+    frame.believed,
+)
 """What a kernel calls whatever effects are in it."""
 
 _FEWEST_GROUPED = 3  # lines of one stage that are worth a flag of their own
@@ -51,8 +61,7 @@ def source(plan: Layout) -> str:
     """The kernel's source text for `plan`."""
     step = _step(plan)
     states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
-    carried = ["current", *states]
-    running = FRAME.format(
+    beginning = FRAME.format(
         kind=plan.base.kind,
         frame=plan.frame,
         imports="\n".join(_imports(plan)),
@@ -61,6 +70,24 @@ def source(plan: Layout) -> str:
         delay=_indent(_stage(plan, "delay"), 4),
         pace=_indent(_stage(plan, "pace"), 4),
         lag=_indent(_stage(plan, "lag"), 8),
+    )
+    run = _run(plan, step, states)
+    many = MANY.format(compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, fewest=FEWEST)
+    stepping = STEPPING.format(
+        unpack=_indent(_unpack(plan), 8),
+        load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
+        step=_indent(iter(step), 8),
+        reading=_indent(_stage(plan, "reading"), 8),
+        store=_indent((f"state[i, {3 + n}] = {state}" for n, state in enumerate(states)), 8),
+    )
+    return beginning + many + stepping
+
+
+def _run(plan: Layout, step: list[str], states: list[str]) -> str:
+    """The function that runs one parameter set."""
+    carried = ["current", *states]
+    return RUN.format(
+        unpack=_indent(_unpack(plan), 4),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
         states_restart=_indent(_restart(plan), 12),
         states_known=_indent((f"{s} = restart_states[begun, {n}]" for n, s in enumerate(carried)), 16),
@@ -71,16 +98,8 @@ def source(plan: Layout) -> str:
         settle=_indent(_stage(plan, "reading"), 20),
         reading=_indent(_stage(plan, "reading"), 12),
         scatter=_indent(_stage(plan, "scatter"), 20),
-        outlier=_indent(_stage(plan, "outlier"), 16),
+        outlier=_indent(_stage(plan, "outlier"), 20),
     )
-    stepping = STEPPING.format(
-        unpack=_indent(_unpack(plan), 8),
-        load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
-        step=_indent(iter(step), 8),
-        reading=_indent(_stage(plan, "reading"), 8),
-        store=_indent((f"state[i, {3 + n}] = {state}" for n, state in enumerate(states)), 8),
-    )
-    return running + stepping
 
 
 def turning_source(plan: Layout) -> str:

@@ -31,6 +31,13 @@ mode. Shape (rows + 1,): the first span of each row.
 """
 
 
+def room(time_s: FloatArray, command_time_s: FloatArray, others_time_s: FloatArray) -> Spans:
+    """Where `schedule` may put the spans between rows at `time_s`: one for each row, command and load."""
+    rows = time_s.shape[0]
+    most = rows + command_time_s.shape[0] + others_time_s.shape[0]
+    return np.empty((most, 8)), np.empty((most, 2), np.int64), np.empty(rows + 1, np.int64)
+
+
 def schedule(target_s: FloatArray, commands: Commands, others: Others, clock: Clock, into: Spans) -> None:
     """Part the time between rows where a command or another motor's load changes, and into steps.
 
@@ -96,6 +103,11 @@ def log_scales(reading_std: FloatArray) -> FloatArray:
     return found
 
 
+def same(one: FloatArray, other: FloatArray) -> bool:
+    """Whether two arrays of one shape hold equal numbers."""
+    return bool(np.all(one == other))
+
+
 def free_speed(kept: float, before: float, pull: float, inverse: float) -> float:
     """The speed at a step's end were there no dry friction, by the trapezoidal rule.
 
@@ -136,8 +148,6 @@ def believed(ratio: float, log_scale: float, share: float, outlier: float) -> tu
         share: of the readings that are no faults.
         outlier: density of the faults at this reading.
     """
-    if share < 1.0:
-        density = share * math.exp(-0.5 * ratio * ratio - log_scale)
-        total = density + outlier + 1e-300
-        return density / total, -math.log(total)
-    return 1.0, 0.5 * ratio * ratio + log_scale
+    density = share * math.exp(-0.5 * ratio * ratio - log_scale)
+    total = density + outlier + 1e-300
+    return density / total, -math.log(total)

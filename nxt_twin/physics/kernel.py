@@ -26,6 +26,7 @@ class Kernel:
 
     def __init__(self, module: ModuleType) -> None:
         self.run_many: Callable[..., None] = module.run_many
+        self.run_together: Callable[..., None] = module.run_together
         self.step_many: Callable[..., None] = module.step_many
         self.read_many: Callable[..., None] = module.read_many
 

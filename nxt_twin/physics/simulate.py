@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Self, final
 
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.physics.abreast import FEWEST, LANES
 from nxt_twin.physics.assemble import TRACE
 from nxt_twin.physics.kernel import kernel
 from nxt_twin.physics.layout import BASE_OWNER, Layout, Slot
@@ -20,6 +24,8 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.start import Start
 
 STEP_S = 1e-3
+_BLOCKS = 1
+"""Of lanes at once. Told at each call: a compiler that knows it would unroll the loops over lanes."""
 
 
 @final
@@ -80,15 +86,20 @@ class Simulator:
             jobs: the recordings.
         """
         results = [_empty_result(values.shape[0], job) for job in jobs]
-        chunks = np.array_split(np.arange(values.shape[0]), min(self._workers, values.shape[0]))
         pending = [
-            self._pool.submit(self._run_chunk, values, active, job, result, chunk[0], chunk[-1] + 1)
+            self._pool.submit(self._run_chunk, values, active, job, result, low, high)
             for job, result in zip(jobs, results, strict=True)
-            for chunk in chunks
+            for low, high in itertools.pairwise(self._edges(values.shape[0]))
         ]
         for task in pending:
             task.result()
         return results
+
+    def _edges(self, sets: int) -> list[int]:
+        """Where chunks of `sets` begin and end: between sets that are run abreast."""
+        blocks = math.ceil(sets / LANES)
+        edges = np.linspace(0, blocks, min(self._workers, blocks) + 1).round().astype(int)
+        return [min(LANES * int(edge), sets) for edge in edges]
 
     def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
         """One run of one plant, with what went on inside.
@@ -133,7 +144,9 @@ class Simulator:
         self, values: FloatArray, active: BoolArray, job: Job, result: Result, trace: FloatArray
     ) -> None:
         signals, start = job.signals, job.start
-        self._kernel.run_many(
+        together = partial(self._kernel.run_together, _BLOCKS)  # compiled when it is first needed
+        run = together if values.shape[0] >= FEWEST else self._kernel.run_many
+        run(
             values,
             active,
             job.step_s,

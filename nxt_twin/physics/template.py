@@ -28,9 +28,9 @@ def _timing(values, active, out_time_s, target_s):
 {lag}
         target_s[k] = target
     return delay_s, pace, any_lag
+'''
 
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+RUN = """
 def run(
     values, active, span, steps, first,
     measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
@@ -95,21 +95,24 @@ def run(
         cost[k] = 0.0
         if reading == reading and not restart[k]:
             innovation = reading - predicted_reading
-            std = reading_std[k]
-            log_std = log_scale[k]
-            trust = 1.0
             fresh = 1.0
-            if std > 0.0:
+            if reading_std[k] > 0.0:
+                std = reading_std[k]
+                log_std = log_scale[k]
+                trust = 1.0
                 if any_scatter:
                     scatter = 0.0
 {scatter}
                     trust, std, log_std = _scattered(std, log_std, scatter)
                 ratio = innovation / std
-                share = 1.0
-                outlier = 0.0
+                if any_outlier:
+                    share = 1.0
+                    outlier = 0.0
 {outlier}
-                fresh, cost[k] = _believed(ratio, log_std, share, outlier)
-            fresh *= trust
+                    fresh, cost[k] = _believed(ratio, log_std, share, outlier)
+                else:
+                    cost[k] = 0.5 * ratio * ratio + log_std
+                fresh *= trust
             weight[k] = fresh
             angle += gains[k, 0] * fresh * innovation
             speed += gains[k, 1] * fresh * innovation
@@ -127,23 +130,26 @@ def run(
             trace[k, 5] = drive_torque
             if trace.shape[1] > 6:
 {states_traced}
+"""
+"""One parameter set over one recording."""
+
+MANY = """
+
+{compiled}
+{run}
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
+{compiled}
 def run_many(
     values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s, others_load,
     out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
-    rows = out_time_s.shape[0]
-    target_s = np.empty(rows)
-    most = rows + command_time_s.shape[0] + others_time_s.shape[0]
-    span = np.empty((most, 8))
-    steps = np.empty((most, 2), np.int64)
-    first = np.empty(rows + 1, np.int64)
-    log_scale = _log_scales(reading_std)
+    target_s = np.empty(out_time_s.shape[0])
     commands = (command_time_s, command, command_mode, command_supply_v)
     others = (others_time_s, others_load)
+    span, steps, first = _room(out_time_s, command_time_s, others_time_s)
+    log_scale = _log_scales(reading_std)
     delay_s, pace, lagged = math.nan, math.nan, False
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
@@ -156,7 +162,59 @@ def run_many(
             measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
             observe_speed, session_s, predicted[i], weight[i], cost[i], trace, stop,
         )
-'''
+
+
+{compiled}
+{abreast}
+
+
+{compiled}
+def run_together(
+    blocks, values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s,
+    others_load, out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
+    disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
+):
+    sets, rows = values.shape[0], out_time_s.shape[0]
+    target_s, other_s = np.empty(rows), np.empty(rows)
+    span, steps, first = _room(out_time_s, command_time_s, others_time_s)
+    log_scale = _log_scales(reading_std)
+    left = np.ones(sets, np.bool_)
+    row = np.empty({lanes}, np.int64)
+    for i in range(sets):
+        if not left[i]:
+            continue
+        timing = _timing(values[i], active[i], out_time_s, target_s)
+        alike = 0
+        for j in range(i, sets):
+            if alike < {lanes} and left[j] and _same(active[i], active[j]):
+                other = _timing(values[j], active[j], out_time_s, other_s)
+                if other == timing and _same(target_s, other_s):
+                    left[j] = False
+                    row[alike] = j
+                    alike += 1
+        if alike < {fewest}:
+            for j in row[:alike]:
+                run_many(
+                    values[j:j + 1], active[j:j + 1], step_max_s, command_time_s, command, command_mode,
+                    command_supply_v, others_time_s, others_load, out_time_s, measured, gains, reading_std, restart,
+                    restart_angle, restart_speed, restart_states, disturbance_rate, observe_speed, session_s,
+                    predicted[j:j + 1], weight[j:j + 1], cost[j:j + 1], trace, stop,
+                )
+            continue
+        _schedule(
+            target_s, (command_time_s, command, command_mode, command_supply_v), (others_time_s, others_load),
+            (timing[0], timing[1], step_max_s, disturbance_rate), (span, steps, first),
+        )
+        row[alike:] = row[alike - 1]
+        run_abreast(
+            blocks, row, values, active[i], span, steps, first,
+            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
+            observe_speed, session_s, predicted, weight, cost, stop,
+        )
+"""
+"""Many parameter sets over one recording, each by itself; and those abreast that take the same steps."""
+
+COMPILED = '@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})'
 
 FORMING = """\
 goal = held
