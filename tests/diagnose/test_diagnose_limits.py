@@ -1,0 +1,292 @@
+"""Each limit of the search and of its effort: on either side of it, a few hundredths apart, the answer is another."""
+
+import math
+from dataclasses import fields
+from types import SimpleNamespace
+
+import pytest
+
+from nxt_twin.diagnose.search import explain as explaining
+from nxt_twin.diagnose.search import rivals as rivalry
+from nxt_twin.diagnose.search import standard as standards
+from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
+from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
+from nxt_twin.diagnose.search.standard import Standard
+from nxt_twin.diagnose.search.weight import Weight
+from nxt_twin.diagnose.telling.findings import near_rivals
+
+
+def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
+    parameters = tuple(SimpleNamespace(frozen=False, doubt=math.inf, starts=own) for own in starts)
+    return SimpleNamespace(
+        id=name,
+        parameters=parameters,
+        plain=False,
+        source=source,
+        states=states,
+        confusable_with=(),
+        terms={},
+    )
+
+
+def structure(*effects, cost=0.0, error=2.0):
+    plant = SimpleNamespace(effects=(), active=frozenset(effects))
+    noise = SimpleNamespace(disturbance_std=1.0, reading_std=1.0)
+    return SimpleNamespace(plant=plant, fitted_cost=cost, check_cost=0.0, free_run_rms=(error,), noise=noise)
+
+
+def likelier(gain, *, check=2.5, ratio=1.0, explained=0.0, silent=False, effect=None, by_windows=False):
+    """Whether an effect with such a weight earns its place beside effects that have `explained` so many nats."""
+    problem = SimpleNamespace(tolerance=1.0, by_windows=by_windows, leaning={})
+    standard = Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace())
+    best = structure(cost=-explained, error=0.5 if silent else 2.0)
+    return standard.likelier(effect or effect_named(), Weight(gain, check, ratio, runs_worse=False), best)
+
+
+def lasts(monkeypatch, gain, moments):
+    monkeypatch.setattr(standards, "moments_gained", lambda *_: moments)
+    standard = Standard(SimpleNamespace(), structure(), SimpleNamespace())
+    return standard.lasts(Weight(gain, 0.0, 1.0, runs_worse=False), structure("a"), structure("a", "b"))
+
+
+def swapped(behind):
+    return likelier_structure({"a": (Rival(effect_named("b"), behind, structure(), simulates_worse=False),)})
+
+
+def rival_is_worse(monkeypatch, ratio, total=0.0, states=()):
+    monkeypatch.setattr(rivalry, "weigh", lambda *_: Weight(total + 1.0, -1.0, 1.0, runs_worse=False))
+    monkeypatch.setattr(rivalry, "free_run_ratio", lambda *_: ratio)
+    return simulates_worse(structure(), structure(), effect_named(states=states))
+
+
+def is_near(behind):
+    rival = Rival(effect_named("b"), behind, structure(), simulates_worse=False)
+    told = SimpleNamespace(found=((effect_named("a"), None),), rivals={"a": (rival,)})
+    return bool(near_rivals(SimpleNamespace(explanation=told)))
+
+
+def search(**parts):
+    """A search of which only some parts are there."""
+    made = object.__new__(explaining._Search)
+    made._baseline = structure()
+    made._tried = []
+    for name, part in parts.items():
+        setattr(made, name, part)
+    return made
+
+
+def effects_grown():
+    """How many effects a search adds of which each earns its place."""
+
+    def added(best, _):
+        count = len(best.plant.active) + 1
+        return structure(*map(str, range(count)), cost=-100.0 * count)
+
+    one = (effect_named("z"), Weight(9.0, 9.0, 1.0, runs_worse=False), None)
+    grown, _ = search(_forward=lambda _: [one], _added=added).grown(structure(), lambda _: None)
+    return len(grown.plant.active)
+
+
+def is_taken(gain):
+    """Whether a structure with the same effects and so many nats more is another."""
+    one = (effect_named("z"), Weight(9.0, 9.0, 1.0, runs_worse=False), None)
+    better = iter([structure(cost=-gain), None])
+    grown, _ = search(_forward=lambda _: [one], _added=lambda *_: next(better)).grown(
+        structure(), lambda _: None
+    )
+    return grown.fitted_cost < 0.0
+
+
+def is_kept(monkeypatch, total):
+    monkeypatch.setattr(explaining, "weigh", lambda *_: Weight(total - 1.0, 1.0, 1.0, runs_worse=False))
+    standard = SimpleNamespace(is_notable=lambda *_: True)
+    made = search(_standard=standard, _settled=SimpleNamespace(without=lambda *_: structure()))
+    return bool(made.pruned(structure("a")).plant.active)
+
+
+def rivals_of(*costs, known=0):
+    """How many rivals are listed: drafts with such costs, and some that were settled before."""
+    effects = [effect_named(str(n)) for n in range(len(costs) + known)]
+    drafts = dict(zip((effect.id for effect in effects[known:]), costs, strict=True))
+
+    def drafted(_, fresh, most):
+        plant = SimpleNamespace(plant=None)
+        return [(one, SimpleNamespace(cost=drafts[one.id], fitted=plant)) for one in fresh[:most]]
+
+    ready = {one.id for one in effects[:known]}
+    settled = SimpleNamespace(
+        without=lambda *_: structure(),
+        with_effect=lambda _, one: structure() if one.id in ready else None,
+        settle=lambda *_: structure(),
+    )
+    made = search(
+        _settled=settled,
+        _tried=effects,
+        _candidates=lambda _: effects,
+        _drafts=SimpleNamespace(cost=lambda *_: 0.0, of=drafted),
+        _standard=SimpleNamespace(is_notable=lambda *_: True),
+        _rival=lambda _best, _effect, other, _trial: SimpleNamespace(
+            doubt_nats=0.0, structure=None, effect=other
+        ),
+    )
+    return len(made.rivals(structure("found"), effect_named("found")))
+
+
+class ReachedError(Exception):
+    """Raised to end a search at the step that is asked for."""
+
+
+def forward(*gains, states=()):
+    """What a step forward drafts, and which drafts with such gains it looks at: most, least nats, their number."""
+    seen = {}
+
+    def drafted(_, __, most, least):
+        seen.update(most=most, least=least)
+        return [
+            (effect_named(str(n), states=states), SimpleNamespace(cost=-gain)) for n, gain in enumerate(gains)
+        ]
+
+    def leaders(_, __, within):
+        seen.update(within=len(within))
+        raise ReachedError
+
+    made = search(
+        _standard=SimpleNamespace(needed=lambda _: 8.0),
+        _drafts=SimpleNamespace(of=drafted, cost=lambda *_: 0.0),
+        _candidates=lambda _: [],
+        _leaders=leaders,
+    )
+    with pytest.raises(ReachedError):
+        made._forward(structure())
+    return seen
+
+
+def leaders(promise):
+    """How many of two drafts are settled, where 110 nats are needed and the second promises so many."""
+    made = search(
+        _standard=SimpleNamespace(needed=lambda _: 110.0),
+        _settled=SimpleNamespace(settle=lambda *_: structure()),
+    )
+    drafts = [SimpleNamespace(cost=-gain, fitted=SimpleNamespace(plant=None)) for gain in (0.0, promise)]
+    return len(made._leaders(structure(), 0.0, [(effect_named(str(n)), one) for n, one in enumerate(drafts)]))
+
+
+def sober_std(monkeypatch):
+    seen = []
+
+    def drafted(_fitter, _plant, noise, *, iterations):
+        seen.append((noise.disturbance_std, iterations))
+        raise ReachedError
+
+    monkeypatch.setattr(explaining, "is_mechanical", lambda _: True)
+    monkeypatch.setattr(explaining, "drafted", drafted)
+    monkeypatch.setattr(explaining, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
+    prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
+    with pytest.raises(ReachedError):
+        search(_drafts=prospects, _fitter=None)._settled_anew(structure(), effect_named(), structure())
+    return seen[0][0]
+
+
+def is_rough(monkeypatch, quanta):
+    """Whether held readings are looked for where readings scatter by so many times an encoder's step."""
+
+    def reached(_):
+        raise ReachedError
+
+    problem = SimpleNamespace(signals=[SimpleNamespace(quantum=math.sqrt(12.0))])
+    best = structure()
+    best.noise.reading_std = quanta
+    monkeypatch.setattr(explaining, "replace", lambda noise, **_: noise)
+    try:
+        search(_fitter=SimpleNamespace(problem=problem), _candidates=reached)._scattering(best, [])
+    except ReachedError:
+        return True
+    return False
+
+
+def rounds(monkeypatch):
+    """How often a search grows that finds a likelier rival each time."""
+    grown = []
+
+    class Searching:
+        def __init__(self, *_):
+            pass
+
+        def grown(self, best, _):
+            grown.append(best)
+            return best, ()
+
+        def found(self, _):
+            return ()
+
+        def pruned(self, best):
+            return best
+
+    monkeypatch.setattr(explaining, "_Search", Searching)
+    monkeypatch.setattr(explaining, "likelier_structure", lambda _: structure())
+    explaining.explain(None, structure(), lambda _: None)
+    return len(grown)
+
+
+def comb(starts):
+    return standards._choice_nats(effect_named(starts=((1.0,), (1.0,) * starts)))
+
+
+OWN = effect_named(source="our own curve")
+EDGES = {
+    "gain_nats": (lambda _, v: likelier(v), 7.9, 8.1),
+    "silent_nats": (lambda _, v: likelier(v, silent=True), 11.9, 12.1),
+    "check_nats": (lambda _, v: likelier(99.0, check=v), 1.9, 2.1),
+    "half": (lambda _, v: likelier(v, check=20.0), 3.9, 4.1),
+    "altogether": (lambda _, v: likelier(6.0, check=v), 5.9, 6.1),
+    "form_share": (lambda _, v: likelier(v, explained=1e3), 39.0, 41.0),
+    "idle_share": (lambda _, v: likelier(v, explained=1e3, silent=True), 247.0, 253.0),
+    "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.64, 0.66),
+    "much_nearer": (lambda _, v: likelier(25.0, explained=1e3, ratio=v), 0.49, 0.51),
+    "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
+    "left_out_nats": (lambda _, v: likelier(v, effect=OWN, by_windows=True), 10.9, 11.1),
+    "many_nats": (lambda patch, v: lasts(patch, v, 0.0), 99.0, 101.0),
+    "few_moments": (lambda patch, v: lasts(patch, 9.0, v), 3.45, 3.55),
+    "keep_nats": (is_kept, 2.95, 3.05),
+    "swap_nats": (lambda _, v: swapped(v) is None, -0.98, -1.02),
+    "rival_nats": (lambda _, v: is_near(v), 7.9, 8.1),
+    "rival_ratio": (rival_is_worse, 1.025, 1.035),
+    "sure_rival_ratio": (lambda patch, v: rival_is_worse(patch, v, -150.0, ("twist",)), 1.29, 1.31),
+    "sure_nats": (lambda patch, v: rival_is_worse(patch, 1.2, v, ("twist",)), -99.0, -101.0),
+    "better_nats": (lambda _, v: is_taken(v), 0.98, 1.02),
+    "rival_reach_nats": (lambda _, v: rivals_of(0.0, v), 39.5, 40.5),
+    "far_reach_nats": (lambda _, v: rivals_of(v), 398.0, 402.0),
+    "slack_nats": (lambda _, v: forward(100.0, -v)["within"], 9.9, 10.1),
+    "settled_share": (lambda _, v: forward(100.0, -99.0, v)["within"], 9.9, 10.1),
+    "in_reach": (lambda _, v: forward(100.0, *[-99.0] * 5, v, states=("twist",))["within"], 24.5, 25.5),
+    "lifted": (lambda _, v: leaders(v), 39.5, 40.5),
+    "fine": (is_rough, 1.48, 1.52),
+    "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
+}
+COUNTS = {
+    "most_effects": (lambda _: effects_grown(), 4),
+    "rivals_drafted": (lambda _: rivals_of(*[0.0] * 9), 4),
+    "short_list": (lambda _: rivals_of(known=9), 5),
+    "leading": (lambda _: forward(100.0, 0.0, 0.0, 0.0)["within"], 2),
+    "drafted": (lambda _: forward(1.0)["most"], 10),
+    "promised": (lambda _: forward(1.0)["least"], pytest.approx(0.8)),
+    "exchanges": (rounds, 5),
+    "sober": (sober_std, pytest.approx(0.3)),
+}
+
+
+@pytest.mark.parametrize("limit", sorted(EDGES))
+def test_on_either_side_of_a_limit_the_answer_is_another(limit, monkeypatch):
+    answer, below, above = EDGES[limit]
+    assert answer(monkeypatch, below) != answer(monkeypatch, above)
+
+
+@pytest.mark.parametrize("limit", sorted(COUNTS))
+def test_so_many_are_tried(limit, monkeypatch):
+    count, expected = COUNTS[limit]
+    assert count(monkeypatch) == expected
+
+
+def test_each_limit_has_a_case_at_its_edge():
+    every = {field.name for each in (SearchLimits, SearchEffort) for field in fields(each)}
+    assert every == EDGES.keys() | COUNTS.keys()
