@@ -9,11 +9,13 @@ import pytest
 from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search import rivals as rivalry
 from nxt_twin.diagnose.search import standard as standards
+from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.standard import Standard
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling.findings import near_rivals
+from nxt_twin.physics.layout import Slot
 
 
 def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
@@ -232,6 +234,17 @@ def comb(starts):
     return standards._choice_nats(effect_named(starts=((1.0,), (1.0,) * starts)))
 
 
+def against_a_hidden_load():
+    """What speaks against a load that friction hides, and against one that it cannot hide."""
+    effect = effect_named("constant_load")
+    effect.parameters[0].symbol = "load"
+    friction = {Slot("coulomb_friction", "coulomb"): 1.0}
+    plants = [
+        SimpleNamespace(values={**friction, Slot("constant_load", "load"): load}) for load in (0.9, 1.1)
+    ]
+    return [coincidence_nats(plant, effect) for plant in plants]
+
+
 OWN = effect_named(source="our own curve")
 EDGES = {
     "gain_nats": (lambda _, v: likelier(v), 7.9, 8.1),
@@ -264,6 +277,7 @@ EDGES = {
     "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
 }
 COUNTS = {
+    "coincidence_nats": (lambda _: against_a_hidden_load(), [2.5, 0.0]),
     "most_effects": (lambda _: effects_grown(), 4),
     "rivals_drafted": (lambda _: rivals_of(*[0.0] * 9), 4),
     "short_list": (lambda _: rivals_of(known=9), 5),

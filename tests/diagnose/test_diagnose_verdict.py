@@ -78,21 +78,21 @@ def test_each_limit_has_a_case_at_its_edge():
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
-    assert verdict_of(replace(QUIET, surprise=0.99 * LIMITS.surprising)) == "adequate"
-    assert verdict_of(replace(QUIET, surprise=ABOVE * LIMITS.surprising)) == "unexplained"
+    assert verdict_of(replace(QUIET, surprise=0.99 * 2.0)) == "adequate"
+    assert verdict_of(replace(QUIET, surprise=ABOVE * 2.0)) == "unexplained"
 
 
 @pytest.mark.parametrize(
     ("changes", "idle"),
     [
         ({}, True),
-        ({"nearer": 0.99 * LIMITS.idle}, False),
+        ({"nearer": 0.99 * 0.85}, False),
         ({"named": 1}, False),
         ({"matters": False}, False),
     ],
 )
 def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):
-    several = replace(FOUND, named=2, nearer=ABOVE * LIMITS.idle)
+    several = replace(FOUND, named=2, nearer=ABOVE * 0.85)
     assert is_idle(replace(several, **changes)) is idle
 
 
