@@ -134,7 +134,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     problem, units = evidence.problem, evidence.units
     verdict = verdict_of(evidence.record)
     effects = found_effects(simulator, evidence)
-    fit = _fit(evidence, _floors(simulator, evidence, seed))
+    fit = _fit(evidence, _floors(simulator, evidence, seed, complete=verdict != "unexplained"))
     sizes, excitation = in_sight(simulator, problem, evidence.linear)
     held_out = tuple(_held_out(evidence))
     refit = refitted(evidence)
@@ -181,11 +181,11 @@ def _what_is_written(evidence: Evidence) -> tuple[str, ...]:
     return (f"At some horizon the improved plant predicts unseen readings worse: the {which} is handed on.",)
 
 
-def _floors(simulator: Simulator, evidence: Evidence, seed: int) -> tuple[float, ...]:
+def _floors(simulator: Simulator, evidence: Evidence, seed: int, *, complete: bool) -> tuple[float, ...]:
     """What a correct model would reach at each horizon, SI."""
     reached = (evidence.given_errors, evidence.baseline_errors, evidence.final_errors)
     own = np.random.default_rng([seed, _FLOORS])
-    return refitted_floors(simulator, evidence.problem, evidence.final, reached, own)
+    return refitted_floors(simulator, evidence.problem, evidence.final, reached, own, complete=complete)
 
 
 def _fit(evidence: Evidence, floors: tuple[float, ...]) -> Fit:

@@ -50,7 +50,7 @@ def test_the_floor_is_near_the_error_of_the_true_plant_on_recordings_of_its_own(
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     seconds = (0.5, 2.0, 10.0, np.inf)
     far = Errors(seconds, (1e9,) * 4)
-    floors = refitted_floors(simulator, problem, final, [far], np.random.default_rng(0))
+    floors = refitted_floors(simulator, problem, final, [far], np.random.default_rng(0), complete=False)
     true = []
     for seed in range(1, 7):
         real = synthetic(simulator, problem.plant, problem.signals[0], noise, np.random.default_rng(seed))
@@ -67,4 +67,18 @@ def test_no_floor_lies_above_what_was_reached(made):
     simulator, problem, noise = made
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     reached = Errors((0.5, 2.0, 10.0, np.inf), (1e-9,) * 4)
-    assert refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0)) == (1e-9,) * 4
+    assert (
+        refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0), complete=True)
+        == (1e-9,) * 4
+    )
+
+
+def test_floors_grow_where_a_complete_model_simulates_what_was_fitted_worse_than_its_noise_tells(made):
+    simulator, problem, noise = made
+    final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
+    far = Errors((0.5, 2.0, 10.0, np.inf), (1e9,) * 4)
+    low, high = (
+        refitted_floors(simulator, problem, final, [far], np.random.default_rng(0), complete=complete)
+        for complete in (False, True)
+    )  # the readings of the bench are no plant's, so that the model is far off on them
+    assert np.all(np.array(high) > 2.0 * np.array(low))

@@ -10,45 +10,88 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.fitter import Fitter
-from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.observer import Noise, Observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator
-from nxt_twin.physics.start import moving_start
+from nxt_twin.physics.start import moving_start, restarts
 
 REPLICATES: Final = 8
 MOSTLY: Final = 0.9
 """The share of synthetic recordings on which the re-fitted model errs by less than the floor."""
 _HUGE: Final = 1e12
+_TINY: Final = 1e-15
 _FAINT: Final = 1e-9  # gain under which a reading that is this much larger gives the unknown torque its step
 
 
 def refitted_floors(
-    simulator: Simulator, problem: Problem, final: Structure, reached: Sequence[Errors], rng: Generator
+    simulator: Simulator,
+    problem: Problem,
+    final: Structure,
+    reached: Sequence[Errors],
+    rng: Generator,
+    *,
+    complete: bool,
 ) -> tuple[float, ...]:
     """The error on held-out readings that a correct model stays below nine times of ten, at each horizon, SI.
 
     `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one. It
     has the noise's unknown torque, against which dry friction holds. The plant is re-fitted to such
-    recordings, by windows of simulation. No floor lies above what some plant has `reached` on the real ones.
+    recordings, by windows of simulation. A `complete` model may simulate fitted readings worse than synthetic
+    ones, as its equations are a little off: floors grow by this ratio. No floor lies above what some plant has
+    `reached` on the real ones.
     """
-    made = [_replicate(simulator, problem, final.plant, final.noise, rng).rms for _ in range(REPLICATES)]
+    made = [_replicate(simulator, problem, final.plant, final.noise, rng) for _ in range(REPLICATES)]
     # A re-fit that ran away counts as large, and not as none.
-    floors = np.quantile(np.nan_to_num(np.array(made), posinf=_HUGE), MOSTLY, axis=0)
+    held = np.nan_to_num(np.array([errors.rms for errors, _ in made]), posinf=_HUGE)
+    floors = np.quantile(held, MOSTLY, axis=0)
+    if complete:
+        real = errors_of(simulator, _seen(problem), final.plant, final.plant, final.noise)
+        floors = floors * _off(reached[0].seconds, real, [errors for _, errors in made])
     return tuple(float(min(own)) for own in zip(floors, *(errors.rms for errors in reached), strict=True))
 
 
-def _replicate(simulator: Simulator, problem: Problem, plant: Plant, noise: Noise, rng: Generator) -> Errors:
+def _off(seconds: Sequence[float], real: Errors, made: Sequence[Errors]) -> FloatArray:
+    """How many times worse fitted readings are simulated than synthetic ones, at each horizon; 1 at least."""
+    found = np.ones(len(seconds))
+    for number, horizon_s in enumerate(seconds):
+        if horizon_s in real.seconds:
+            usual = float(np.median([errors.at(horizon_s) for errors in made]))
+            found[number] = max(1.0, real.at(horizon_s) / max(usual, _TINY))
+    return found
+
+
+def _seen(problem: Problem) -> Problem:
+    """The problem with all readings that are not held out in the place of those that are."""
+    held = {part.signals.name: part.counted for part in problem.held_out}
+    parts = [
+        HeldOut(
+            signals,
+            restarts(signals, problem.window_s),
+            np.isfinite(signals.measured)
+            & ~held.get(signals.name, np.zeros(signals.time_s.size, dtype=bool)),
+        )
+        for signals in problem.signals
+    ]
+    return replace(problem, held_out=tuple(parts))
+
+
+def _replicate(
+    simulator: Simulator, problem: Problem, plant: Plant, noise: Noise, rng: Generator
+) -> tuple[Errors, Errors]:
+    """The errors of a re-fit to synthetic recordings: on held-out readings, and on those that were fitted."""
     every = [*problem.signals, *(part.signals for part in problem.held_out)]
     made = {signals.name: synthetic(simulator, plant, signals, noise, rng) for signals in every}
     own = _instead(problem, made)
     fitted, _ = Fitter(simulator, own).simulating(plant, noise, everything=True)
-    return errors_of(simulator, own, fitted.plant, fitted.plant, noise)
+    held, seen = (errors_of(simulator, one, fitted.plant, fitted.plant, noise) for one in (own, _seen(own)))
+    return held, seen
 
 
 def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise, rng: Generator) -> Signals:
