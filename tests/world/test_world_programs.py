@@ -30,8 +30,8 @@ def test_a_castor_bot_drives_a_written_path(tmp_path):
     heading = driven.trace.column("heading_deg")
     assert heading.max() > 345.0
     assert heading[-1] == pytest.approx(90.0, abs=12.0)
-    assert np.linalg.norm(driven.trace.places_m[-1]) < 0.15
-    assert driven.trace.path_m == pytest.approx(2 * 4 * 0.2 + 4 * 0.3, rel=0.1)
+    assert np.linalg.norm(driven.trace.places_m[-1]) < 0.05
+    assert driven.trace.path_m > 2 * 4 * 0.2 + 4 * 0.3
 
 
 def test_a_robot_follows_a_line_all_the_way_round():
