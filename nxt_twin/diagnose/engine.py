@@ -94,7 +94,7 @@ def diagnose(
 def _misled(evidence: Evidence) -> bool:
     """Whether single steps are no evidence, so that windows of simulation alone have to decide.
 
-    They go on in one another, or took more effects than can be missing, or showed stamps that are not to be trusted,
+    They go on in one another, or took more effects than can be missing, or showed a timing fault beside others,
     and leave something unexplained; or they call for several effects that hardly bring a simulation nearer.
     """
     if is_idle(evidence.record):
@@ -102,7 +102,8 @@ def _misled(evidence: Evidence) -> bool:
     if verdict_of(evidence.record) != "unexplained":
         return False
     late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
-    return evidence.colour > COLOURED or late or is_patchwork(evidence.record)
+    several = evidence.record.named > 1
+    return evidence.colour > COLOURED or (late and several) or is_patchwork(evidence.record)
 
 
 def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:

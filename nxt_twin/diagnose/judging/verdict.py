@@ -40,7 +40,7 @@ class VerdictLimits:
     most_named: int = 3
     most_stalled: float = 0.15
     worse: float = 1.05
-    surprising: float = 3.0
+    surprising: float = 4.0
     idle: float = 0.85
     large_by_windows: float = 4e-2
 
