@@ -178,7 +178,7 @@ class Text(FixedWire):
 
     def unpack(self, raw: bytes) -> str:
         """The text up to the first NUL."""
-        return raw.split(b"\0", 1)[0].decode("latin-1")
+        return raw.partition(b"\0")[0].decode("latin-1")
 
 
 @final

@@ -206,3 +206,16 @@ def test_stamps_have_microseconds_and_what_is_off_them_is_learnt(clock, tmp_path
     told = KnownLags(read_sidecar(tmp_path / "run.csv"))
     assert 0.05 > told.read_before_s("a")[0] > told.read_before_s("b")[0] > 0.0
     assert 0.0 < told.acted_after_s("a")[0] < 0.05
+
+
+def test_a_poll_that_outlasts_its_period_is_followed_by_the_next(brick, clock, monkeypatch):
+    asked_s, sleep = [], clock.sleep
+
+    def slept(seconds):
+        asked_s.append(seconds)
+        sleep(seconds)
+
+    monkeypatch.setattr(clock, "sleep", slept)
+    Logbook(brick, clock, ("a",), Plan(period_s=1e-6), Rows()).keep(0.2)
+    assert asked_s
+    assert min(asked_s) >= 0.0
