@@ -46,7 +46,7 @@ EDGES = {
     ),
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=1.05), "worst_ratio"),
-    "surprising": (replace(FOUND, surprise=2.0), "surprise"),
+    "surprising": (replace(FOUND, surprise=3.0), "surprise"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=4e-2), "torque_after"),
 }
 
@@ -78,8 +78,8 @@ def test_each_limit_has_a_case_at_its_edge():
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
-    assert verdict_of(replace(QUIET, surprise=0.99 * 2.0)) == "adequate"
-    assert verdict_of(replace(QUIET, surprise=ABOVE * 2.0)) == "unexplained"
+    assert verdict_of(replace(QUIET, surprise=0.99 * 3.0)) == "adequate"
+    assert verdict_of(replace(QUIET, surprise=ABOVE * 3.0)) == "unexplained"
 
 
 @pytest.mark.parametrize(
