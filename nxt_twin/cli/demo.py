@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import View
 
@@ -36,4 +37,5 @@ def demo(
         demonstrate,
     )  # a second of imports that the help does not need
 
+    tell_of_compiling()
     demonstrate(DemoArguments(out, seed, seconds, conceal, view, json))

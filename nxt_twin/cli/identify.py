@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
 
 
@@ -45,4 +46,5 @@ def identify(
     if experiment is None:
         list_experiments(json)
         return
+    tell_of_compiling()
     carry_on(IdentifyArguments(experiment, url, out, tuple(positioner or ()), dry_run, yes, json))

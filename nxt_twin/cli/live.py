@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import Showing, View
 
@@ -69,6 +70,7 @@ def live(
     found = chosen_url(url, clock)
     if commanded is not None:
         get_leave(found, commanded.ports, yes=yes)
+    tell_of_compiling()
     options = LiveOptions(
         plants=dict.fromkeys(wanted, plant_from_config(load_plant_config(plant), "power_pct")),
         sensors=slots,

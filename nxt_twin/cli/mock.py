@@ -12,6 +12,7 @@ import typer
 
 from nxt_twin.api.openers import concealing, world_bodies
 from nxt_twin.brick.clock import SystemClock
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.mock.errors import ServeError
 from nxt_twin.mock.run import Served, parse_address, serve
@@ -89,6 +90,7 @@ def mock(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     try:
+        tell_of_compiling()
         if usb_fake is not None:
             _run_on_usb(usb_fake, argument or (), world, seed, conceal)
             return

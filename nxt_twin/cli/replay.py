@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
 from nxt_twin.cli.showing import Showing, View
 
@@ -55,4 +56,5 @@ def replay(
         json=json,
         lossless=True,
     )
+    tell_of_compiling()
     replay_beside(recording, ReplayArguments(model, ports, speed, adopt), showing)
