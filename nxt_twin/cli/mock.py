@@ -5,6 +5,7 @@ from __future__ import annotations
 import json as json_format
 import signal
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -89,7 +90,7 @@ def mock(
     # A shell starts background jobs with the interrupt ignored; both signals are to end the mock tidily.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
-    try:
+    with suppress(KeyboardInterrupt):
         tell_of_compiling()
         if usb_fake is not None:
             _run_on_usb(usb_fake, argument or (), world, seed, conceal)
@@ -106,8 +107,6 @@ def mock(
             change=concealing(conceal),
             bodies=world_bodies,
         )
-    except KeyboardInterrupt:
-        return
 
 
 def _run_on_usb(
