@@ -46,7 +46,11 @@ EDGES = {
     ),
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=1.05), "worst_ratio"),
-    "surprising": (replace(FOUND, surprise=3.0), "surprise"),
+    "confirmed": (
+        replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=0.0, run_ratio=0.4999),
+        "run_ratio",
+    ),
+    "surprising": (replace(FOUND, surprise=4.0), "surprise"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=4e-2), "torque_after"),
 }
 
@@ -94,6 +98,12 @@ def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect
 def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):
     several = replace(FOUND, named=2, nearer=ABOVE * 0.85)
     assert is_idle(replace(several, **changes)) is idle
+
+
+@pytest.mark.parametrize(("surprise", "verdict"), [(0.9, "explained"), (1.1, "unexplained")])
+def test_confirmed_effects_may_do_worse_where_open_parameters_explain_it(surprise, verdict):
+    confirmed = replace(FOUND, worst_ratio=2.0, run_ratio=0.3, torque_after=0.0)
+    assert verdict_of(replace(confirmed, surprise=surprise)) == verdict
 
 
 def test_effects_that_windows_chose_are_held_to_what_windows_can_tell():

@@ -30,7 +30,7 @@ from nxt_twin.diagnose.judging.horizons import (
 )
 from nxt_twin.diagnose.judging.intervals import covariance_of
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
-from nxt_twin.diagnose.judging.verdict import LIMITS, Record
+from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
@@ -195,8 +195,7 @@ def _record(
     windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
     mattering = [n for n in windows if after.rms[n] > problem.tolerance]
     window = nearest_horizon(after, problem.window_s)
-    surprising = [n for n in mattering if after.rms[n] > LIMITS.surprising * expected[n]]
-    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in surprising]
+    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
     physical = any(not effect.fault for effect, _ in found)
     return Record(
         named=sum(not effect.plain for effect, _ in found),

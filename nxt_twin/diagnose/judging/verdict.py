@@ -24,6 +24,7 @@ class VerdictLimits:
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
         most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
+        confirmed: error of windows that check, over that of the baseline, below which they confirm found effects.
         surprising: error on held-out readings, over what noise and the doubt in parameters let expect, that shows
             physics which no fitted reading shows.
         idle: error over that of the re-fitted baseline above which several effects hardly bring a simulation nearer.
@@ -40,6 +41,7 @@ class VerdictLimits:
     most_named: int = 3
     most_stalled: float = 0.15
     worse: float = 1.05
+    confirmed: float = 0.5
     surprising: float = 4.0
     idle: float = 0.85
     large_by_windows: float = 4e-2
@@ -67,7 +69,7 @@ class Record:
             tolerance. Where effects were found, they must also exceed the floor or hardly improve on the
             baseline.
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
-            where it matters and surprises.
+            where it matters.
         stalled_share: largest share of a recording's time in which the host or the link stood still.
         surprise: error of the improved plant on held-out readings over what noise and the doubt in its parameters let
             expect there.
@@ -121,8 +123,12 @@ def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether the found effects predict unseen recordings worse than the re-fitted baseline does."""
-    return record.found and record.worst_ratio > limits.worse
+    """Whether the found effects predict unseen recordings worse than the re-fitted baseline does.
+
+    That is no objection where windows which check confirm them, and parameters that these leave open explain the error.
+    """
+    confirmed = record.run_ratio < limits.confirmed and record.surprise < 1.0
+    return record.found and record.worst_ratio > limits.worse and not confirmed
 
 
 def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
