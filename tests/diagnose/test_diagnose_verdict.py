@@ -82,8 +82,8 @@ def test_each_limit_has_a_case_at_its_edge():
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
-    assert verdict_of(replace(QUIET, surprise=0.99 * 3.0)) == "adequate"
-    assert verdict_of(replace(QUIET, surprise=ABOVE * 3.0)) == "unexplained"
+    assert verdict_of(replace(QUIET, surprise=0.99 * 4.0)) == "adequate"
+    assert verdict_of(replace(QUIET, surprise=ABOVE * 4.0)) == "unexplained"
 
 
 @pytest.mark.parametrize(
