@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 _FIRST = (
-    "the first command on this machine compiles the motor's model: about 20 s, once; later ones start at once"
+    "the first command on this machine compiles the motor's model: about half a minute, once; later ones start at once"
 )
 
 

@@ -1,7 +1,7 @@
 """The search's economies: a screen of one run a start, noise by stars, coarse steps, and a bounded amount of work."""
 
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -76,10 +76,12 @@ def test_an_hour_that_must_be_run_set_by_set_is_fitted_the_same(lacking, monkeyp
     slopes = linearise(lacking.simulator, lacking.problem, whole).slopes
     monkeypatch.setattr(batch, "_MOST_READINGS", 1)
     alone = settled(lacking.fitter, plant, noise)
-    assert alone.plant == whole.plant
-    assert alone.noise == whole.noise
-    assert alone.free_run_rms == whole.free_run_rms
-    assert np.array_equal(linearise(lacking.simulator, lacking.problem, alone).slopes, slopes)
+    # Sets that run abreast round their last digits otherwise than one that runs alone.
+    assert alone.plant.values == pytest.approx(whole.plant.values, rel=1e-6)
+    assert asdict(alone.noise) == pytest.approx(asdict(whole.noise), rel=1e-6)
+    assert alone.free_run_rms == pytest.approx(whole.free_run_rms, rel=1e-6)
+    again = linearise(lacking.simulator, lacking.problem, alone).slopes
+    assert again == pytest.approx(slopes, rel=1e-4, abs=1e-5)
 
 
 def test_the_noise_is_at_least_as_likely_as_any_on_a_fine_grid(lacking):
