@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 
-_FIRST = "the first command on this machine compiles the motor's model: about 30 s, once; later ones start at once"
+_FIRST = (
+    "the first command on this machine compiles the motor's model: about 30 s, once; later ones start at once"
+)
 
 
 def tell_of_compiling() -> None:
