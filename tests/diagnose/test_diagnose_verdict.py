@@ -100,6 +100,12 @@ def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle)
     assert is_idle(replace(several, **changes)) is idle
 
 
+def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():
+    surprising = replace(FOUND, surprise=100.0, nearer=1.01 * LIMITS.hardly)
+    assert verdict_of(surprising) == "unexplained"
+    assert verdict_of(replace(surprising, nearer=LIMITS.hardly)) == "explained"
+
+
 @pytest.mark.parametrize(("surprise", "verdict"), [(0.9, "explained"), (1.1, "unexplained")])
 def test_confirmed_effects_may_do_worse_where_open_parameters_explain_it(surprise, verdict):
     confirmed = replace(FOUND, worst_ratio=2.0, run_ratio=0.3, torque_after=0.0)

@@ -19,7 +19,7 @@ class VerdictLimits:
         most_left: share of all that there was to explain that may be left structured beside found effects.
         far_off: error in free runs over that of noise alone, from which a plant without a found effect lacks something.
         unsettled: unknown torque times the share of the error that is left, which found effects may leave.
-        hardly: share of the error left below which `unsettled` is not asked.
+        hardly: share of the error left below which `unsettled` and `surprising` are not asked.
         still_large: share of the baseline's unknown torque below which a large one is no objection.
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
         most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
@@ -138,6 +138,7 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     surprising = record.surprise > limits.surprising
     if not record.found:
         return structured or large or surprising or record.off > limits.far_off
+    surprising = surprising and record.nearer > limits.hardly
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
     still_large = large and record.torque_after > limits.still_large * record.torque_before
     return mostly_left or still_large or surprising or _hardly_explained(record, limits)
