@@ -16,7 +16,7 @@ from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
 from nxt_twin.twin.motor import MotorTwin, ReadingEvidence
 from nxt_twin.twin.records import MotorBelief
 from nxt_twin.twin.settings import MotorNoise, Watch
-from nxt_twin.twin.supply import Company, Drain, Supply
+from nxt_twin.twin.supply import Company, Drain, Lately, Supply
 
 _SUPPLY_STEP_S = 0.005
 """How long the battery's voltage is held while the motors' current changes."""
@@ -69,6 +69,7 @@ class BrickTwin:
         self._held: dict[Port, Hold] = dict.fromkeys(plants, Hold(0.0, 0.0, COAST))
         self._company = {port: Company() for port in plants}
         self._supply = Supply(_given_v(plants.values()), self._resistance_ohm())
+        self._lately = Lately()
         self._motors = self._new_motors()
         self._batch = self._new_batch(now_s, now_s)
 
@@ -148,6 +149,7 @@ class BrickTwin:
         while moment_s < to_s:
             moment_s = min(to_s, moment_s + _SUPPLY_STEP_S)
             self._batch.advance(moment_s, self._supply.under(self._drawn_a()))
+            self._lately.add(moment_s, self._drawn_a())
 
     def read_tacho(self, port: Port, taken_s: float, count: int, taken_std_s: float = 0.0) -> ReadingEvidence:
         """Compare a count, taken at `taken_s`, and learn from it."""
@@ -156,9 +158,11 @@ class BrickTwin:
         self._company[port].add(taken_s, own_a, self._drawn_a())
         return self._motors[port].read(self._batch, count, taken_std_s, taken_s)
 
-    def read_battery(self, terminal_v: float) -> None:
-        """Take a reading of the battery."""
-        self._supply.read(terminal_v, self._drawn_a(), self.now_s)
+    def read_battery(self, terminal_v: float, taken_s: float | None = None, age_s: float = 0.0) -> None:
+        """Take a reading of the battery, which was measured at most `age_s` before `taken_s`; without that, now."""
+        taken_s = self.now_s if taken_s is None else taken_s
+        self.move(taken_s)
+        self._supply.read(terminal_v, self._lately.since(taken_s - age_s), self.now_s)
 
     def place(self, port: Port, count: int, speed_rad_s: float = 0.0) -> None:
         """Begin anew at a count: the brick was away, and may have been switched off."""

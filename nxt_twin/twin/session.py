@@ -32,7 +32,7 @@ from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, alike, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
-from nxt_twin.twin.settings import Pace
+from nxt_twin.twin.settings import BATTERY_AGE_S, Pace
 from nxt_twin.twin.timing import Moment, Stalls, Timing
 
 _MISSES_MOST = 3
@@ -307,8 +307,9 @@ class Session:
         if self.now_s < self._battery_due_s:
             return None
         self._battery_due_s = self.now_s + self._parts.plan.battery_every_s
-        voltage_v = brick.device.battery_v().value
-        self._twin.read_battery(voltage_v)
+        reply = brick.device.battery_v()
+        voltage_v, taken = reply.value, self._taken(reply.sent_s, reply.received_s)
+        self._twin.read_battery(voltage_v, taken.at_s, BATTERY_AGE_S + taken.std_s)
         row[BATTERY] = voltage_v
         lowest_v = self._twin.options.watch.low_battery_v
         if voltage_v < lowest_v and not self._battery_low:

@@ -47,6 +47,9 @@ class Pace:
     command_lag_s: float = 0.5e-3
 
 
+BATTERY_AGE_S = 0.167
+"""How old the battery's voltage may be when the brick tells it: the firmware measures it so seldom."""
+
 AT_ARRIVAL = Pace(share=1.0, share_std=0.0, count_age_s=0.0, command_lag_s=0.0)
 """Of a recording: what stands in a row is as of its stamp."""
 

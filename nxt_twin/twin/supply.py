@@ -11,10 +11,24 @@ from typing import NamedTuple, final
 _LATELY = 9
 _KEPT = 100
 _MEMORY_S = 30.0
+_STEPS_KEPT = 200
+"""Steps of a move whose current is kept: some hundred milliseconds."""
+
+
+class Draught(NamedTuple):
+    """The current of all motors together while a battery's voltage was taken.
+
+    Attributes:
+        mean_a: on average, A.
+        span_a: between the least and the most of it, A.
+    """
+
+    mean_a: float
+    span_a: float = 0.0
 
 
 class _Reading(NamedTuple):
-    drawn_a: float
+    drawn: Draught
     terminal_v: float
     at_s: float
 
@@ -62,16 +76,16 @@ class Supply:
         """The voltage at the terminals while so much is drawn, V."""
         return max(self._open_v - self._resistance_ohm * max(drawn_a, 0.0), 0.0)
 
-    def read(self, terminal_v: float, drawn_a: float, at_s: float = 0.0) -> None:
-        """Take a reading of the terminals; the last few are believed, those under the least current."""
-        self._readings.append(_Reading(max(drawn_a, 0.0), terminal_v, at_s))
+    def read(self, terminal_v: float, drawn: Draught, at_s: float = 0.0) -> None:
+        """Take a reading of the terminals; the last few are believed, those under the least and steadiest current."""
+        self._readings.append(_Reading(drawn, terminal_v, at_s))
         self._open_v = self._believed(list(self._readings)[: -_LATELY - 1 : -1])
 
     def behind(self, resistance_ohm: float, drain: Drain | None = None) -> Supply:
         """The battery by the readings so far, with another resistance and drain."""
         other = Supply(self._open_v, resistance_ohm, drain)
-        for drawn_a, terminal_v, at_s in self._readings:
-            other.read(terminal_v, drawn_a, at_s)
+        for drawn, terminal_v, at_s in self._readings:
+            other.read(terminal_v, drawn, at_s)
         return other
 
     def at(self, from_s: float) -> float:
@@ -82,13 +96,32 @@ class Supply:
     def _believed(self, readings: list[_Reading]) -> float:
         """The median of the quieter half: where the resistance is another, its error grows with the current.
 
-        Of readings that are as quiet, the first in the list count.
+        A current that changed while the voltage was taken errs by as much as it changed. Of readings that are as
+        quiet, the first in the list count.
         """
-        quiet = sorted(readings, key=lambda reading: reading.drawn_a)[: (len(readings) + 1) // 2]
+        quiet = sorted(readings, key=lambda reading: sum(reading.drawn))[: (len(readings) + 1) // 2]
         return statistics.median(
-            terminal_v + self._resistance_ohm * drawn_a + self._drain.by(at_s)
-            for drawn_a, terminal_v, at_s in quiet
+            terminal_v + self._resistance_ohm * drawn.mean_a + self._drain.by(at_s)
+            for drawn, terminal_v, at_s in quiet
         )
+
+
+@final
+class Lately:
+    """The current of all motors together, in the last while."""
+
+    def __init__(self) -> None:
+        self._drawn: deque[tuple[float, float]] = deque(maxlen=_STEPS_KEPT)
+
+    def add(self, at_s: float, drawn_a: float) -> None:
+        """Until this moment, since the last one, so much was drawn."""
+        self._drawn.append((at_s, max(drawn_a, 0.0)))
+
+    def since(self, from_s: float) -> Draught:
+        """The current from a moment on; the last one, if nothing is known of then."""
+        found = [drawn_a for at_s, drawn_a in self._drawn if at_s >= from_s]
+        found = found or [drawn_a for _, drawn_a in self._drawn][-1:] or [0.0]
+        return Draught(statistics.fmean(found), max(found) - min(found))
 
 
 @final

@@ -17,10 +17,10 @@ from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.history import History
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
-from nxt_twin.twin.settings import Watch
+from nxt_twin.twin.settings import BATTERY_AGE_S, Watch
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.standstill import Standstill
-from nxt_twin.twin.supply import Drain, Supply
+from nxt_twin.twin.supply import Drain, Draught, Lately, Supply
 from nxt_twin.twin.tally import LOW_SPEED, Regimes, Tally
 
 
@@ -76,7 +76,7 @@ def test_what_is_due_is_done_by_whatever_replaces_a_batch():
 def test_a_drain_that_a_model_has_is_not_read_off_the_battery_once_more():
     supply = Supply(8.0, 0.0)
     for n in range(20):
-        supply.read(8.0 - 0.02 * n, 0.0, float(n))
+        supply.read(8.0 - 0.02 * n, Draught(0.0), float(n))
     assert supply.at(10.0) == pytest.approx(7.8, abs=0.06)
     drained = supply.behind(0.0, Drain(0.02, 5.0))
     assert drained.open_v == pytest.approx(7.9)
@@ -196,9 +196,9 @@ def test_a_motor_that_is_not_driven_may_stand():
 def test_the_supply_is_what_the_battery_gives_without_load():
     supply = Supply(8.0, 0.5)
     for _ in range(5):
-        supply.read(7.5, 1.0)
+        supply.read(7.5, Draught(1.0))
     assert supply.open_v == pytest.approx(8.0)
-    supply.read(4.0, 0.0)
+    supply.read(4.0, Draught(0.0))
     assert supply.open_v == pytest.approx(8.0)
     assert supply.under(2.0) == pytest.approx(7.0)
 
@@ -206,11 +206,40 @@ def test_the_supply_is_what_the_battery_gives_without_load():
 def test_a_softer_battery_than_is_assumed_is_read_while_little_is_drawn():
     supply = Supply(8.0, 0.5)
     for drawn_a in (0.0, 0.4, 0.8, 0.0, 0.8, 0.4):
-        supply.read(8.0 - 2.5 * drawn_a, drawn_a)
+        supply.read(8.0 - 2.5 * drawn_a, Draught(drawn_a))
     assert supply.open_v == pytest.approx(8.0)
     other = supply.behind(2.5)
     assert other.open_v == pytest.approx(8.0)
     assert other.under(0.4) == pytest.approx(7.0)
+
+
+def test_a_voltage_that_was_taken_while_the_current_changed_is_not_believed():
+    supply = Supply(8.0, 0.5)
+    supply.read(8.2, Draught(0.1))
+    supply.read(7.0, Draught(0.0, 3.0))
+    supply.read(8.1, Draught(0.3))
+    assert supply.open_v == pytest.approx(8.25)
+
+
+def test_the_current_of_late_is_its_mean_and_its_span():
+    lately = Lately()
+    assert lately.since(0.0) == (0.0, 0.0)
+    for n, drawn_a in enumerate((9.0, 1.0, 2.0, 3.0)):
+        lately.add(0.1 * n, drawn_a)
+    assert lately.since(0.05) == (2.0, 2.0)
+    assert lately.since(5.0) == (3.0, 0.0)
+
+
+def test_a_battery_that_was_measured_before_a_reversal_looks_no_weaker_than_it_is():
+    """The firmware measures it every sixth of a second: all three motors' models would turn too slowly by this."""
+    twin = BrickTwin({"a": nxt_motor()})
+    twin.read_battery(8.2, 0.1, BATTERY_AGE_S)
+    twin.command("a", 90, "drive", 1.0)
+    twin.move(2.0)
+    twin.read_battery(8.2 - 0.35 * 0.1, 2.0, BATTERY_AGE_S)
+    twin.command("a", -90, "drive", 2.0)
+    twin.read_battery(7.6, 2.1, BATTERY_AGE_S)
+    assert twin.supply_v == pytest.approx(8.2, abs=0.03)
 
 
 def test_evidence_adds_up_and_is_forgotten():
