@@ -13,7 +13,7 @@ from nxt_twin.recording.files import read_recording as _read_table
 from nxt_twin.recording.files import read_sidecar
 from nxt_twin.recording.mapped import read_mapped
 from nxt_twin.recording.mapping import read_mapping
-from nxt_twin.recording.mappings import mappings
+from nxt_twin.recording.mappings import given_in_sidecar, mappings
 from nxt_twin.recording.recording import InputKind, Recording
 
 Model = Plant | str | Path | Mapping[str, Any]
@@ -40,7 +40,7 @@ def read_recording(path: str | Path, mapping: str | Path | None = None) -> Recor
     table = Path(path)
     if mapping is not None:
         return read_mapped(table, read_mapping(Path(mapping)))
-    stated = read_sidecar(table).get("mapping")
+    stated = given_in_sidecar(read_sidecar(table))
     found = mappings(stated, table.parent, f"{table.with_suffix('.yaml')}, key mapping")(table.name)
     return _read_table(table) if found is None else read_mapped(table, found)
 

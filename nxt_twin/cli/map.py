@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -47,8 +48,14 @@ def map(  # noqa: A001  # the command's name
     if out:
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(text, encoding="utf-8")
-    written = f"# written to {out}; now: nxt-twin diagnose {table} --mapping {out}\n" if out else ""
+    written = f"# written to {out}; now: {_next(table, out)}\n" if out else ""
     _tell(text + written, json, guessed)
+
+
+def _next(table: Path, out: Path) -> str:
+    """The command that reads the table; a mapping of the table's own name beside it needs no option."""
+    option = "" if out.resolve() == table.resolve().with_suffix(".yaml") else f" --mapping {quote(str(out))}"
+    return f"nxt-twin diagnose {quote(str(table))}{option}"
 
 
 def _tell(text: str, json: str | None, guessed: Guessed | None) -> None:
@@ -68,7 +75,7 @@ def _seen(guessed: Guessed, recordings: tuple[Recording, ...]) -> list[str]:
     seconds = sum(recording.duration_s for recording in recordings)
     count = f"{len(recordings)} recordings" if len(recordings) > 1 else "one recording"
     rate = rows / seconds if seconds > 0.0 else 0.0
-    unused = f"; no numbers in {', '.join(profile.others[:6])}" if profile.others else ""
+    unused = f"; no numbers in {', '.join(list(profile.others)[:6])}" if profile.others else ""
     return [
         f"{profile.path.name}: {profile.kind}, {profile.rows} rows, {len(profile.columns)} columns of numbers{unused}",
         f"read so: {count}, {seconds:.4g} s, about {rate:.4g} rows a second",

@@ -31,11 +31,10 @@ def stated_mapping(mapping: Path | None, columns: str | None) -> MappingOf | Non
         MappingError: it is none.
     """
     from nxt_twin.recording.column_words import mapping_of_words
-    from nxt_twin.recording.mapping import read_mapping
-    from nxt_twin.recording.mappings import one_mapping
+    from nxt_twin.recording.mappings import one_mapping, read_mappings
 
     if mapping and columns:
         raise typer.BadParameter("give --mapping or --columns, not both")
     if columns:
         return one_mapping(mapping_of_words(columns))
-    return one_mapping(read_mapping(mapping)) if mapping else None
+    return read_mappings(mapping) if mapping else None

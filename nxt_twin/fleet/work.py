@@ -16,6 +16,7 @@ from nxt_twin.fleet.row import Row, completed, failed, row_of
 from nxt_twin.fleet.version import engine_version
 from nxt_twin.recording.case import Case, read_case
 from nxt_twin.recording.files import read_sidecar
+from nxt_twin.recording.mappings import given_in_sidecar
 
 _CASE_FILE: Final = "case.yaml"
 _PLANT: Final = "nxt_motor"
@@ -73,5 +74,7 @@ def _unpacked(parcel: Parcel, folder: Path) -> Case:
 def _case_keys(parcel: Parcel, folder: Path) -> dict[str, Any]:
     """A `case.yaml` for tables: by the fleet's keys, and the first table's sidecar above them."""
     sidecar = read_sidecar(folder / parcel.recordings[0])
-    own: dict[str, Any] = {key: sidecar[key] for key in ("plant", "port", "mapping") if key in sidecar}
+    own: dict[str, Any] = {key: sidecar[key] for key in ("plant", "port") if key in sidecar}
+    mapping = given_in_sidecar(sidecar)
+    own |= {"mapping": mapping} if mapping else {}
     return {"plant": _PLANT, **parcel.keys, **own, "recordings": list(parcel.recordings)}

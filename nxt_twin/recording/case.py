@@ -16,7 +16,7 @@ from nxt_twin.recording.columns import PORTS, Port, goal_column, power_column, t
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.mapped import read_all_mapped
-from nxt_twin.recording.mappings import Given, MappingOf, mappings
+from nxt_twin.recording.mappings import Given, MappingOf, given_in_sidecar, mappings
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.yaml_file import read_model
 
@@ -90,7 +90,7 @@ def read_as_case(path: Path, mapping_of: MappingOf | None = None) -> Case:
     sidecar = read_sidecar(file)
     plant = _located(sidecar.get("plant", _DEFAULT_PLANT), path.parent)
     where = f"{file.with_suffix('.yaml')}, key mapping"
-    stated = mapping_of or mappings(sidecar.get("mapping"), path.parent, where)
+    stated = mapping_of or mappings(given_in_sidecar(sidecar), path.parent, where)
     recordings = _read(path.parent, path.name, stated)
     port = _port(recordings, plant, None, str(path))
     return Case(path.stem, path.parent, plant, recordings, (), port)

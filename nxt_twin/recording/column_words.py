@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from nxt_twin.errors import MappingError
+from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapping import Mapping, mapping_of
 from nxt_twin.recording.source import nearest, quoted
 
@@ -56,7 +57,16 @@ OUTPUTS: MappingType[str, _Units] = MappingProxyType(
     }
 )
 _SUPPLY: _Units = MappingProxyType({"V": ("voltage_v", 1.0), "mV": ("voltage_v", 1e-3)})
-_ROLES = ("time", "period", *INPUTS, *OUTPUTS, "supply", "split")
+_MODES: MappingType[str, MappingType[Any, str]] = MappingProxyType(
+    {
+        "mode": {word: word for word in DRIVE_MODES},
+        "coast": {0: "drive", 1: "coast"},
+        "brake": {0: "drive", 1: "brake"},
+        "enabled": {0: "coast", 1: "drive"},
+    }
+)
+"""Columns that say what the bridge does: by role, the mode that each of its values means."""
+_ROLES = ("time", "period", *INPUTS, *OUTPUTS, "supply", "split", *_MODES)
 _WORD = re.compile(r"(?P<role>\w+)=(?P<column>.+?)(?::(?P<unit>[^:]*))?")
 _UNIT = re.compile(r"(?P<size>[\d.]+(?:[eE][+-]?\d+)?)?\s*(?P<name>[a-zA-Zµ%][\w/%µ]*)")
 
@@ -76,6 +86,9 @@ def mapping_of_words(text: str) -> Mapping:
                 f"write ROLE=COLUMN:UNIT, with one of {', '.join(_ROLES)}; nearest: {nearest(role, _ROLES)}"
             )
             raise MappingError(f"{quoted(word)} is no column", where=WHERE, mend=mend)
+        if parts["role"] in _MODES:
+            keys.setdefault("mode", []).append({"column": _whole(parts), "values": dict(_MODES[parts["role"]])})
+            continue
         key, value = _read(parts["role"], parts["column"], parts["unit"] or "")
         if key in keys:
             raise MappingError(f"{quoted(word)} is a second {key}", where=WHERE, mend="keep one")
@@ -87,10 +100,15 @@ def mapping_of_words(text: str) -> Mapping:
     return mapping_of(keys, WHERE)
 
 
+def _whole(parts: re.Match[str]) -> str:
+    """A column that has no unit, with the colon that its name may hold."""
+    return parts["column"] + ("" if parts["unit"] is None else f":{parts['unit']}")
+
+
 def _read(role: str, column: str, unit: str) -> tuple[str, dict[str, Any]]:
     """A word as a key of a mapping and what stands under it."""
     if role == "split":
-        return "split", {"column": column}
+        return "split", {"column": f"{column}:{unit}" if unit else column}
     if role == "period":
         return "time", {"period_s": _period_s(column)}
     if role == "time":
@@ -146,5 +164,6 @@ def _refuse_unit(unit: str, known: tuple[str, ...], role: str) -> None:
 
 
 def _no_unit(unit: str, known: tuple[str, ...], role: str) -> MappingError:
-    mend = f"write one of {', '.join(known)}, with a number before it where a step has a size"
+    sized = ", such as 0.392pct for a duty of 8 bits" if role == "power" else ""
+    mend = f"write one of {', '.join(known)}, with a number before it where a step has a size{sized}"
     return MappingError(f"{quoted(unit)} is no unit of {role}", where=WHERE, mend=mend)

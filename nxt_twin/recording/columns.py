@@ -136,7 +136,7 @@ def check_names(names: Sequence[str], path: Path) -> None:
     """
     for name, count in Counter(names).items():
         if name not in CATALOGUE:
-            raise RecordingError(f"unknown column {quoted(name)}", where=str(path), mend=_advice(name, names))
+            raise RecordingError(f"unknown column {quoted(name)}", where=str(path), mend=_advice(name, names, path))
         if count > 1:
             raise RecordingError("is there twice", where=f"{path}, column {name}", mend="keep one of them")
     if TIME not in names:
@@ -144,10 +144,16 @@ def check_names(names: Sequence[str], path: Path) -> None:
         raise RecordingError(f"has no column {TIME}", where=str(path), mend=mend)
 
 
-def _advice(name: str, names: Sequence[str]) -> str:
+def mapping_advice(path: Path) -> str:
+    """How a table whose columns are not a recording's is read."""
+    beside = path.with_suffix(".yaml").name
+    command = f"nxt-twin map {path.name} --out {beside}"
+    return f"run `{command}`, or write `time:`, `input:` and `output: {{column: …}}` in {beside}"
+
+
+def _advice(name: str, names: Sequence[str], path: Path) -> str:
     if len(names) == 1 and any(mark in name for mark in ";\t|"):
-        return "separate the columns by commas, or read it through a mapping: nxt-twin map TABLE --out FILE"
+        return f"separate the columns by commas, or {mapping_advice(path)}"
     if name in MAPPED_COLUMNS:
         return "a mapped recording is read through a mapping file"
-    elsewhere = "for a table from elsewhere: nxt-twin map TABLE --out FILE, then --mapping FILE, or --columns"
-    return f"nearest known: {nearest(name, CATALOGUE)}; {elsewhere}"
+    return f"nearest known: {nearest(name, CATALOGUE)}; {mapping_advice(path)}"

@@ -16,7 +16,7 @@ import pyarrow.parquet
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.arrow import table_of
 from nxt_twin.recording.checks import checked_columns
-from nxt_twin.recording.columns import CATALOGUE, check_names
+from nxt_twin.recording.columns import CATALOGUE, check_names, mapping_advice
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import known_pulse_steps
 from nxt_twin.recording.recording import Recording
@@ -44,7 +44,7 @@ def read_recording(path: Path) -> Recording:
     read_table_head(path, RecordingError)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        mend = "for a table from elsewhere: nxt-twin map TABLE --out FILE, then --mapping FILE, or --columns"
+        mend = mapping_advice(path)
         raise RecordingError("is neither .csv nor .parquet", where=str(path), mend=mend)
 
     def choose(names: Sequence[str]) -> Mapping[str, CellKind]:

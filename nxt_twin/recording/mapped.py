@@ -121,20 +121,21 @@ def _kind(table: TableFormat) -> TableKind | None:
 
 def _chooser(path: Path, mapping: Mapping) -> Choose:
     """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
-    sources = {key: getattr(mapping, key) for key in ("time", "input", "output", "supply", "mode", "split")}
-    wanted = {key: source.column for key, source in sources.items() if source and source.column is not None}
+    sources = [(key, getattr(mapping, key)) for key in ("time", "input", "output", "supply", "split")]
+    sources += [("mode", each) for each in mapping.mode]
+    wanted = [(key, source.column) for key, source in sources if source and source.column is not None]
     labels = ("mode", "split", "time") if mapping.time.unit == "iso" else ("mode", "split")
 
     def choose(found: Sequence[str]) -> MappingType[str, CellKind]:
-        for key, name in wanted.items():
+        for key, name in wanted:
             if name in found and found.count(name) == 1:
                 continue
             count = "no column" if name not in found else "more than one column"
             near = f"write `{key}: {{column: …}}` anew; nearest known: {nearest(name, found)}"
             mend = near if name not in found else "rename one, or write `table: {header: false}`"
             raise MappingError(f"has {count} {quoted(name)}", where=f"{path}, mapping key {key}", mend=mend)
-        chosen: dict[str, CellKind] = {name: "label" for key, name in wanted.items() if key in labels}
-        return {**chosen, **{name: "number" for key, name in wanted.items() if key not in labels}}
+        chosen: dict[str, CellKind] = {name: "label" for key, name in wanted if key in labels}
+        return {**chosen, **{name: "number" for key, name in wanted if key not in labels}}
 
     return choose
 
@@ -190,7 +191,7 @@ def _columns(table: Table, path: Path, mapping: Mapping, output: FloatArray) -> 
         "input": _input(table, mapping.input, path, rows),
         "output": (_unwrapped(output, mapping.output) * mapping.output.gain + mapping.output.offset) * to_si,
     }
-    if mapping.mode is not None:
+    if mapping.mode:
         columns["mode"] = _mode(table, mapping.mode)
     if mapping.supply is not None:
         supply = table.numbers[mapping.supply.column]
@@ -247,8 +248,16 @@ def _constant(source: InputSource, path: Path) -> float:
     return found[0]
 
 
-def _mode(table: Table, source: ModeSource) -> FloatArray:
-    """The drive mode from each row on, as an index into `DRIVE_MODES`; an empty cell changes nothing."""
+def _mode(table: Table, sources: Sequence[ModeSource]) -> FloatArray:
+    """The drive mode from each row on, as an index into `DRIVE_MODES`: that of the first column which is not `drive`."""
+    mode, *others = [_mode_of_one(table, source) for source in sources]
+    for other in others:
+        mode = np.where(mode == DRIVE_MODES.index("drive"), other, mode)
+    return mode
+
+
+def _mode_of_one(table: Table, source: ModeSource) -> FloatArray:
+    """The drive mode that one column tells; an empty cell changes nothing."""
     index_of = {_plain(word): float(DRIVE_MODES.index(mode)) for word, mode in source.values.items()}
     labels = _labels(table, source.column)
     for row, label in enumerate(labels):

@@ -145,7 +145,10 @@ class SupplySource(BaseModel):
 
 @final
 class ModeSource(BaseModel):
-    """A column whose values say what the bridge does: `values: {0: coast, 1: drive}`."""
+    """A column whose values say what the bridge does: `values: {0: coast, 1: drive}`.
+
+    A mapping may list several such columns. The first one whose value is not `drive` decides.
+    """
 
     model_config = _STRICT
 
@@ -180,6 +183,13 @@ def _flat(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
 _FLAT = BeforeValidator(_flat)
 
 
+def _flat_list(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
+    """One column or a list of columns, as a list."""
+    if given is None:
+        return ()
+    return [_flat(each) for each in (given if isinstance(given, list) else [given])]
+
+
 @final
 class Mapping(BaseModel):
     """A whole mapping file."""
@@ -191,7 +201,7 @@ class Mapping(BaseModel):
     input: Annotated[InputSource, _FLAT]
     output: Annotated[OutputSource, _FLAT]
     supply: Annotated[SupplySource | None, _FLAT] = None
-    mode: Annotated[ModeSource | None, _FLAT] = None
+    mode: Annotated[tuple[ModeSource, ...], BeforeValidator(_flat_list)] = ()
     split: Annotated[SplitColumn | None, _FLAT] = None
 
     @model_validator(mode="before")

@@ -10,6 +10,7 @@ from typing import Any
 from nxt_twin.errors import CaseError, MappingError
 from nxt_twin.recording import mapping as mapping_file
 from nxt_twin.recording.source import quoted
+from nxt_twin.recording.yaml_file import read_yaml
 
 MappingOf = Callable[[str], mapping_file.Mapping | None]
 """Gives the mapping of a recording by its name; None for a brick's."""
@@ -58,8 +59,27 @@ def _matching(known: Mapping[str, mapping_file.Mapping], name: str, where: str) 
     raise MappingError(f"names no mapping for {file}", where=where, mend=f"write `{file}: MAPPING.yaml`")
 
 
+def read_mappings(path: Path) -> MappingOf:
+    """A mapping file, which may also hold several mappings by file or pattern.
+
+    Raises:
+        MappingError, CaseError: as `mappings`.
+    """
+    keys = read_yaml(path, MappingError)
+    if not keys or _is_mapping(keys):
+        return one_mapping(mapping_file.read_mapping(path))
+    return mappings(keys, path.parent, str(path))
+
+
+def given_in_sidecar(sidecar: Mapping[str, Any]) -> Given:
+    """What a sidecar states under `mapping`, or the keys of a mapping that it holds, as `map --out` writes them."""
+    if "mapping" in sidecar or not _is_mapping(sidecar):
+        return sidecar.get("mapping")
+    return {key: value for key, value in sidecar.items() if key in mapping_file.Mapping.model_fields}
+
+
 def _is_mapping(given: Mapping[str, Any]) -> bool:
-    return {"time", "output"} <= given.keys()
+    return not given.keys().isdisjoint(("time", "input", "output"))
 
 
 def _read(given: object, folder: Path, where: str) -> mapping_file.Mapping:

@@ -16,6 +16,7 @@ from nxt_twin.recording.case import read_as_case, read_case
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapped import read_all_mapped, read_mapped
 from nxt_twin.recording.mapping import mapping_of
+from nxt_twin.recording.mappings import read_mappings
 
 KEYS = {
     "time": {"column": "t", "unit": "ms"},
@@ -199,6 +200,8 @@ def test_coasting_constants_wrapping_and_dates(put):
             ["mapping key input.value", "table.csv: VALUE"],
         ),
         ({"table": {"decimal": "."}}, "t;u;y\n0;0,5;1\n1;0,5;2\n", ["'0,5' is no number", 'decimal: ","']),
+        ({"table": {"format": "parquet"}}, "", ["mapping key table", "write `table: {format: csv}`"]),
+        ({"table": {"format": "csv"}}, "PAR1", ["is parquet, not csv", "write `table: {format: parquet}`"]),
         ({}, "t,u,y\n0,300,0\n1,0,1\n", ["300 is outside", "write `input: {gain"]),
         ({}, "t,u,y\n5,0,0\n1,0,1\n", ["runs backwards", "write `split: {column"]),
         ({}, "PK\x03\x04 a sheet", ["spreadsheet", "export the sheet"]),
@@ -237,6 +240,25 @@ def test_a_case_gives_its_files_mappings_of_their_own(put, tmp_path, refusal):
     assert "b.txt: MAPPING.yaml" in refusal(MappingError, read_case, tmp_path)
     put("case.yaml", yaml.safe_dump({**case, "mapping": {"*": 3}}))
     assert "is no mapping" in refusal(CaseError, read_case, tmp_path)
+
+
+def test_a_mapping_beside_a_table_is_its_sidecar_s(put, refusal):
+    table = put("log.txt", "t,u,y\n" + rows_of(","))
+    assert "nxt-twin map log.txt --out log.yaml" in refusal(RecordingError, read_as_case, table)
+    put("log.yaml", yaml.safe_dump({**KEYS, "plant": "nxt_motor_as_printed"}))
+    case = read_as_case(table)
+    check(case.recordings[0])
+    assert case.plant == "nxt_motor_as_printed"
+
+
+def test_a_mapping_file_may_hold_several_by_pattern(put, refusal):
+    put("a.txt", "t,u,y\n" + rows_of(","))
+    other = {**KEYS, "time": {"column": "seconds"}}
+    mapping_of_file = read_mappings(put("all.yaml", yaml.safe_dump({"a.*": KEYS, "b.*": other})))
+    assert mapping_of_file("a.txt").time.column == "t"
+    assert mapping_of_file("b.csv").time.column == "seconds"
+    assert "c.csv: MAPPING.yaml" in refusal(MappingError, mapping_of_file, "c.csv")
+    assert "key input: is missing" in refusal(MappingError, read_mappings, put("cut.yaml", "time: {column: t}"))
 
 
 def test_a_sidecar_states_the_encoder_s_step_by_port(put, refusal):

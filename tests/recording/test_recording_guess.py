@@ -54,6 +54,7 @@ def holds(recordings, *, reading=None, kind="power_pct", command=U):
         (lines("bench 7\ntime,motor duty,angle\nms,%,deg", 1e3 * T, U, DEG), "utf-8"),
         (lines("", T, U, DEG, sep="\t"), "utf-8"),
         (lines("millis,pwm,angle_rad", 1e3 * T + 7e4, 2.55 * U, np.radians(DEG)), "utf-8"),
+        (lines("t,Stellgröße (PWM %),q", T, U, np.radians(DEG)), "utf-8"),
     ],
 )
 def test_text_tables(tmp_path, text, encoding):
@@ -128,6 +129,44 @@ def test_matrices_and_structs_of_mat_files(tmp_path):
     log = {"time": T, "voltage": U / 10, "theta_rad": np.radians(DEG)}
     savemat(tmp_path / "struct.mat", {"log": log, "Ts": 0.01, "title": "bench"})
     holds(guessed(tmp_path / "struct.mat")[1], kind="voltage_v", command=U / 10)
+
+
+def test_of_two_unnamed_columns_the_one_whose_slope_the_other_is_is_the_angle(tmp_path):
+    speed = 300.0 * np.sin(3.0 * T) + 0.5 * U
+    angle = np.concatenate([[0.0], np.cumsum(0.01 * (speed[1:] + speed[:-1]) / 2)])
+    savemat(tmp_path / "matrix.mat", {"data": np.column_stack([T, speed, U, angle])})
+    keys, _ = guessed(tmp_path / "matrix.mat")
+    assert (keys["output"]["index"], keys["input"]["index"]) == (3, 2)
+
+
+def test_what_the_bridge_does_in_words_and_in_flags(put):
+    words = np.repeat(["drive", "coast", "brake", "drive"], ROWS // 4)
+    rows = "".join(f"{t:g},{u:g},{y:g},{w}\n" for t, u, y, w in zip(T, U, DEG, words, strict=True))
+    keys, (worded,) = guessed(put("words.csv", "t,pwm,angle_deg,bridge\n" + rows))
+    assert keys["mode"]["values"]["brake"] == "brake"
+    flags = (words != "coast").astype(int), (words == "brake").astype(int)
+    table = put("flags.csv", lines("t,pwm,angle_deg,enable,brake", T, U, DEG, *flags))
+    keys, (flagged,) = guessed(table)
+    assert len(keys["mode"]) == 2
+    np.testing.assert_array_equal(worded.columns["mode"], flagged.columns["mode"])
+    assert np.unique(worded.columns["mode"]).size == 3
+    stated = mapping_of_words("time=t,power=pwm,angle=angle_deg:deg,enabled=enable,brake=brake")
+    (again,) = read_all_mapped(table, stated)
+    np.testing.assert_array_equal(again.columns["mode"], flagged.columns["mode"])
+
+
+def test_files_that_differ_in_the_number_of_their_names_have_values_of_their_own(put):
+    text = lines("t,deg", T, np.rint(DEG))
+    for name in ("step_pwm40.csv", "step_pwm-70.csv", "other.csv"):
+        put(name, text)
+    keys, (first,) = guessed(put("step_pwm40.csv", text))
+    assert keys["input"]["value"] == {"step_pwm40.csv": 40.0, "step_pwm-70.csv": -70.0}
+    assert first.columns["input"][0] == 40.0
+
+
+def test_a_joint_that_is_not_there_is_refused(put, refusal):
+    table = put("log.csv", lines("t,pwm,hip_deg", T, U, DEG))
+    assert "write `output: {column" in refusal(MappingError, guess_mapping, table, "knee")
 
 
 def test_a_constant_command_stands_in_the_file_s_name(put):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
 from typing import Any, NamedTuple, final
 
@@ -13,8 +14,9 @@ import numpy as np
 from nxt_twin.errors import MappingError
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile, profile_of
-from nxt_twin.recording.guess.roles import Roles, names, roles_of
+from nxt_twin.recording.guess.roles import Roles, is_of, names, roles_of
 from nxt_twin.recording.guess.scales import input_scale, output_scale, step_of, time_unit, turn_of
+from nxt_twin.recording.guess.vocabulary import MODE_WORDS
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.nested import split_name
 
@@ -28,7 +30,7 @@ class Guess(NamedTuple):
     """One key of a mapping: what stands under it, and why."""
 
     key: str
-    value: dict[str, Any]
+    value: dict[str, Any] | list[dict[str, Any]]
     why: str
 
 
@@ -62,8 +64,11 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
 
     Raises:
         RecordingError: it is no table of numbers.
+        MappingError: it has no such joint.
     """
     profile = profile_of(path)
+    if joint is not None:
+        _check_joint(profile, joint)
     roles = roles_of(profile, joint)
     found = [_table(profile)]
     lacking = None
@@ -72,20 +77,46 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
             found.append(guess(profile, roles))
         except MappingError as error:
             lacking = lacking or error
-    return Guessed(profile, (*found, *_optional(roles)), lacking)
+    return Guessed(profile, (*found, *_optional(profile, roles)), lacking)
 
 
-def _optional(roles: Roles) -> Iterator[Guess]:
+def _check_joint(profile: TableProfile, joint: str) -> None:
+    """Refuse a joint that no column is of."""
+    if not any(is_of(column, joint) for column in profile.columns):
+        known = names(profile.columns)
+        what = f"has no column of the joint {quoted(joint)}"
+        mend = f"write `output: {{column: …}}` in a mapping; its columns are {known}"
+        raise MappingError(what, where=str(profile.path), mend=mend)
+
+
+def _optional(profile: TableProfile, roles: Roles) -> Iterator[Guess]:
     if roles.supply is not None:
         gain = 1e-3 if roles.supply.largest > 1000.0 else 1.0
         yield Guess("supply", _column(roles.supply) | _gain(gain), "named like a supply, and in its range")
-    if roles.mode is not None:
-        on = {f"{value:g}": "drive" if value else "coast" for value in np.unique(roles.mode.known).tolist()}
-        why = "few values; CHECK what each of them means"
-        yield Guess("mode", _column(roles.mode) | {"values": on}, why)
+    modes = [*map(_flag, roles.modes), *_worded(profile)]
+    if modes:
+        several = "; of several columns the first that is not drive decides" if len(modes) > 1 else ""
+        why = f"few values; CHECK what each of them means{several}"
+        yield Guess("mode", modes if len(modes) > 1 else modes[0], why)
     if roles.split is not None:
         runs = np.unique(roles.split.known).size
         yield Guess("split", _column(roles.split), f"{runs} runs, one after the other")
+
+
+def _flag(column: TableColumn) -> dict[str, Any]:
+    """A column of whole numbers: 0 is off, unless the column is named after braking or coasting."""
+    named = next((word for word in column.words if word in ("brake", "coast")), "")
+    at_zero, else_ = ("drive", named) if named else ("coast", "drive")
+    values = {f"{value:g}": else_ if value else at_zero for value in np.unique(column.known).tolist()}
+    return _column(column) | {"values": values}
+
+
+def _worded(profile: TableProfile) -> Iterator[dict[str, Any]]:
+    """The columns of words that say what the bridge does."""
+    for name, words in profile.others.items():
+        meant = {word: MODE_WORDS[word.lower()] for word in words if word.lower() in MODE_WORDS}
+        if words and len(meant) == len(words):
+            yield {"column": name, "values": meant}
 
 
 def _table(profile: TableProfile) -> Guess:
@@ -130,7 +161,10 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     turn = turn_of(column)
     keys = {**_column(column), "kind": kind, **_gain(gain), **({"step": _short(step)} if step else {})}
     keys |= {"wraps_at": turn} if turn else {}
-    rest = [c for c in profile.columns if c is not column and _alike(c, column)]
+    taken = (column, roles.time, roles.input, roles.supply)
+    rest = [c for c in profile.columns if c not in taken and _alike(c, column)]
+    slope = roles.slopes.get(column.name)
+    why += f"; {slope} is its slope" if slope else ""
     others = f"; others that might be meant: {names(rest)} (--joint)" if rest else ""
     return Guess(
         "output", keys, f"{why}; spans {_short(column.span * gain)} {kind.rpartition('_')[2]}{others}"
@@ -152,13 +186,21 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
         is_volts = named[1].lower()[0] in "vs" and abs(value) <= _HIGHEST_V
         kind = "voltage_v" if is_volts else "power_pct"
         why = f"the file's name says {quoted(named[0])}; CHECK that it is constant throughout"
-        return Guess("input", {"value": value, "kind": kind}, why)
+        return Guess("input", {"value": _by_file(profile.path, named) or value, "kind": kind}, why)
     known = names([column for column in profile.columns if column not in (roles.time, roles.output)])
     which = "no column that looks like a command, and no constant one in its name"
     rest = f"; its other columns are {known}" if known else ""
     either = "`input: {column: …, kind: power_pct}` or `input: {value: 60, kind: power_pct}`"
     mend = f"write {either} in a mapping{rest}"
     raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+
+
+def _by_file(path: Path, named: re.Match[str]) -> dict[str, float]:
+    """The values in the names of the files beside this one that differ from it in that number only."""
+    before, after = path.name[: named.start(2)], path.name[named.end(2) :]
+    alike = re.compile(re.escape(before) + r"([+-]?\d+(?:\.\d+)?)" + re.escape(after))
+    found = [match for match in map(alike.fullmatch, sorted(each.name for each in path.parent.iterdir())) if match]
+    return {escape(match[0]): float(match[1]) for match in found} if len(found) > 1 else {}
 
 
 def _column(column: TableColumn) -> dict[str, Any]:

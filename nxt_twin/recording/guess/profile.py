@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
@@ -30,6 +30,7 @@ _WORDS = re.compile(r"[A-Z]?[a-zäöü°µ]+|[A-Z]+(?![a-zäöü])|\d+|%")
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _TRUTHS = {"true": "1", "false": "0"}
 _LARGEST_INFO_BYTES = 2**20
+_FEW_WORDS = 8
 _LEVELS_UP = 4  # from a LeRobot episode to its data set's meta/info.json
 
 
@@ -92,14 +93,14 @@ class TableProfile:
         kind: its format.
         layout: how it is cut into cells, of a text table.
         columns: those of numbers, as many rows each.
-        others: names of the columns that hold none.
+        others: the columns that hold none, and the words of those with few different ones.
     """
 
     path: Path
     kind: TableKind
     layout: TextLayout | None
     columns: tuple[TableColumn, ...]
-    others: tuple[str, ...]
+    others: Mapping[str, tuple[str, ...]]
 
     @property
     def rows(self) -> int:
@@ -129,7 +130,14 @@ def profile_of(path: Path) -> TableProfile:
     units = _units(file, layout, list(cells)) | {name: ISO for name, own in dates.items() if own is not None}
     joints = _joints(file)
     columns = (TableColumn(n, v, units.get(n, _bracketed(n)), joints.get(n, "")) for n, v in numbers.items())
-    return TableProfile(file, kind, layout, tuple(columns), tuple(n for n, v in cells.items() if v is None))
+    others = {name: _few(words[name]) for name, values in cells.items() if values is None}
+    return TableProfile(file, kind, layout, tuple(columns), others)
+
+
+def _few(cells: Sequence[str]) -> tuple[str, ...]:
+    """The different words of a column; none where there are many."""
+    found = sorted({word for word in cells if word})
+    return tuple(found) if len(found) <= _FEW_WORDS else ()
 
 
 def _read(file: Path, kind: TableKind) -> dict[str, tuple[str, ...]]:

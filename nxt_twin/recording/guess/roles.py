@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import final
 
 import numpy as np
 
+from nxt_twin.recording.guess.motion import slopes_of
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile
 from nxt_twin.recording.guess.vocabulary import has, unit_of
 from nxt_twin.recording.tables.nested import split_name
 
+_SLOPE = 2.5  # how much it speaks for a reading that another column is its slope
 _COMMANDS = ("power", "voltage", "current", "torque", "force", "command", "goal")
 _MOST_RUNS = 1000
 _MODES = 4
@@ -22,14 +24,18 @@ _SUPPLY_V = (2.0, 100.0)
 @final
 @dataclass(frozen=True)
 class Roles:
-    """The columns by role; None where none is found."""
+    """The columns by role; None where none is found.
+
+    `modes` are those that say what the bridge does; `slopes` names, by column, another one that is its slope.
+    """
 
     time: TableColumn | None
     split: TableColumn | None
     output: TableColumn | None
     input: TableColumn | None
     supply: TableColumn | None
-    mode: TableColumn | None
+    modes: tuple[TableColumn, ...]
+    slopes: Mapping[str, str]
 
 
 def roles_of(profile: TableProfile, joint: str | None) -> Roles:
@@ -44,13 +50,15 @@ def roles_of(profile: TableProfile, joint: str | None) -> Roles:
     split = _take(left, _as_split)
     groups = _groups(split, profile.rows)
     time = _take(left, lambda column: _as_time(column, groups))
-    own = [column for column in left if _is_of(column, joint)]
-    output = _take(own, _as_output)
+    slopes = slopes_of(left, time, groups)
+    own = [column for column in left if is_of(column, joint)]
+    output = _take(own, lambda column: _as_output(column) + _SLOPE * (column.name in slopes))
     left = [column for column in left if column is not output]
     given = [column for column in own if column is not output]
     command = _take(given, lambda column: _as_input(column, output)) if output else None
     left = [column for column in left if column is not command]
-    return Roles(time, split, output, command, _take(left, _as_supply), _take(left, _as_mode))
+    supply = _take(left, _as_supply)
+    return Roles(time, split, output, command, supply, tuple(filter(_is_mode, left)), slopes)
 
 
 def _take(columns: list[TableColumn], rating: Callable[[TableColumn], float]) -> TableColumn | None:
@@ -60,7 +68,8 @@ def _take(columns: list[TableColumn], rating: Callable[[TableColumn], float]) ->
     return columns.pop(-place) if best > 0.0 else None
 
 
-def _is_of(column: TableColumn, joint: str | None) -> bool:
+def is_of(column: TableColumn, joint: str | None) -> bool:
+    """Whether a column is of the joint, by its index or a word of its name; any column where no joint is meant."""
     if joint is None or (column.index is None and not column.joint and joint.lower() not in column.words):
         return joint is None
     return joint == str(column.index) or joint.lower() in (column.joint.lower(), *column.words)
@@ -161,9 +170,9 @@ def _as_supply(column: TableColumn) -> float:
     return float(has(column, "supply") and low <= middle <= high)
 
 
-def _as_mode(column: TableColumn) -> float:
+def _is_mode(column: TableColumn) -> bool:
     few = np.unique(column.known)
-    return float(has(column, "mode") and column.is_whole and 1 < few.size <= _MODES)
+    return has(column, "mode") and column.is_whole and 1 < few.size <= _MODES
 
 
 def names(columns: Sequence[TableColumn]) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
@@ -25,6 +27,8 @@ _ENCODERS = (
     (1023.0, 300.0 / 1024.0, "1024 steps in 300 degrees"),
     (4095.0, 360.0 / 4096.0, "4096 steps a turn"),
 )
+_ROS_ANGLE = re.compile(r".+\..+\.position")
+_ROBOT_WORDS = ("q", "qm")
 _FINEST = 20_000  # steps that a reading spans; finer ones are the digits it was printed with
 _DISTINCT = 8
 _TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
@@ -59,6 +63,10 @@ def output_scale(column: TableColumn) -> Scale:
         return "speed", "rad/s", 1.0, "named like a speed; CHECK the unit, rad/s is assumed"
     if measures == "ticks" or (column.is_whole and has(column, "raw")):
         return _ticks(column)
+    if _ROS_ANGLE.fullmatch(column.name):
+        return "angle", "rad", 1.0, "named as in a JointState, which is in rad; a slider is position_m"
+    if set(_ROBOT_WORDS) & set(column.words) and not column.is_whole:
+        return "angle", "rad", 1.0, "no unit is stated; q is in rad where robots are taught; CHECK"
     if column.is_whole and column.span > _LARGEST_RAD:
         return "angle", "deg", 1.0, "whole numbers, taken for degrees; CHECK"
     if column.largest <= _LARGEST_RAD:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from nxt_twin.recording.columns import DriveMode
 from nxt_twin.recording.guess.profile import TableColumn
 
 _WRITTEN = """
 time: t time timestamp stamp ms millis micros seconds sec clock date datetime zeit tempo temps
 counter: index frame row id n nr no sample step count counter
 split: episode run trial experiment segment repeat rep versuch
-mode: enabled enable mode active brake coast
+mode: enabled enable mode active brake coast bridge drive state
 goal: action goal target setpoint setpt reference ref desired des soll qg
 angle: angle ang theta phi position pos qm q tacho encoder enc ticks counts rotation winkel state deg
 speed: speed velocity vel omega rpm qd dq rate geschwindigkeit
@@ -33,6 +34,16 @@ NAMES: Mapping[str, frozenset[str]] = MappingProxyType(
     }
 )
 """Words of a column's name by what they speak for."""
+
+MODE_WORDS: Mapping[str, DriveMode] = MappingProxyType(
+    {
+        **dict.fromkeys(("drive", "on", "run", "running", "pwm", "active", "enabled"), "drive"),
+        **dict.fromkeys(("coast", "off", "free", "idle", "disabled", "released"), "coast"),
+        **dict.fromkeys(("brake", "braking", "short", "stop"), "brake"),
+        "float": "float",
+    }
+)
+"""What a bridge does, as people write it."""
 
 _UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
@@ -64,12 +75,19 @@ _SUFFIXES = ("rad_per_s", "deg_per_s", "m_per_s")
 
 def has(column: TableColumn, subject: str) -> bool:
     """Whether the column's name has a word for `subject`."""
-    return bool(NAMES[subject].intersection(column.words))
+    words = (*column.words, *_no_unit(column))
+    return bool(NAMES[subject].intersection(words))
+
+
+def _no_unit(column: TableColumn) -> tuple[str, ...]:
+    """The words in a name's brackets, where they are no unit: `Stellgröße (PWM %)`."""
+    stated = column.stated_unit.lower()
+    return () if stated in _UNITS else tuple(stated.split())
 
 
 def unit_of(column: TableColumn) -> tuple[str, str]:
     """The quantity of the column's unit and the unit, as `--columns` writes it; empty where none is stated."""
-    for stated in (column.stated_unit.lower(), *_endings(column)):
+    for stated in (column.stated_unit.lower(), *_endings(column), *reversed(_no_unit(column))):
         if stated in _UNITS:
             return _UNITS[stated]
     return "", ""

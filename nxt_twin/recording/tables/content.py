@@ -62,6 +62,21 @@ def kind_of(path: Path) -> TableKind:
     return "json" if head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[") else "csv"
 
 
+def check_stated_kind(path: Path, stated: TableKind) -> None:
+    """Refuse a format that the mapping states and the file's first bytes contradict.
+
+    Raises:
+        RecordingError: they do, or the file cannot be opened.
+    """
+    head = read_table_head(path, RecordingError)
+    found = next((kind for signature, kind in _SIGNATURES if head.startswith(signature)), None)
+    if found is None and stated in ("parquet", "feather", "mcap"):
+        found = kind_of(path)
+    if found not in (None, stated):
+        mend = f"write `table: {{format: {found}}}`, or leave `table` out"
+        raise RecordingError(f"is {found}, not {stated}", where=f"{path}, mapping key table", mend=mend)
+
+
 def text_layout(path: Path, given: Mapping[str, object]) -> TextLayout:
     """How the text table in `path` is cut into cells, from its first 64 KiB.
 

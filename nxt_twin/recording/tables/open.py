@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.tables.content import TableKind, kind_of, text_layout
+from nxt_twin.recording.tables.content import TableKind, check_stated_kind, kind_of, text_layout
 from nxt_twin.recording.tables.json_text import read_json
 from nxt_twin.recording.tables.mat import read_mat
 from nxt_twin.recording.tables.parquet import read_feather, read_parquet
@@ -40,6 +40,8 @@ def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mappin
     Raises:
         RecordingError: the file cannot be read as a table. `choose` may raise its own.
     """
+    if kind is not None:
+        check_stated_kind(path, kind)
     found = kind or kind_of(path)
     if found != "csv":
         return _READERS[found](path, choose)
