@@ -87,7 +87,9 @@ def mapping_of_words(text: str) -> Mapping:
             )
             raise MappingError(f"{quoted(word)} is no column", where=WHERE, mend=mend)
         if parts["role"] in _MODES:
-            keys.setdefault("mode", []).append({"column": _whole(parts), "values": dict(_MODES[parts["role"]])})
+            keys.setdefault("mode", []).append(
+                {"column": _whole(parts), "values": dict(_MODES[parts["role"]])}
+            )
             continue
         key, value = _read(parts["role"], parts["column"], parts["unit"] or "")
         if key in keys:

@@ -136,7 +136,9 @@ def check_names(names: Sequence[str], path: Path) -> None:
     """
     for name, count in Counter(names).items():
         if name not in CATALOGUE:
-            raise RecordingError(f"unknown column {quoted(name)}", where=str(path), mend=_advice(name, names, path))
+            raise RecordingError(
+                f"unknown column {quoted(name)}", where=str(path), mend=_advice(name, names, path)
+            )
         if count > 1:
             raise RecordingError("is there twice", where=f"{path}, column {name}", mend="keep one of them")
     if TIME not in names:

@@ -258,7 +258,9 @@ def test_a_mapping_file_may_hold_several_by_pattern(put, refusal):
     assert mapping_of_file("a.txt").time.column == "t"
     assert mapping_of_file("b.csv").time.column == "seconds"
     assert "c.csv: MAPPING.yaml" in refusal(MappingError, mapping_of_file, "c.csv")
-    assert "key input: is missing" in refusal(MappingError, read_mappings, put("cut.yaml", "time: {column: t}"))
+    assert "key input: is missing" in refusal(
+        MappingError, read_mappings, put("cut.yaml", "time: {column: t}")
+    )
 
 
 def test_a_sidecar_states_the_encoder_s_step_by_port(put, refusal):

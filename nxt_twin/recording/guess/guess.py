@@ -199,7 +199,9 @@ def _by_file(path: Path, named: re.Match[str]) -> dict[str, float]:
     """The values in the names of the files beside this one that differ from it in that number only."""
     before, after = path.name[: named.start(2)], path.name[named.end(2) :]
     alike = re.compile(re.escape(before) + r"([+-]?\d+(?:\.\d+)?)" + re.escape(after))
-    found = [match for match in map(alike.fullmatch, sorted(each.name for each in path.parent.iterdir())) if match]
+    found = [
+        match for match in map(alike.fullmatch, sorted(each.name for each in path.parent.iterdir())) if match
+    ]
     return {escape(match[0]): float(match[1]) for match in found} if len(found) > 1 else {}
 
 
