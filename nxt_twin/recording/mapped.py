@@ -249,7 +249,7 @@ def _constant(source: InputSource, path: Path) -> float:
 
 
 def _mode(table: Table, sources: Sequence[ModeSource]) -> FloatArray:
-    """The drive mode from each row on, as an index into `DRIVE_MODES`: that of the first column which is not `drive`."""
+    """From each row on the mode of the first column that is not `drive`, as an index into `DRIVE_MODES`."""
     mode, *others = [_mode_of_one(table, source) for source in sources]
     for other in others:
         mode = np.where(mode == DRIVE_MODES.index("drive"), other, mode)
