@@ -72,7 +72,7 @@ def read_mappings(path: Path) -> MappingOf:
 
 
 def given_in_sidecar(sidecar: Mapping[str, Any]) -> Given:
-    """What a sidecar states under `mapping`, or the keys of a mapping that it holds, as `map --out` writes them."""
+    """The mapping that a sidecar names under `mapping`, or whose keys it holds, as `map --out` writes them."""
     if "mapping" in sidecar or not _is_mapping(sidecar):
         return sidecar.get("mapping")
     return {key: value for key, value in sidecar.items() if key in mapping_file.Mapping.model_fields}
