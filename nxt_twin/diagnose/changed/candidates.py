@@ -52,27 +52,28 @@ def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Chan
     found: list[tuple[int, ...]] = [(n,) for n in range(len(model.ways)) if n not in model.differs]
     found += [group for group in groups if set(group) - set(model.differs)]
     every = [ChangeCandidate(tuple(sorted(each))) for each in found]
-    for effect in lacking(model.after, fitter.sides[1].jobs[0].signals):
-        if effect.id in _FROM_A_MOMENT_ON or "outlier" in effect.terms:
-            continue
-        for start in starts_of(effect, scale):
-            every.append(ChangeCandidate((), effect.id, tuple(start.items())))
-            if effect.id == _HUNG and index["inertia"] not in model.differs:
-                every.append(ChangeCandidate((index["inertia"],), effect.id, tuple(start.items())))
+    for new in new_effects(fitter, model, scale):
+        every.append(new)
+        if new.effect == _HUNG and index["inertia"] not in model.differs:
+            every.append(ChangeCandidate((index["inertia"],), new.effect, new.start))
     return every
+
+
+def new_effects(fitter: JointFitter, model: Model, scale: Scale) -> list[ChangeCandidate]:
+    """Each effect that `model` does not have, once for each of its starts."""
+    return [
+        ChangeCandidate((), effect.id, tuple(start.items()))
+        for effect in lacking(model.after, fitter.sides[-1].jobs[0].signals)
+        if effect.id not in _FROM_A_MOMENT_ON and "outlier" not in effect.terms
+        for start in starts_of(effect, scale)
+    ]
 
 
 def promising(
     fitter: JointFitter, joint: JointFit, every: Sequence[ChangeCandidate], scale: Scale, most: int
 ) -> list[ChangeCandidate]:
     """The candidates that promise most beside `joint`, best first; of an effect's starts the best alone."""
-    view = _View(fitter, joint)
-    penalty = 0.5 * float(np.log(max(fitter.worth(), 2.0)))
-    promised = []
-    for each, signature in zip(every, view.signatures(every, scale), strict=True):
-        size = len(each.slots) + (len(each.put(joint.model, scale).added) if each.effect else 0)
-        promised.append((view.gain(each.slots, signature) - penalty * size, each))
-    promised.sort(key=lambda item: -item[0])
+    promised = sorted(promises(fitter, joint, every, scale), key=lambda item: -item[0])
     best: dict[tuple[tuple[int, ...], str | None], ChangeCandidate] = {}
     for gain, each in promised:
         if gain > 0.0:
@@ -80,40 +81,60 @@ def promising(
     return list(best.values())[:most]
 
 
+def promises(
+    fitter: JointFitter, joint: JointFit, every: Sequence[ChangeCandidate], scale: Scale
+) -> list[tuple[float, ChangeCandidate]]:
+    """What each candidate seems to gain on the last side beyond its penalty, nats, before any is fitted."""
+    view = _View(fitter, joint)
+    penalty = 0.5 * float(np.log(max(fitter.worth(), 2.0)))
+    models = [each.put(joint.model, scale) for each in every]
+    signatures = view.signatures(
+        [model if each.effect else None for model, each in zip(models, every, strict=True)]
+    )
+    return [
+        (
+            view.gain(each.slots, signature)
+            - penalty * (len(each.slots) + len(model.added) * bool(each.effect)),
+            each,
+        )
+        for each, model, signature in zip(every, models, signatures, strict=True)
+    ]
+
+
 @final
 class _View:
-    """What the side after looks like from a fitted model: residuals and slopes there."""
+    """What the last side looks like from a fitted model: residuals and slopes there."""
 
     def __init__(self, fitter: JointFitter, joint: JointFit) -> None:
         self._fitter, self._joint = fitter, joint
         model, x = joint.model, joint.x
         slopes = fitter.slopes(model, x, joint.error, "fitted")
         self._hessian, self._gradient = fitter.normal_equations(model, x, slopes, "fitted")
-        self._residual = slopes.residual[1]
-        self._weight = fitter.sides[1].weight("fitted") / np.sqrt(1.0 + (self._residual / SOFT) ** 2)
-        self._design = design_of(model, slopes.slope[1], after=True)
-        self._slope = slopes.slope[1][: len(model.shared)]
+        self._residual = slopes.residual[-1]
+        self._weight = fitter.sides[-1].weight("fitted") / np.sqrt(1.0 + (self._residual / SOFT) ** 2)
+        self._design = design_of(model, slopes.slope[-1], after=len(fitter.sides) > 1)
+        self._slope = slopes.slope[-1][: len(model.shared)]
         self._base = _quadratic(self._hessian, self._gradient)
 
-    def signatures(self, every: Sequence[ChangeCandidate], scale: Scale) -> list[FloatArray | None]:
-        """How each candidate's effect at its start moves the readings after, in errors."""
+    def signatures(self, models: Sequence[Model | None]) -> list[FloatArray | None]:
+        """How the effects of each model at their starts move the readings of the last side, in errors."""
         fitter, joint = self._fitter, self._joint
-        side = fitter.sides[1]
-        plants = [
-            each.put(joint.model, scale).after.with_values(_common(joint)) for each in every if each.effect
-        ]
+        side = fitter.sides[-1]
+        base = joint.model.plant_at(joint.x, after=True)
+        plants = [model.after.with_values(_common(joint)) for model in models if model]
         if not plants:
-            return [None] * len(every)
-        vectors = [plant.vectors() for plant in [joint.model.plant_at(joint.x, after=True), *plants]]
+            return [None] * len(models)
+        vectors = [plant.vectors() for plant in [base, *plants]]
         results = fitter.simulator.run(
-            np.array([v for v, _ in vectors]), np.array([a for _, a in vectors]), side.jobs
+            np.array([v for v, _ in vectors]),
+            np.array([a for _, a in vectors]),
+            side.with_states(fitter.simulator, base),
         )
         masks = side.masks("fitted")
         found = np.concatenate([r.predicted[:, m] for r, m in zip(results, masks, strict=True)], axis=1)
         moved = np.nan_to_num((found[1:] - found[0]) / joint.error)
-        moved = np.clip(moved, -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE)
-        left = iter(moved)
-        return [next(left) if each.effect else None for each in every]
+        left = iter(np.clip(moved, -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE))
+        return [next(left) if model else None for model in models]
 
     def gain(self, slots: Sequence[int], signature: FloatArray | None) -> float:
         """What letting these differ promises, nats, after all that the model moves already has been moved."""

@@ -13,8 +13,9 @@ from nxt_twin.diagnose.changed.choose import Chooser, Chosen
 from nxt_twin.diagnose.changed.held_out import Predicted, predicted_after
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model, all_shared
-from nxt_twin.diagnose.changed.null import alarm_nats
+from nxt_twin.diagnose.changed.null import alarm_nats, lacking_nats
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
+from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.simulate import Simulator
@@ -25,6 +26,7 @@ LIMIT_NATS = 5.0
 """What a change has to gain beyond its penalty where no repeats tell how far one state varies."""
 
 _SAFETY = 1.5  # times what repeats seem to differ: they are few
+_INEXACT = 2.0  # times what an effect helps before: another load asks more of what the model lacks
 
 Progress = Callable[[str], None]
 
@@ -95,7 +97,9 @@ def compare(
 
 def _side(case: Case, problem: Problem, window_s: float) -> Side:
     checking = frozenset(recording.name for recording in case.holdout)
-    return side_of(case.name, every_signal(problem), checking, window_s)
+    signals = every_signal(problem)
+    noise = first_guess(problem.plant, signals, problem.scale.torque)
+    return side_of(case.name, signals, checking, window_s, noise)
 
 
 def _refuse_other_input(problems: Sequence[Problem]) -> None:
@@ -130,7 +134,9 @@ def _compared(
     shared = fitter.fit(model, first.x)
     alarms = [alarm_nats(alone, first), _of_after(simulator, sides[1], free, tolerance)]
     known = [each for each in alarms if each is not None]
-    chooser = Chooser(fitter, before.scale, max([LIMIT_NATS, *(_SAFETY * each for each in known)]))
+    limit = max([LIMIT_NATS, *(_SAFETY * each for each in known)])
+    inexact = max(0.0, _INEXACT * lacking_nats(alone, first, before.scale) - limit)
+    chooser = Chooser(fitter, before.scale, limit, inexact)
     chosen = chooser.chosen(shared, progress)
     progress("fitting every reading")
     best = chosen.joint
@@ -145,9 +151,9 @@ def _compared(
         replace(chosen, joint=replace(last, check_rms=best.check_rms, check_cost=best.check_cost)),
         predicted_after(fitter, best),
         fitter.covariance(last),
-        chooser.net(best, free),
+        chooser.weighing.net(best, free),
         tolerance,
-        chooser.limit_nats,
+        limit,
         bool(known),
         window_s,
     )

@@ -107,7 +107,9 @@ class JointFitter:
         """What each set predicts for a side's readings of one use, shape (sets, readings)."""
         own = self.sides[side]
         values, active = model.values(x, after=side == 1)
-        found, _ = predictions(self.simulator, values, active, own.jobs, own.masks(which))
+        plant = model.plant_at(x[-1], after=side == 1)
+        jobs = own.with_states(self.simulator, plant)
+        found, _ = predictions(self.simulator, values, active, jobs, own.masks(which))
         return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
 
     def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> JointSlopes:

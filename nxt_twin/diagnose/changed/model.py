@@ -20,6 +20,8 @@ _LARGEST_FACTOR = 30.0
 _MOTOR = frozenset({"resistance", "torque_constant"})
 _MOTOR_SPREAD = 0.2  # of the logarithm: a motor's constants hardly change while somebody works at the load
 _SPREAD = 1.0
+_WEIGHED = frozenset({"gravity", "inertia"})
+_WEIGHED_SPREAD = 0.25  # of the logarithm, before: a load can be weighed, and it moved as its model predicts
 _SUPPLY_SPREAD = 0.3
 _SUPPLY_REACH = float(np.log(3.0))
 _SUPPLY = Slot(BASE_OWNER, "supply_v")
@@ -156,7 +158,7 @@ class Model:
     def priors(self) -> tuple[FloatArray, FloatArray]:
         """Means and standard deviations, inside."""
         variables = [*self.shared, *self.added]
-        own = [(inside(v, v.centre), v.spread / (v.scale if v.positive else 1.0)) for v in variables]
+        own = [(inside(v, v.centre), _spread_before(v)) for v in variables]
         difference = [(0.0, self.ways[n].spread) for n in self.differs]
         count = len(self.shared)
         every = np.array([*own[:count], *difference, *own[count:]]).reshape(-1, 2)
@@ -217,6 +219,13 @@ def inside(variable: Variable, value: float) -> float:
     if not variable.positive:
         return value
     return float(np.log(max(value, variable.lower, _LEAST_SHARE * variable.scale)))
+
+
+def _spread_before(variable: Variable) -> float:
+    """One standard deviation of the prior, inside."""
+    spread = variable.spread / (variable.scale if variable.positive else 1.0)
+    weighed = variable.positive and variable.slots[0].symbol in _WEIGHED
+    return min(spread, _WEIGHED_SPREAD) if weighed else spread
 
 
 def outside(variable: Variable, number: FloatArray) -> FloatArray:

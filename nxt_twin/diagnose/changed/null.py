@@ -1,4 +1,4 @@
-"""How much repeats of one state seem to differ among themselves: what a change has to exceed."""
+"""What seems to differ where nothing does, or to help where nothing came in: what a change has to exceed."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import math
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.changed.candidates import new_effects, promises
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.fitting.fit import SOFT
+from nxt_twin.physics.parameter import Scale
 
 _PATTERNS = ((0, 1), (0, 1, 1, 0))
 _FEWEST = 2
@@ -43,6 +45,20 @@ def alarm_nats(fitter: JointFitter, joint: JointFit) -> float | None:
             pull = np.concatenate([gradient, [-float(own @ (weight * residual))]])
             most = max(most, _fall(whole, pull) - _fall(hessian, gradient) - penalty)
     return most
+
+
+def lacking_nats(fitter: JointFitter, joint: JointFit, scale: Scale) -> float:
+    """The net gain that the best effect of the library promises on the side before alone, where none is a change; nats.
+
+    A model that is inexact lets one law or another help, and under another load it lacks at least as much.
+
+    Args:
+        fitter: of that side alone.
+        joint: its fit.
+        scale: of the plant.
+    """
+    every = new_effects(fitter, joint.model, scale)
+    return max([0.0, *(gain for gain, _ in promises(fitter, joint, every, scale))])
 
 
 def _splits(fitter: JointFitter) -> list[BoolArray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
@@ -12,9 +12,11 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.splits import length_s
 from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S
+from nxt_twin.physics.observer import Noise, observer
+from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.simulate import Job, free_job
-from nxt_twin.physics.start import restarts
+from nxt_twin.physics.simulate import Job, Simulator, free_job
+from nxt_twin.physics.start import moving_start, restarts
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
 
@@ -40,6 +42,7 @@ class Side:
         window: the window of each sample, counted through all recordings, shape (samples,) by job.
         fitted: which samples are fitted, shape (samples,) by job.
         check: which samples only check a choice, likewise.
+        corrected: the recordings run as one, corrected at each reading: they tell the states at the windows' starts.
     """
 
     name: str
@@ -47,6 +50,17 @@ class Side:
     window: tuple[IntArray, ...]
     fitted: tuple[BoolArray, ...]
     check: tuple[BoolArray, ...]
+    corrected: tuple[Job, ...]
+
+    def with_states(self, simulator: Simulator, plant: Plant) -> tuple[Job, ...]:
+        """The jobs, each window of which starts with the hidden states that `plant` has reached, corrected until then.
+
+        A load behind play lies on the flank that the motor has pushed last, not in the middle of its play.
+        """
+        return tuple(
+            replace(job, start=simulator.reached(plant, corrected, job.start.at))
+            for job, corrected in zip(self.jobs, self.corrected, strict=True)
+        )
 
     def masks(self, which: Which) -> tuple[BoolArray, ...]:
         """The samples of that use by job."""
@@ -105,7 +119,9 @@ def window_for(signals: Sequence[Signals]) -> float:
     return min(LONGEST_WINDOW_S, min(length_s(one) for one in signals) / _FEWEST_WINDOWS)
 
 
-def side_of(name: str, signals: Sequence[Signals], checking: frozenset[str], window_s: float) -> Side:
+def side_of(
+    name: str, signals: Sequence[Signals], checking: frozenset[str], window_s: float, noise: Noise
+) -> Side:
     """Make a side ready.
 
     Args:
@@ -113,8 +129,9 @@ def side_of(name: str, signals: Sequence[Signals], checking: frozenset[str], win
         signals: its recordings.
         checking: names of recordings that must not be fitted; without any, each third window checks.
         window_s: length of the windows.
+        noise: of the readings.
     """
-    jobs, windows, fitted, check, first = [], [], [], [], 0
+    jobs, windows, fitted, check, corrected, first = [], [], [], [], [], 0
     for one in signals:
         start = restarts(one, window_s)
         window = np.asarray(np.cumsum(start.at) - 1 + first, dtype=np.int64)
@@ -125,4 +142,5 @@ def side_of(name: str, signals: Sequence[Signals], checking: frozenset[str], win
         windows.append(window)
         fitted.append(np.asarray(read & ~checks))
         check.append(np.asarray(read & checks))
-    return Side(name, tuple(jobs), tuple(windows), tuple(fitted), tuple(check))
+        corrected.append(Job(one, observer(one, noise), moving_start(one), noise.disturbance_time_s))
+    return Side(name, tuple(jobs), tuple(windows), tuple(fitted), tuple(check), tuple(corrected))

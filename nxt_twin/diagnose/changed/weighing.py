@@ -1,0 +1,97 @@
+"""What speaks for a change: what it gains, less what is likely to gain as much where nothing changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from nxt_twin.diagnose.changed.joint import JointFit
+
+LOAD = frozenset({"gravity", "inertia", "gravity_load"})
+_LAW_NATS = 3.0
+_MAKE_NATS = 8.0
+_BODY_NATS = 12.0
+_MOTOR_NATS = 8.0
+_COMPANION_NATS = 1.0
+_SLIGHT = 0.08  # of the parameter, by factor
+_SLIGHT_NATS = 15.0
+_SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
+"""A load on a stiff shaft, or behind little play, moves as one that is fixed: more inertia says it with less."""
+
+_OF_ITS_MAKE = frozenset(
+    {
+        "asymmetric_friction",
+        "asymmetric_viscous_friction",
+        "cogging",
+        "commutation_ripple",
+        "inductance",
+        "power_curve",
+        "presliding",
+        "sample_hold",
+        "shaft_compliance",
+        "torque_saturation",
+        "voltage_drop",
+    }
+)
+"""Laws of how a motor and its electronics are made: whoever touches a machine hardly brings them in."""
+
+
+@final
+@dataclass(frozen=True)
+class Weighing:
+    """How fits are weighed against one another.
+
+    Attributes:
+        penalty: of one number, nats.
+        limit_nats: what a change has to gain beyond all penalties.
+        inexact_nats: what more a law or a motor's constant has to gain, since the model is inexact on the side before.
+    """
+
+    penalty: float
+    limit_nats: float
+    inexact_nats: float
+
+    def net(self, simpler: JointFit, wider: JointFit) -> float:
+        """The gain of `wider` beyond all penalties, nats."""
+        motor = wider.model.motor_constants - simpler.model.motor_constants
+        doubtful = _more(simpler, wider) + motor
+        return self.plain(simpler, wider) - self.inexact_nats * doubtful
+
+    def plain(self, simpler: JointFit, wider: JointFit) -> float:
+        """The gain of `wider` as if the model were exact, nats.
+
+        A priori, a changed parameter is likelier than a new law. A changed load is likelier than a changed
+        motor: a weaker motor and a heavier load look much alike. A law of how a motor is made is less likely
+        than one that somebody brings in.
+        """
+        size = wider.model.size - simpler.model.size
+        motor = wider.model.motor_constants - simpler.model.motor_constants
+        laws = _LAW_NATS * _more(simpler, wider) + _MAKE_NATS * _more(simpler, wider, _OF_ITS_MAKE)
+        prior = laws + _BODY_NATS * _more(simpler, wider, _SECOND_BODIES) + _MOTOR_NATS * motor
+        return simpler.cost - wider.cost - self.penalty * size - prior
+
+    def worth(self, simpler: JointFit, wider: JointFit) -> float:
+        """What speaks for `wider` in all readings, nats: those that only check need no penalty."""
+        return self.net(simpler, wider) + simpler.check_cost - wider.check_cost
+
+    def keeping(self, joint: JointFit, each: int | str) -> float:
+        """The worth that a change needs to stay, nats: less where another of one load differs, which comes with it.
+
+        More where it is slight and stands beside another: what a model lacks of a large change looks like that.
+        """
+        model = joint.model
+        if isinstance(each, str):
+            return self.limit_nats
+        hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
+        if model.ways[each].slot.symbol in LOAD and len(hung & LOAD) > 1:
+            return _COMPANION_NATS
+        moved = abs(joint.x[len(model.shared) + model.differs.index(each)]) / model.ways[each].size
+        return self.limit_nats + _SLIGHT_NATS * (model.changes > 1 and moved < _SLIGHT)
+
+
+def _more(simpler: JointFit, wider: JointFit, of: frozenset[str] | None = None) -> int:
+    """How many more effects of these act after in `wider`."""
+    counts = [
+        len([each for each in one.model.effects if of is None or each in of]) for one in (simpler, wider)
+    ]
+    return counts[1] - counts[0]
