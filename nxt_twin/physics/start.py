@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.physics.beginning import begins_at_rest
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
 
@@ -49,8 +50,13 @@ def at_rest(signals: Signals) -> Start:
 
 
 def restarts(signals: Signals, every_s: float) -> Start:
-    """Start anew from the smoothed readings every `every_s` seconds, beginning with the first."""
+    """Start anew from the smoothed readings every `every_s` seconds, beginning with the first.
+
+    Where a recording begins at rest, so does the run.
+    """
     position, speed = smoothed(signals)
+    if begins_at_rest(signals):
+        position[0], speed[0] = signals.measured[0], 0.0
     window = np.floor((signals.time_s - signals.time_s[0]) / every_s)
     at = np.diff(window, prepend=-1.0) > 0.0
     at &= np.isfinite(signals.measured) | (np.arange(at.size) == 0)

@@ -1,0 +1,54 @@
+"""A recording that begins with a command: whether the machine stood still before it."""
+
+import numpy as np
+import pytest
+from physics_samples import commanded
+from scipy.integrate import solve_ivp
+
+from nxt_twin.physics.beginning import begins_at_rest
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.start import moving_start
+
+QUANTUM = np.radians(1.0)
+
+
+def motion(time_s, duty, *, speed=0.0, lag_s=0.06, top_speed=15.0):
+    """The angle of a motor whose speed follows `duty(t)`, from `speed` at time 0, rad."""
+
+    def rates(t, state):
+        return [state[1], (top_speed * duty(t) - state[1]) / lag_s]
+
+    found = solve_ivp(rates, (0.0, time_s[-1]), [0.2, speed], t_eval=time_s, rtol=1e-8, max_step=0.005)
+    return found.y[0]
+
+
+def read(time_s, angle, pieces):
+    run = commanded(pieces, seconds=time_s[-1], stamps=time_s)
+    counts = np.floor(angle / QUANTUM) * QUANTUM
+    return Signals(**{**run.__dict__, "measured": counts, "quantum": QUANTUM})
+
+
+@pytest.mark.parametrize("interval_s", [0.008, 0.03])
+@pytest.mark.parametrize("duty", [-0.9, -0.4, 0.6])
+def test_a_command_in_the_first_row_sets_a_motor_going_from_rest(interval_s, duty):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    signals = read(time_s, motion(time_s, lambda _: duty), [(0.0, duty)])
+    assert begins_at_rest(signals)
+    assert moving_start(signals).speed[0] == 0.0
+
+
+@pytest.mark.parametrize("interval_s", [0.008, 0.03])
+def test_a_command_soon_after_the_first_row_does_not_move_the_motor_before(interval_s):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    late_s = 1.5 * interval_s
+    angle = motion(time_s, lambda t: 0.8 * (t >= late_s))
+    assert moving_start(read(time_s, angle, [(0.0, 0.0), (late_s, 0.8)])).speed[0] == 0.0
+
+
+@pytest.mark.parametrize("interval_s", [0.008, 0.03])
+@pytest.mark.parametrize(("duty", "speed"), [(0.6, 9.0), (0.6, -9.0), (-0.5, 6.0), (0.9, 5.0)])
+def test_a_recording_cut_out_of_a_motion_begins_moving(interval_s, duty, speed):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    signals = read(time_s, motion(time_s, lambda _: duty, speed=speed), [(0.0, duty)])
+    assert not begins_at_rest(signals)
+    assert moving_start(signals).speed[0] / speed > 0.5
