@@ -30,7 +30,7 @@ from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
-from nxt_twin.diagnose.judging.verdict import is_idle, is_patchwork, verdict_of
+from nxt_twin.diagnose.judging.verdict import is_idle, is_needless, is_patchwork, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
@@ -39,6 +39,7 @@ from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.telling.notes import notes, on_the_load
 from nxt_twin.diagnose.where.mismatch import mismatch_of
+from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
@@ -114,7 +115,12 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     while (vague := vague_effect(evidence)) is not None:
         found = lessened(simulator, problem, found, vague)
         evidence = gather(simulator, problem, found, rng)
-    return evidence
+    needless: list[Effect] = []
+    while is_needless(evidence.record):
+        needless.append(min(found.explanation.found, key=lambda pair: pair[1].total)[0])
+        found = lessened(simulator, problem, found, needless[-1])
+        evidence = gather(simulator, problem, found, rng)
+    return replace(evidence, needless=tuple(needless))
 
 
 def fit_as_it_stands(case: Case) -> Structure:
@@ -149,7 +155,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         {one.id: one.name for one in sizes},
         patchwork=is_patchwork(evidence.record),
     )
-    sentence = " ".join([sentence, *load])
+    sentence = " ".join([sentence, *words.too_small([one.name for one in evidence.needless]), *load])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,

@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import pytest
 
-from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, is_idle, verdict_of
+from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, is_idle, is_needless, verdict_of
 
 QUIET = Record(
     named=0,
@@ -22,6 +22,8 @@ QUIET = Record(
     surprise=1.0,
     by_windows=False,
     nearer=1.0,
+    silent=False,
+    least_nats=100.0,
 )
 FOUND = replace(
     QUIET, found=True, named=1, gained_nats=500.0, torque_before=2e-2, run_ratio=0.1, worst_ratio=0.1
@@ -78,7 +80,7 @@ def test_more_effects_than_are_likely_to_be_missing_at_once_are_refused():
 
 
 def test_each_limit_has_a_case_at_its_edge():
-    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named", "idle"}
+    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named", "idle", "no_nearer", "sure"}
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
@@ -98,6 +100,21 @@ def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect
 def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):
     several = replace(FOUND, named=2, nearer=ABOVE * 0.85)
     assert is_idle(replace(several, **changes)) is idle
+
+
+@pytest.mark.parametrize(
+    ("changes", "needless"),
+    [
+        ({}, True),
+        ({"nearer": 0.99 * 0.98}, False),
+        ({"least_nats": 40.0}, False),
+        ({"silent": False}, False),
+        ({"found": False}, False),
+    ],
+)
+def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
+    quiet = replace(FOUND, silent=True, nearer=0.98, least_nats=0.99 * 40.0)
+    assert is_needless(replace(quiet, **changes)) is needless
 
 
 def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():

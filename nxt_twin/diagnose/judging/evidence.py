@@ -34,6 +34,7 @@ from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
+from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
@@ -69,6 +70,7 @@ class Evidence:
         doubts: how far `final` may err there because fitted readings leave its parameters open, at each horizon, SI.
         record: what the verdict rests on.
         colour: how many readings of `after` count as one, over how many of clean recordings do.
+        needless: effects that were found, and dropped since no simulation needs them.
     """
 
     problem: Problem
@@ -91,6 +93,7 @@ class Evidence:
     doubts: tuple[float, ...]
     record: Record
     colour: float
+    needless: tuple[Effect, ...] = ()
 
     @property
     def written(self) -> Plant:
@@ -212,6 +215,8 @@ def _record(
         surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
         by_windows=problem.by_windows,
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
+        silent=all(before.rms[n] <= problem.tolerance for n in windows),
+        least_nats=min((weight.total for _, weight in found), default=0.0),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 

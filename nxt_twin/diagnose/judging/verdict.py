@@ -29,6 +29,9 @@ class VerdictLimits:
             physics which no fitted reading shows.
         idle: error over that of the re-fitted baseline above which several effects hardly bring a simulation nearer.
         large_by_windows: as `large_torque`, where windows alone tell of it; coloured readings add to it.
+        no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
+            no difference to it.
+        sure: gain in nats that names such an effect nevertheless.
     """
 
     structured_torque: float = 6e-3
@@ -45,6 +48,8 @@ class VerdictLimits:
     surprising: float = 4.0
     idle: float = 0.85
     large_by_windows: float = 4e-2
+    no_nearer: float = 0.98
+    sure: float = 40.0
 
 
 LIMITS = VerdictLimits()
@@ -75,6 +80,8 @@ class Record:
             expect there.
         by_windows: whether windows of simulation alone chose the effects, as single steps are coloured.
         nearer: error of the improved plant on held-out readings over that of the baseline.
+        silent: whether the baseline errs by no more than the tolerance in windows of two seconds or shorter.
+        least_nats: what speaks for the weakest of the found effects.
     """
 
     named: int
@@ -92,6 +99,8 @@ class Record:
     surprise: float
     by_windows: bool
     nearer: float
+    silent: bool
+    least_nats: float
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -120,6 +129,12 @@ def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether several effects were found that hardly bring a simulation nearer, though it is not near."""
     return record.named > 1 and record.matters and record.nearer > limits.idle
+
+
+def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether single steps call for an effect that makes no difference to a simulation, and not loudly."""
+    quiet = record.silent and record.nearer >= limits.no_nearer
+    return record.found and quiet and record.least_nats < limits.sure
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -14,6 +14,7 @@ from nxt_twin.diagnose.search.rivals import Rival, probability
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import estimates
+from nxt_twin.diagnose.telling.payload import as_a_payload
 from nxt_twin.diagnose.where.moment import with_bounds
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
@@ -33,10 +34,16 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
                 equation=effect.equation,
                 params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
                 probability=probability(0.0, [rival.doubt_nats for rival in rivals]),
-                confusable_with=_confusions(simulator, evidence, effect, rivals),
+                confusable_with=_named_once(
+                    (*_confusions(simulator, evidence, effect, rivals), *as_a_payload(evidence, effect))
+                ),
             )
         )
     return tuple(listed)
+
+
+def _named_once(confusions: Sequence[Confusion]) -> tuple[Confusion, ...]:
+    return tuple({one.id: one for one in reversed(confusions)}.values())[::-1]
 
 
 def near_rivals(evidence: Evidence) -> list[tuple[Effect, Rival]]:

@@ -77,6 +77,17 @@ def sentence(
     )
 
 
+def too_small(names: Sequence[str]) -> tuple[str, ...]:
+    """What is significant and does not matter, if there is such an effect."""
+    if not names:
+        return ()
+    verb = "improve" if len(names) > 1 else "improves"
+    return (
+        f"{_opening(listed(names))} {verb} one-step prediction, by too little to matter: "
+        "the error of a simulation stays below the tolerance with or without.",
+    )
+
+
 def _opening(named: str) -> str:
     """The names as the beginning of a sentence."""
     return named[:1].upper() + named[1:]
