@@ -80,7 +80,13 @@ def test_more_effects_than_are_likely_to_be_missing_at_once_are_refused():
 
 
 def test_each_limit_has_a_case_at_its_edge():
-    assert {field.name for field in fields(VerdictLimits)} == {*EDGES, "most_named", "idle", "no_nearer", "sure"}
+    assert {field.name for field in fields(VerdictLimits)} == {
+        *EDGES,
+        "most_named",
+        "idle",
+        "no_nearer",
+        "sure",
+    }
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():
