@@ -78,7 +78,7 @@ def sentence(
 
 
 def too_small(names: Sequence[str]) -> tuple[str, ...]:
-    """What is significant and does not matter, if there is such an effect."""
+    """A sentence on effects that are significant and do not matter, if there are any."""
     if not names:
         return ()
     verb = "improve" if len(names) > 1 else "improves"
