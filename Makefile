@@ -18,6 +18,7 @@ check: $(VENV)/ready-dev
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_house.py
 	$(BIN)/python tools/docs_check.py
+	$(BIN)/python tools/audit.py
 
 bench: $(VENV)/ready-run
 	$(BIN)/python -m benchmarks
@@ -56,7 +57,7 @@ docs-check: $(VENV)/ready-dev
 licences: $(VENV)/ready-dev
 	$(BIN)/python tools/licences_page.py
 
-# Both need a network, and say so where there is none.
+# Both need a network, and say so where there is none. `make check` asks the first too.
 audit: $(VENV)/ready-dev
 	$(BIN)/python tools/audit.py
 

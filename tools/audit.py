@@ -1,4 +1,7 @@
-"""Audit the locked packages for known vulnerabilities, by pip-audit; it says so where no network lets it."""
+"""Audit the locked packages, those of all extras among them, for known vulnerabilities, by pip-audit.
+
+It says so where no network lets it.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Final
 
-_LOCK: Final = Path(__file__).parents[1] / "requirements" / "run.lock"
+_LOCK: Final = Path(__file__).parents[1] / "requirements" / "dev.lock"
 _NO_NETWORK: Final = re.compile(
     r"ConnectionError|ConnectTimeout|ReadTimeout|ProxyError|SSLError|Max retries|name resolution|unreachable"
     r"|Failed to resolve"

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Self, final
@@ -22,6 +20,7 @@ from nxt_twin.physics.observer import Observer, free
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.start import Start
+from nxt_twin.threads import threads_for
 
 STEP_S = 1e-3
 _BLOCKS = 1
@@ -62,12 +61,12 @@ class Simulator:
     """Runs plants of one layout on all cores. A context manager: it owns its threads.
 
     Runs go on in these threads alone, so that an interrupt reaches whoever waits; leaving ends them at their next row.
+    In `threads.one_of_many` there are none, and runs go on in the caller's.
     """
 
     def __init__(self, plan: Layout, workers: int | None = None) -> None:
         self._kernel = kernel(plan)
-        self._workers = workers or os.cpu_count() or 1
-        self._pool = ThreadPoolExecutor(self._workers)
+        self._pool, self._workers = threads_for(workers)
         self._stop = np.zeros(1, dtype=np.uint8)
 
     def __enter__(self) -> Self:

@@ -4,6 +4,8 @@ import os
 import signal
 from pathlib import Path
 
+from nxt_twin.threads import threads_for
+
 
 def doubled(number: int) -> int:
     return 2 * number
@@ -30,5 +32,8 @@ def own_pid(_task: int) -> int:
     return os.getpid()
 
 
-def own_threads(_task: int) -> str:
-    return os.environ.get("OPENBLAS_NUM_THREADS", "as many as there are cores")
+def own_threads(_task: int) -> tuple[str, int]:
+    """Threads of the linear algebra, and of a simulator."""
+    executor, count = threads_for(None)
+    executor.shutdown()
+    return os.environ.get("OPENBLAS_NUM_THREADS", "as many as there are cores"), count

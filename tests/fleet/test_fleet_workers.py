@@ -75,6 +75,7 @@ def test_a_cluster_does_what_processes_do():
         place = Cluster(cluster.scheduler_address)
         assert results(doubled, range(20), place) == {n: 2 * n for n in range(20)}
         outcomes = {outcome.task: outcome for outcome in each(picky, [2, 3], place)}
+        assert results(own_threads, [0], place)[0][1] == 1
     assert outcomes[2].result == 2
     assert outcomes[3].failure.text == "ValueError: not three"
 
@@ -86,10 +87,12 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(monkeypatch):
 
 
 @pytest.mark.parametrize(("asked", "given"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "2"}, "2")])
-def test_a_worker_does_linear_algebra_in_one_thread_unless_the_user_says_otherwise(monkeypatch, asked, given):
+def test_a_worker_simulates_in_one_thread_and_does_linear_algebra_in_one_unless_the_user_says_otherwise(
+    monkeypatch, asked, given
+):
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         monkeypatch.setenv(name, "")  # so that it is as before when the test ends
         monkeypatch.delenv(name)
     for name, value in asked.items():
         monkeypatch.setenv(name, value)
-    assert results(own_threads, [0], Processes(1)) == {0: given}
+    assert results(own_threads, [0], Processes(1)) == {0: (given, 1)}

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from nxt_twin.fleet.errors import FleetError
 from nxt_twin.fleet.workers.outcome import CaseOutcome, Failure, ResultT, TaskT, died, raised
+from nxt_twin.threads import one_of_many
 
 _CONNECT_S: Final = 10.0
 _WAITING_EACH: Final = 2
@@ -76,7 +77,7 @@ def _client(address: str) -> Iterator[Any]:
 
 def _alone(work: Callable[[TaskT], ResultT], task: TaskT) -> ResultT:
     """Do a task on a worker, one at a time in each process: a compiled kernel has one workspace."""
-    with _ALONE:
+    with _ALONE, one_of_many():
         return work(task)
 
 

@@ -19,7 +19,7 @@ from nxt_twin.fleet.workers.outcome import (
     died,
     raised,
 )
-from nxt_twin.threads import ask_for_one_thread
+from nxt_twin.threads import ask_for_one_thread, one_of_many
 
 # Compiled kernels and threads do not survive a fork.
 _CONTEXT: Final = get_context("spawn")
@@ -119,6 +119,7 @@ def _serve(pipe: Connection, work: Callable[[Any], Any]) -> None:
 
 def _answer(work: Callable[[Any], Any], task: object) -> tuple[object, Failure | None]:
     try:
-        return work(task), None
+        with one_of_many():
+            return work(task), None
     except Exception as error:
         return None, raised(error)
