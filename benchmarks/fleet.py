@@ -4,8 +4,8 @@ python -m benchmarks fleet
 python -m benchmarks.fleet [--sessions N,N,…] [--switches N,N,…] [--workers N,N,…]
 
 A session is a motor's recording of 4 s at 50 Hz in which a constant load is missing, or not. Or it is one of a touch
-sensor, whose diagnosis is twenty times shorter, so that large fleets are soon done. The rate is that of the middle: neither the
-start of the workers counts, nor the end, when some have nothing left to do.
+sensor, whose diagnosis is twenty times shorter, so that large fleets are soon done. The rate is that of the middle:
+neither the start of the workers counts, nor the end, when some have nothing left to do.
 
 Other programs lengthen the time by the clock. The efficiency therefore rests on what Linux counts for each process: its
 processor time, and the time in which it wanted a core.
