@@ -8,6 +8,8 @@ from typing import Any, Final, cast, final
 
 import yaml
 
+from nxt_twin.recording.source import quoted
+
 DEEPEST: Final = 64
 UNFOLDED_MOST: Final = 100_000
 """So many values a text may hold that writes some of them once and means them often (aliases)."""
@@ -20,17 +22,25 @@ LOADER: Final[type[yaml.SafeLoader]] = cast(
 )
 
 
+@final
+class KeyTwiceError(yaml.MarkedYAMLError):
+    """A mapping has a key twice; `problem_mark` is where it stands again."""
+
+
 def parse_yaml(text: str) -> object:
     """The content of a YAML document, in plain Python values.
 
     Raises:
+        KeyTwiceError: a mapping has a key twice, of which YAML's readers would keep the last without a word.
         yaml.YAMLError: it is none, or has an unsafe tag.
         ValueError: it is nested too deeply, unfolds to too much, refers to itself, or holds a number that is too large.
     """
     _Extent().check(text)
     loader = LOADER(text)
     try:
-        document = loader.get_single_data()
+        node = loader.get_single_node()
+        _check_keys(node)
+        document = None if node is None else loader.construct_document(node)
     except (AttributeError, LookupError, TypeError, ArithmeticError):  # PyYAML takes a tag's word for it
         raise ValueError("a value is not what its tag says") from None
     finally:
@@ -89,6 +99,34 @@ class _Extent:
 def _check_scalar(event: yaml.ScalarEvent) -> None:
     if event.implicit[0] and len(event.value) > _LONGEST_NUMBER and _NUMBER.match(event.value):
         raise ValueError(f"a number has {len(event.value)} characters")
+
+
+def _check_keys(root: yaml.Node | None) -> None:
+    """Refuse a mapping that has a key twice."""
+    seen: set[int] = set()
+    waiting = [] if root is None else [root]
+    while waiting:
+        node = waiting.pop()
+        if id(node) in seen:  # aliases mean one node several times
+            continue
+        seen.add(id(node))
+        if isinstance(node, yaml.MappingNode):
+            _check_mapping(node)
+            waiting += [value for _, value in node.value]
+        elif isinstance(node, yaml.SequenceNode):
+            waiting += node.value
+
+
+def _check_mapping(node: yaml.MappingNode) -> None:
+    keys: set[tuple[str, str]] = set()
+    for name, _ in node.value:
+        if not isinstance(name, yaml.ScalarNode):
+            continue
+        if (name.tag, name.value) in keys:
+            raise KeyTwiceError(
+                problem=f"the key {quoted(name.value)} is there twice", problem_mark=name.start_mark
+            )
+        keys.add((name.tag, name.value))
 
 
 def _values(document: object) -> Iterator[object]:

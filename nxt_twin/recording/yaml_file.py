@@ -11,7 +11,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from nxt_twin.errors import NxtTwinError
-from nxt_twin.recording.bounded_yaml import parse_yaml
+from nxt_twin.recording.bounded_yaml import KeyTwiceError, parse_yaml
 from nxt_twin.recording.source import nearest, quoted, read_head
 from nxt_twin.recording.yaml_place import Place
 
@@ -36,7 +36,9 @@ def read_yaml(path: Path, error: type[NxtTwinError]) -> dict[str, Any]:
         mark = failure.problem_mark
         line = f", line {mark.line + 1}" if mark else ""
         what = f"is no valid YAML: {failure.problem}"
-        raise error(what, where=f"{path}{line}", mend="check indentation, colons and brackets") from None
+        twice = isinstance(failure, KeyTwiceError)
+        mend = "keep one of them" if twice else "check indentation, colons and brackets"
+        raise error(what, where=f"{path}{line}", mend=mend) from None
     except (yaml.YAMLError, ValueError) as failure:
         raise error(f"is no valid YAML: {failure}", where=str(path)) from None
     if document is None:

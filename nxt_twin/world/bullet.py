@@ -98,7 +98,9 @@ class Bullet:
         self._driven: tuple[Body, list[int]] = (-1, [])
         self._friction: list[float] = []
         self._held = True
-        self._springs: list[tuple[Body, int, float, float]] = []
+        self._springs: list[tuple[int, float, float]] = []
+        self._moved: list[int] = []
+        self._sprung: list[tuple[float, ...]] = []
         p.setTimeStep(STEP_S, physicsClientId=self._id)
         p.setGravity(*(GRAVITY_M_S2 * part for part in gravity), physicsClientId=self._id)
         p.setPhysicsEngineParameter(
@@ -196,12 +198,14 @@ class Bullet:
     def drive(self, body: Body, links: list[str]) -> None:
         """Name the joints that `joints` gives and `exert` takes, in this order; all others move freely."""
         self._driven = (body, [self._links[body][link] for link in links])
+        self._moved = list(self._driven[1])
         self._friction = []
 
     def joints(self, into: FloatArray) -> None:
         """The driven joints' angles (rad) and speeds (rad/s), into an array of shape (joints, 2)."""
         body, numbers = self._driven
-        states = self._p.getJointStates(body, numbers, physicsClientId=self._id)
+        states = self._p.getJointStates(body, self._moved, physicsClientId=self._id)
+        states, self._sprung = states[: len(numbers)], states[len(numbers) :]
         into[:] = [state[:2] for state in states]
         held = all(abs(state[1]) < _STANDING_RAD_S for state in states)
         if held != self._held:
@@ -212,10 +216,14 @@ class Bullet:
     def exert(self, exerted: FloatArray) -> None:
         """Torque (N·m) in the next step, and the torque to which dry friction holds; shape (joints, 2)."""
         p, (body, numbers) = self._p, self._driven
-        if not numbers:
+        if not self._moved:
             return
         torque, friction = exerted.T.tolist()
-        p.setJointMotorControlArray(body, numbers, p.TORQUE_CONTROL, forces=torque, physicsClientId=self._id)
+        for (_, preload_n, stiffness), (place_m, speed, *_) in zip(self._springs, self._sprung, strict=True):
+            torque.append(preload_n - stiffness * (place_m + _SPRING_LAG_S * speed))
+        p.setJointMotorControlArray(
+            body, self._moved, p.TORQUE_CONTROL, forces=torque, physicsClientId=self._id
+        )
         if friction != self._friction:  # unlike a torque, it stays in force
             self._friction = friction
             p.setJointMotorControlArray(
@@ -223,8 +231,11 @@ class Bullet:
             )
 
     def spring(self, body: Body, link: str, preload_n: float, stiffness_n_per_m: float) -> None:
-        """Push a sliding joint out by a spring from now on."""
-        self._springs.append((body, self._links[body][link], preload_n, stiffness_n_per_m))
+        """Push a sliding joint of the driven body out by a spring, whenever `exert` is called from now on."""
+        number = self._links[body][link]
+        self._springs.append((number, preload_n, stiffness_n_per_m))
+        self._moved.append(number)
+        self._sprung = [*self._sprung, self._p.getJointState(body, number, physicsClientId=self._id)]
 
     def slide_m(self, body: Body, link: str) -> float:
         """A sliding joint's place, m."""
@@ -239,12 +250,7 @@ class Bullet:
 
     def step(self) -> None:
         """Let one step pass."""
-        p = self._p
-        for body, number, preload_n, stiffness in self._springs:
-            place_m, speed = p.getJointState(body, number, physicsClientId=self._id)[:2]
-            force = preload_n - stiffness * (place_m + _SPRING_LAG_S * speed)
-            p.setJointMotorControl2(body, number, p.TORQUE_CONTROL, force=force, physicsClientId=self._id)
-        p.stepSimulation(physicsClientId=self._id)
+        self._p.stepSimulation(physicsClientId=self._id)
 
     def pose(self, body: Body) -> Pose:
         """Where an assembly's base is; PyBullet itself gives its centre of mass."""

@@ -72,7 +72,7 @@ class Engine(Protocol):
         ...
 
     def spring(self, body: Body, link: str, preload_n: float, stiffness_n_per_m: float) -> None:
-        """Push a sliding joint out by a spring from now on."""
+        """Push a sliding joint of the driven body out by a spring, whenever `exert` is called from now on."""
         ...
 
     def slide_m(self, body: Body, link: str) -> float:
