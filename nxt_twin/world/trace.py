@@ -8,16 +8,30 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.recording.columns import PORTS
+from nxt_twin.recording.columns import (
+    BATTERY,
+    DRIVE_MODES,
+    PORTS,
+    POSE_HEADING,
+    POSE_X,
+    POSE_Y,
+    TIME,
+    mode_column,
+    power_column,
+    tacho_column,
+)
 from nxt_twin.world.arena import Arena
 
-COLUMNS: Final = ("time_s", "x_m", "y_m", "z_m", "heading_deg", "pitch_deg", "a_deg", "b_deg", "c_deg")
+_HUBS: Final = tuple(f"{port}_deg" for port in PORTS)
+_POWERS: Final = tuple(power_column(port) for port in PORTS)
+_MODES: Final = tuple(mode_column(port) for port in PORTS)
+COLUMNS: Final = ("time_s", "x_m", "y_m", "z_m", "heading_deg", "pitch_deg", *_HUBS, *_POWERS, *_MODES, BATTERY)
 EVERY_MS: Final = 20
 
 
 @final
 class Trace:
-    """The robot's pose and hubs, a row every 20 ms of the world's time from now on.
+    """The robot's pose, hubs and powers from now on: a row every 20 ms of the world's time, and at each new power.
 
     Args:
         arena: the robot in its scene.
@@ -29,6 +43,7 @@ class Trace:
         self._ticks = 0
         self._heading_deg = arena.robot_pose().heading_deg
         arena.watchers.append(self._watch)
+        arena.body.motors.watchers.append(self._take)
         self._take()
 
     def _watch(self) -> None:
@@ -40,9 +55,16 @@ class Trace:
         pose = self._arena.robot_pose()
         turned = (pose.heading_deg - self._heading_deg + 180.0) % 360.0 - 180.0
         self._heading_deg += turned
-        hubs_deg = np.degrees(self._arena.body.motors.angles_rad())
-        place = pose.at_m.tolist()
-        self._rows.append((self._arena.time_s, *place, self._heading_deg, pose.pitch_deg, *hubs_deg.tolist()))
+        motors, place, time_s = self._arena.body.motors, pose.at_m.tolist(), self._arena.time_s
+        hubs_deg, powers_pct = np.degrees(motors.angles_rad()), 100.0 * motors.duty
+        if self._rows and self._rows[-1][0] == time_s:  # several bridges are set at one time
+            self._rows.pop()
+        self._rows.append(
+            (
+                time_s, *place, self._heading_deg, pose.pitch_deg, *hubs_deg.tolist(), *powers_pct.tolist(),
+                *motors.mode.tolist(), self._arena.body.battery_v(),
+            )
+        )  # fmt: skip
 
     def column(self, name: str) -> FloatArray:
         """A column by its name in `COLUMNS`, shape (rows,); the heading is not wrapped."""
@@ -59,21 +81,22 @@ class Trace:
         return float(np.sum(np.hypot(*np.diff(self.places_m, axis=0).T)))
 
     def write(self, path: Path) -> None:
-        """Write it as a recording: whole counts of all encoders, and the pose from where it began."""
+        """Write it as a recording: whole counts, powers of what was driven, battery, and pose from where it began."""
         x, y = (self.column(name) for name in ("x_m", "y_m"))
         heading = self.column("heading_deg")
         turn = np.radians(heading[0])
-        ahead = (x - x[0]) * np.cos(turn) + (y - y[0]) * np.sin(turn)
-        left = (y - y[0]) * np.cos(turn) - (x - x[0]) * np.sin(turn)
-        counts = [np.floor(self.column(f"{port}_deg")) for port in PORTS]
-        rows = np.column_stack([self.column("time_s"), *counts, ahead, left, heading - heading[0]])
-        head = (
-            "time_s",
-            *(f"{port}_tacho_deg" for port in PORTS),
-            "pose_x_m",
-            "pose_y_m",
-            "pose_heading_deg",
-        )
-        lines = [",".join(head), *(",".join(f"{value:.9g}" for value in row) for row in rows.tolist())]
+        numbers = {TIME: self.column("time_s")}
+        numbers |= {tacho_column(port): np.floor(self.column(f"{port}_deg")) for port in PORTS}
+        numbers[POSE_X] = (x - x[0]) * np.cos(turn) + (y - y[0]) * np.sin(turn)
+        numbers[POSE_Y] = (y - y[0]) * np.cos(turn) - (x - x[0]) * np.sin(turn)
+        numbers[POSE_HEADING] = heading - heading[0]
+        numbers[BATTERY] = self.column(BATTERY)
+        cells = {name: [f"{value:.9g}" for value in values.tolist()] for name, values in numbers.items()}
+        for power, mode in zip(_POWERS, _MODES, strict=True):
+            powers = self.column(power).tolist()
+            if any(powers):
+                cells[power] = [f"{value:.9g}" for value in powers]
+                cells[mode] = [DRIVE_MODES[int(value)] for value in self.column(mode).tolist()]
+        lines = [",".join(cells), *(",".join(row) for row in zip(*cells.values(), strict=True))]
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -6,6 +6,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -63,6 +64,13 @@ def test_a_program_that_waits_by_looking_at_the_clock_drives_the_robot(ahead, tm
     recorded = read_recording(trace)
     assert recorded.columns["pose_x_m"][-1] == pytest.approx(told["robot"]["x_m"], abs=8e-3)
     assert recorded.columns["b_tacho_deg"][-1] == pytest.approx(told["motors_deg"]["b"], abs=16.0)
+    powers = recorded.columns["b_power_pct"]
+    begins = int(np.argmax(powers > 0.0))
+    assert (powers[begins], powers[begins - 1]) == (40.0, 0.0)
+    turned = recorded.time_s[np.argmax(recorded.columns["b_tacho_deg"] >= 2.0)]
+    assert 0.0 < turned - recorded.time_s[begins] < 0.08
+    assert "a_power_pct" not in recorded.columns
+    assert recorded.columns["battery_v"].min() < recorded.columns["battery_v"][0] - 0.05
 
 
 def test_a_program_that_fails_is_told_with_its_line(ahead):

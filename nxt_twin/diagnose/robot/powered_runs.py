@@ -12,7 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import wheel_angles
-from nxt_twin.recording.columns import BATTERY, power_column
+from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
 from nxt_twin.recording.recording import Recording
 
 _SMOOTH_S: Final = 0.12
@@ -28,7 +28,7 @@ class PoweredStack:
     Attributes:
         run: index of each row's run, shape (rows,).
         time_s: on an axis on which runs lie apart.
-        volts: at both motors from each row on, shape (rows, 2).
+        volts: at both motors from each row on, shape (rows, 2); NaN where a motor is let go.
         angles_rad: of both wheels, shape (rows, 2).
         heading_rad: as measured.
         place: measured x + i·y.
@@ -92,8 +92,8 @@ def powered_stack(
     for index, (recording, run) in enumerate(zip(recordings, runs, strict=True)):
         supply = _supply(recording, run.time_s, supply_v)
         rows = np.searchsorted(recording.time_s, run.time_s)
-        powers = [recording.columns[power_column(port)][rows] for port in (drive.left, drive.right)]
-        volts.append(np.array(powers).T / 100.0 * supply[:, None])
+        duty = np.stack([_duty(recording, port)[rows] for port in (drive.left, drive.right)], axis=1)
+        volts.append(duty * supply[:, None])
         time_s.append(run.time_s - run.time_s[0] + _APART_S * index)
     angles = [np.stack([run.left_rad, run.right_rad], axis=1) for run in runs]
     offset = np.radians(geometry.heading_offset_deg)
@@ -112,6 +112,13 @@ def powered_stack(
         speeds=np.concatenate(speeds),
         shape=np.array([*radii, geometry.track_m, shape_back_m]),
     )
+
+
+def _duty(recording: Recording, port: Port) -> FloatArray:
+    """Of a port in each row, -1 to 1; NaN where the motor is let go."""
+    duty = recording.columns[power_column(port)] / 100.0
+    mode = recording.columns.get(mode_column(port))
+    return duty if mode is None else np.where(mode == DRIVE_MODES.index("coast"), np.nan, duty)
 
 
 def _supply(recording: Recording, time_s: FloatArray, otherwise_v: float) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final, Protocol, final
 
 import numpy as np
@@ -44,6 +45,9 @@ class MotorBank:
 
     Args:
         plants: the three plants.
+
+    Attributes:
+        watchers: called after a bridge has been set to something else.
     """
 
     def __init__(self, plants: Plants) -> None:
@@ -53,6 +57,17 @@ class MotorBank:
         self._mode = np.full(count, MODE_COAST, dtype=np.int64)
         self._set = [(0, False)] * count
         self._connected = np.zeros(count)
+        self.watchers: list[Callable[[], None]] = []
+
+    @property
+    def duty(self) -> FloatArray:
+        """What each bridge is set to, -1 to 1, shape (motors,)."""
+        return self._duty
+
+    @property
+    def mode(self) -> IntArray:
+        """The drive mode of each bridge, shape (motors,)."""
+        return self._mode
 
     @property
     def plants(self) -> Plants:
@@ -73,6 +88,8 @@ class MotorBank:
         # A floating winding conducts only while it is connected: its mean current is all that the battery gives.
         floating = self._mode[port] == MODE_FLOAT
         self._connected[port] = np.sign(self._duty[port]) if floating else self._duty[port]
+        for watch in self.watchers:
+            watch()
 
     def step(self, supply_v: float, duration_s: float) -> float:
         """Advance, and give the current that the motors draw from the supply, A."""

@@ -31,8 +31,8 @@ def _sign(x: float) -> float:
 
 @njit(cache=True)
 def _force(rate: float, volts: float, p: FloatArray, k: int, radius: float) -> float:
-    """What wheel k would push with if its rotor had no inertia, N."""
-    torque = p[k] * (volts - p[k] * rate) / p[2 + k]
+    """What wheel k would push with if its rotor had no inertia, N; no current flows at no voltage (NaN)."""
+    torque = 0.0 if math.isnan(volts) else p[k] * (volts - p[k] * rate) / p[2 + k]
     return float((torque - p[4 + k] * _sign(rate / _STICK_RAD_PER_S) - p[6 + k] * rate) / radius)
 
 
@@ -88,7 +88,7 @@ def wheel_angles(
         p: values in the order of `NAMES`.
         shape: radius of the left and of the right wheel, track, and the caster's distance behind the axle, m.
         time_s: stamps, shape (rows,).
-        volts: mean voltage at both motors from each row to the next, shape (rows, 2).
+        volts: mean voltage at both motors from each row to the next, shape (rows, 2); NaN where a motor is let go.
         heading_rad: as measured, shape (rows,).
         begins: rows at which the speeds are set anew.
         start: travel and turning rate there, shape (rows, 2).
