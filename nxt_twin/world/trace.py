@@ -25,7 +25,18 @@ from nxt_twin.world.arena import Arena
 _HUBS: Final = tuple(f"{port}_deg" for port in PORTS)
 _POWERS: Final = tuple(power_column(port) for port in PORTS)
 _MODES: Final = tuple(mode_column(port) for port in PORTS)
-COLUMNS: Final = ("time_s", "x_m", "y_m", "z_m", "heading_deg", "pitch_deg", *_HUBS, *_POWERS, *_MODES, BATTERY)
+COLUMNS: Final = (
+    "time_s",
+    "x_m",
+    "y_m",
+    "z_m",
+    "heading_deg",
+    "pitch_deg",
+    *_HUBS,
+    *_POWERS,
+    *_MODES,
+    BATTERY,
+)
 EVERY_MS: Final = 20
 
 
