@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
+_PLANT = "nxt_motor"
 
 RobotOption = Annotated[
     str | None,
@@ -27,7 +28,15 @@ RobotOption = Annotated[
 
 def live(
     url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
-    plant: Annotated[str, typer.Option(help="Model of the motors: a name or a YAML file.")] = "nxt_motor",
+    plant: Annotated[
+        str | None, typer.Option(help="Model of the motors: a name or a YAML file; without: nxt_motor.")
+    ] = None,
+    since: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PLANT", help="The model of then: at the end, say what differs on each motor now."
+        ),
+    ] = None,
     ports: Annotated[str, typer.Option(help="Ports of the motors to watch.")] = "abc",
     sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = _AS_SHIPPED,
     program: Annotated[
@@ -58,12 +67,12 @@ def live(
     # The help of this command needs none of these, and they take a second.
     from nxt_twin.brick.clock import SystemClock
     from nxt_twin.cli.holding import LIVE_SCHEMA, hold
+    from nxt_twin.cli.since import plants_since, refuse_other_plant
     from nxt_twin.cli.wanted import chosen_url, get_leave, wanted_ports, wanted_sensors
-    from nxt_twin.physics.plant import plant_from_config
-    from nxt_twin.recording.configs import load_plant_config
     from nxt_twin.twin.live import LiveOptions
     from nxt_twin.twin.settings import pace_of
 
+    refuse_other_plant(since, plant)
     wanted, clock = wanted_ports(ports), SystemClock()
     commanded = _program(program, wanted)
     slots = wanted_sensors(sensors)
@@ -72,7 +81,7 @@ def live(
         get_leave(found, commanded.ports, yes=yes)
     tell_of_compiling()
     options = LiveOptions(
-        plants=dict.fromkeys(wanted, plant_from_config(load_plant_config(plant), "power_pct")),
+        plants=plants_since(since or plant or _PLANT, wanted),
         sensors=slots,
         program=commanded,
         adopt=adopt,
@@ -81,8 +90,8 @@ def live(
         pace=pace_of(found),
     )
     showing = Showing(
-        title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, json=json,
-        world=robot is not None,
+        title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, since=since,
+        json=json, world=robot is not None,
     )  # fmt: skip
     hold(found, options, seconds or None, showing, robot=_beside(robot, found, silent=json == "-"))
 

@@ -21,6 +21,7 @@ class Showing:
         save: where the dashboard's data are kept.
         report: folder for the reports.
         model_out: where the plant of each motor is written.
+        since: name of the plant with which each motor is compared at the end.
         json: file for the JSON, or `-` for standard output and nothing else.
         lossless: whether the dashboard may hold the session up.
         world: whether the dashboard shows a robot's world.
@@ -32,6 +33,7 @@ class Showing:
     save: Path | None = None
     report: Path | None = None
     model_out: Path | None = None
+    since: str | None = None
     json: str | None = None
     lossless: bool = False
     world: bool = False

@@ -17,6 +17,7 @@ from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.cli.lingering import Outliving, linger
 from nxt_twin.cli.output import emit_json, progress
 from nxt_twin.cli.showing import Showing
+from nxt_twin.cli.since import Differing
 from nxt_twin.cli.wanted import tidy_end
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
@@ -146,17 +147,31 @@ def _run(sitting: Sitting, seconds: float | None) -> bool:
     return ended
 
 
-def conclude(outcome: Outcome, told: Audience, showing: Showing) -> dict[str, Any]:
-    """Say what a session came to, write what was wanted of it, and give its JSON."""
+def conclude(
+    outcome: Outcome, told: Audience, showing: Showing, since: Differing | None = None
+) -> dict[str, Any]:
+    """Say what a session came to, write what was wanted of it, and give its JSON.
+
+    Args:
+        outcome: of the session.
+        told: who was told of it.
+        showing: what is to be written.
+        since: what differs from the plants that it was compared with, if it was.
+    """
     sentence = outcome.verdict.sentence
     pages = [] if showing.report is None else _pages(showing.report, outcome, told, showing.title)
     if showing.model_out is not None:
         _write_models(outcome, showing.model_out)
-    document = {"schema": showing.schema, **outcome.document(), "reports": pages}
+    if since is not None and showing.report is not None:
+        pages += since.pages(showing.report)
+    compared = {} if since is None else {"since": since.document()}
+    document = {"schema": showing.schema, **outcome.document(), **compared, "reports": pages}
     if showing.json:
         emit_json(showing.json, json_format.dumps(document, ensure_ascii=False))
     if showing.json != "-":
         print(sentence)
+        for line in [] if since is None else since.lines():
+            print(line)
         for page in pages:
             print(f"  report: {page}")
     return document

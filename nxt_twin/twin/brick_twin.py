@@ -85,7 +85,10 @@ class BrickTwin:
 
     def plant_as_run(self, port: Port) -> Plant:
         """The model of a motor with the battery as it looks from that motor alone, for a diagnosis of it."""
-        plant = self._plants[port]
+        return self.as_run(port, self._plants[port])
+
+    def as_run(self, port: Port, plant: Plant) -> Plant:
+        """A model of that motor with the battery as it looks from that motor alone."""
         if _SAG.owner in plant.active or not self._cells_ohm:
             return plant
         return plant.with_effect(_SAG.owner, {_SAG.symbol: self._cells_ohm * self._company[port].times})

@@ -14,6 +14,7 @@ from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import FALSE_ALARMS_PER_HOUR
+from nxt_twin.twin.since import Since
 from nxt_twin.twin.sinks import Memory, Several
 from nxt_twin.twin.verdict import Seen, SessionVerdict, verdict
 
@@ -103,6 +104,10 @@ class Sitting:
             self._parts.recorder.close()
         if self._parts.adopter is not None:
             self._parts.adopter.close()
+
+    def since(self, port: Port, name: str, plant: Plant) -> Since:
+        """A motor as the plant of that name was identified, and as this session saw it."""
+        return Since(name, port, self._parts.twin.as_run(port, plant), self.session.seen(port))
 
     def outcome(self) -> Outcome:
         """The outcome so far."""

@@ -22,6 +22,7 @@ from nxt_twin.recording.columns import (
     tacho_column,
 )
 from nxt_twin.recording.lags import KnownLags, RowLags
+from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.adopt import Adopter
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
@@ -131,6 +132,10 @@ class Session:
     def now_s(self) -> float:
         """Time since the session began, which is when the brick was reached, s."""
         return self._clock.now_s() - self._began_s
+
+    def seen(self, port: Port) -> Recording:
+        """What was seen of a motor: commands and counts at their moments, as a diagnosis takes them."""
+        return self._history[port].recording(0.0, self._twin.supply_at)
 
     def run(self, seconds: float | None) -> None:
         """Go on for so long, or until interrupted.

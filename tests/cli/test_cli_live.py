@@ -3,19 +3,25 @@
 from typing import get_args
 
 import pytest
+import yaml
 from cli_program import run, succeed
 
 from nxt_twin.mock.serve.profile import PROFILES, LinkProfile
+from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording
 
 
 def test_a_session_tells_its_verdict_and_keeps_what_it_saw(tmp_path):
     out = tmp_path / "session.csv"
-    arguments = ("live", "mock:", "--ports", "a", "--seconds", "2", "--out", out, "--json", "-")
+    plant = tmp_path / "then-a.yaml"
+    plant.write_text(yaml.safe_dump(load_plant_config("nxt_motor")))
+    since = ("--since", tmp_path / "then.yaml")
+    arguments = ("live", "mock:", "--ports", "a", "--seconds", "2", *since, "--out", out, "--json", "-")
     document = succeed(*arguments).json()
     assert document["schema"] == "nxt-twin/live/1"
     assert document["verdict"] == "holds"
     assert document["motors"] == {"a": {"diverging": False, "trouble": None}}
+    assert "too little to compare" in document["since"]["a"]["refused"]
     kinds = [event["kind"] for event in document["events"] if event["kind"] != "stalled"]  # a busy machine is
     assert kinds == ["started", "stopped"]
     recording = read_recording(out)
@@ -55,6 +61,7 @@ def test_a_motor_program_is_run_and_watching_alone_moves_nothing(tmp_path):
 def test_wrong_use_is_status_2():
     assert run("live", "mock:", "--ports", "x").status == 2
     assert run("live", "mock:", "--sensors", "5:touch").status == 2
+    assert run("live", "mock:", "--since", "nxt_motor", "--plant", "nxt_motor").status == 2
     assert run("live", "nowhere:").status == 2
     outcome = run("live", "usb:", "--seconds", "1")
     assert outcome.status == 2

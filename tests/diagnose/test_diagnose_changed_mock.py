@@ -13,8 +13,8 @@ def recorded(tmp_path_factory):
     """Records motor A of a mock with this battery and these effects."""
     folder = tmp_path_factory.mktemp("touched")
 
-    def record(name, voltage_v=8.2, effects=None):
-        motor = {**nt.load_plant("nxt_motor").to_config(), "effects": effects or {}}
+    def record(name, voltage_v=8.2, effects=None, **changes):
+        motor = {**nt.load_plant("nxt_motor").to_config(), **changes, "effects": effects or {}}
         battery = {"voltage_v": voltage_v, "internal_resistance_ohm": 0.0, "drain_v_per_c": 0.0}
         world = folder / f"{name}.yaml"
         world.write_text(yaml.safe_dump({"battery": battery, "motors": {"a": motor}}))
@@ -39,3 +39,8 @@ def test_a_battery_that_was_swapped_changes_no_motor_and_is_told(recorded, befor
     found = nt.find_changes(before, recorded("battery", voltage_v=7.0))
     assert (found.verdict, found.changes) == ("unchanged", ())
     assert "8.20 V before and 6.99 V after" in " ".join(found.notes)
+
+
+def test_a_worn_gear_is_named_as_friction(recorded, before):
+    found = nt.find_changes(before, recorded("worn", coulomb_friction_nm=0.025))
+    assert (found.verdict, [change.of for change in found.changes]) == ("changed", ["coulomb_friction_nm"])
