@@ -30,7 +30,12 @@ def since(tmp_path):
 
 def test_a_motor_that_nobody_touched_is_unchanged(since):
     found = since()
-    assert (found.verdict, found.changes, found.before, found.name) == ("unchanged", (), "plant.yaml", "port A")
+    assert (found.verdict, found.changes, found.before, found.name) == (
+        "unchanged",
+        (),
+        "plant.yaml",
+        "port A",
+    )
 
 
 def test_a_rubber_band_is_named_with_its_stiffness(since):
