@@ -20,6 +20,13 @@ _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
 _PLANT = "nxt_motor"
 
+PlantOption = Annotated[
+    str | None, typer.Option(help="Model of the motors: a name or a YAML file; without: nxt_motor.")
+]
+SinceOption = Annotated[
+    str | None,
+    typer.Option(metavar="PLANT", help="The model of then: at the end, say what differs on each motor."),
+]
 RobotOption = Annotated[
     str | None,
     typer.Option(metavar="PLANT", help="A differential_drive: watch its ghost in mock:?world=FILE."),
@@ -28,15 +35,8 @@ RobotOption = Annotated[
 
 def live(
     url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
-    plant: Annotated[
-        str | None, typer.Option(help="Model of the motors: a name or a YAML file; without: nxt_motor.")
-    ] = None,
-    since: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PLANT", help="The model of then: at the end, say what differs on each motor now."
-        ),
-    ] = None,
+    plant: PlantOption = None,
+    since: SinceOption = None,
     ports: Annotated[str, typer.Option(help="Ports of the motors to watch.")] = "abc",
     sensors: Annotated[str, typer.Option(help="Such as 1:touch,4:ultrasonic; or none.")] = _AS_SHIPPED,
     program: Annotated[

@@ -134,7 +134,7 @@ class Session:
         return self._clock.now_s() - self._began_s
 
     def seen(self, port: Port) -> Recording:
-        """What was seen of a motor: commands and counts at their moments, as a diagnosis takes them."""
+        """The readings of a motor so far: commands and counts at their moments, as a diagnosis takes them."""
         return self._history[port].recording(0.0, self._twin.supply_at)
 
     def run(self, seconds: float | None) -> None:
