@@ -67,12 +67,11 @@ def live(
     # The help of this command needs none of these, and they take a second.
     from nxt_twin.brick.clock import SystemClock
     from nxt_twin.cli.holding import LIVE_SCHEMA, hold
-    from nxt_twin.cli.since import plants_since, refuse_other_plant
+    from nxt_twin.cli.since import plants_since, one_model
     from nxt_twin.cli.wanted import chosen_url, get_leave, wanted_ports, wanted_sensors
     from nxt_twin.twin.live import LiveOptions
     from nxt_twin.twin.settings import pace_of
 
-    refuse_other_plant(since, plant)
     wanted, clock = wanted_ports(ports), SystemClock()
     commanded = _program(program, wanted)
     slots = wanted_sensors(sensors)
@@ -81,7 +80,7 @@ def live(
         get_leave(found, commanded.ports, yes=yes)
     tell_of_compiling()
     options = LiveOptions(
-        plants=plants_since(since or plant or _PLANT, wanted),
+        plants=plants_since(one_model(since, plant) or _PLANT, wanted),
         sensors=slots,
         program=commanded,
         adopt=adopt,

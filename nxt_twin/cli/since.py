@@ -68,14 +68,15 @@ def differing(sitting: Sitting, name: str, plants: Mapping[Port, Plant]) -> Diff
     return Differing(found)
 
 
-def refuse_other_plant(since: str | None, plant: str | None) -> None:
-    """Refuse two models of one motor.
+def one_model(since: str | None, plant: str | None) -> str | None:
+    """The model of the motors, which only one of the two options may name.
 
     Raises:
         typer.BadParameter: both options are given.
     """
     if since is not None and plant is not None:
         raise typer.BadParameter("--since names the model of the motors; leave --plant out")
+    return since or plant
 
 
 def _own(name: str, port: Port) -> str:
