@@ -67,7 +67,7 @@ def live(
     # The help of this command needs none of these, and they take a second.
     from nxt_twin.brick.clock import SystemClock
     from nxt_twin.cli.holding import LIVE_SCHEMA, hold
-    from nxt_twin.cli.since import plants_since, one_model
+    from nxt_twin.cli.since import one_model, plants_since
     from nxt_twin.cli.wanted import chosen_url, get_leave, wanted_ports, wanted_sensors
     from nxt_twin.twin.live import LiveOptions
     from nxt_twin.twin.settings import pace_of
