@@ -17,7 +17,7 @@ _FEWEST_READINGS = 3
 _LAGS_S = np.geomspace(0.015, 0.5, 11)
 _DELAYS_S = (0.0, 0.01, 0.02, 0.04, 0.08)
 _AS_GOOD = 1.5  # times the error of a motion that need not begin at rest
-_AS_NEAR = 0.75  # of the readings' step
+_AS_NEAR = 0.5  # of the readings' step
 _CLEARLY_WORSE = 4.0  # times the error from rest
 
 

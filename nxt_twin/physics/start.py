@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -11,6 +11,11 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.physics.beginning import begins_at_rest
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
+
+
+_BEFORE_S = 1.0
+RUN_IN_S = 0.3
+RUN_IN_READINGS = 8
 
 
 @final
@@ -67,6 +72,39 @@ def restarts(signals: Signals, every_s: float) -> Start:
 def moving_start(signals: Signals) -> Start:
     """Start once, at the first reading, with the speed that the first readings show."""
     return restarts(signals, np.inf)
+
+
+def driven_before(signals: Signals) -> Signals:
+    """The first command in force for a while before the first row, where the machine moves there already.
+
+    A command that acts late would else leave it without any at first.
+    """
+    if moving_start(signals).speed[0] == 0.0 or signals.command_time_s[0] > signals.time_s[0]:
+        return signals
+    since_s = np.array(signals.command_time_s)
+    since_s[0] -= _BEFORE_S
+    return replace(signals, command_time_s=since_s)
+
+
+def run_in(signals: Signals) -> BoolArray:
+    """Which of the first samples a corrected run needs to learn how fast the machine was at the first one.
+
+    None where a recording begins at rest, as far as its readings tell.
+    """
+    if moving_start(signals).speed[0] == 0.0:
+        return np.zeros(signals.time_s.size, dtype=bool)
+    spell_s = max(RUN_IN_S, RUN_IN_READINGS * signals.interval_s)
+    return np.asarray(signals.time_s - signals.time_s[0] < spell_s)
+
+
+def windows(signals: Signals, every_s: float) -> BoolArray:
+    """At which samples windows of `every_s` begin, the first after the run-in; the first sample always."""
+    unknown = run_in(signals)
+    begun_s = float(signals.time_s[np.argmin(unknown)])
+    at = np.diff(np.floor((signals.time_s - begun_s) / every_s), prepend=-np.inf) > 0.0
+    at &= np.isfinite(signals.measured) & ~unknown
+    at[0] = True
+    return np.asarray(at)
 
 
 def _speed_resolution(signals: Signals) -> float:

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from nxt_twin.physics.beginning import begins_at_rest
 from nxt_twin.physics.signals import Signals
-from nxt_twin.physics.start import moving_start
+from nxt_twin.physics.start import driven_before, moving_start, run_in, windows
 
 QUANTUM = np.radians(1.0)
 
@@ -52,3 +52,21 @@ def test_a_recording_cut_out_of_a_motion_begins_moving(interval_s, duty, speed):
     signals = read(time_s, motion(time_s, lambda _: duty, speed=speed), [(0.0, duty)])
     assert not begins_at_rest(signals)
     assert moving_start(signals).speed[0] / speed > 0.5
+
+
+def test_windows_of_a_recording_that_begins_moving_begin_after_a_run_in():
+    time_s = np.arange(0.0, 3.0, 0.01)
+    moving = read(time_s, motion(time_s, lambda _: 0.6, speed=-9.0), [(0.0, 0.6)])
+    still = read(time_s, motion(time_s, lambda _: 0.6), [(0.0, 0.6)])
+    assert time_s[windows(moving, 1.0)] == pytest.approx([0.0, 0.3, 1.3, 2.3])
+    assert run_in(moving).sum() == 30
+    assert time_s[windows(still, 1.0)] == pytest.approx([0.0, 1.0, 2.0])
+    assert not run_in(still).any()
+
+
+def test_what_moves_at_the_first_row_was_driven_before_it():
+    time_s = np.arange(0.0, 3.0, 0.01)
+    moving = read(time_s, motion(time_s, lambda _: 0.6, speed=9.0), [(0.0, 0.6), (1.0, 0.0)])
+    still = read(time_s, motion(time_s, lambda _: 0.6), [(0.0, 0.6)])
+    assert driven_before(moving).command_time_s.tolist() == [-1.0, 1.0]
+    assert driven_before(still).command_time_s.tolist() == [0.0]

@@ -6,7 +6,7 @@ from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator
-from nxt_twin.physics.start import Start, restarts
+from nxt_twin.physics.start import Start, windows
 
 
 def observed_starts(
@@ -14,9 +14,9 @@ def observed_starts(
 ) -> Start:
     """Start anew every `every_s` seconds from what the plant, corrected at each reading until then, knows.
 
-    `first` gives the state at the first reading.
+    `first` gives the state at the first reading. Where it may be wrong, the first window begins after a run-in.
 
     At 30 polls a second a smoother that does not know the commands is off by degrees within a time constant.
     """
     corrected = Job(signals, observer(signals, noise), first, noise.disturbance_time_s)
-    return simulator.reached(plant, corrected, restarts(signals, every_s).at)
+    return simulator.reached(plant, corrected, windows(signals, every_s))

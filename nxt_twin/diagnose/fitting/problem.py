@@ -27,7 +27,7 @@ from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.signals import Signals, in_session
 from nxt_twin.physics.simulate import free_job, with_supply
-from nxt_twin.physics.start import Start, moving_start, restarts
+from nxt_twin.physics.start import Start, driven_before, moving_start, restarts, run_in
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stalls import stalled_share, stalls, stalls_in_words
 
@@ -133,10 +133,10 @@ def problem_of(
             f"its recordings are driven by {', '.join(sorted(kinds))}", where=name, mend="split it"
         )
     plant = plant_from_config(config, read[0].input_kind)
-    supplied = [with_supply(signals, plant) for signals in read]
-    fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]
     for signals in read:
         _refuse_no_motion(signals)
+    supplied = [with_supply(driven_before(signals), plant) for signals in read]
+    fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart and len(fitted) >= 3:
@@ -205,7 +205,8 @@ def _default_tolerance(signals: Sequence[Signals]) -> float:
 
 
 def _held_out(signals: Signals, window_s: float, held: BoolArray) -> HeldOut:
-    return HeldOut(signals, restarts(signals, window_s), np.isfinite(signals.measured) & held)
+    judged = np.isfinite(signals.measured) & held & ~run_in(signals)
+    return HeldOut(signals, restarts(signals, window_s), judged)
 
 
 def _target(plant: Plant, fitted: Sequence[Signals], splits: Sequence[Split]) -> Target:

@@ -7,9 +7,8 @@ import numpy as np
 from nxt_twin.arrays import BoolArray
 from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.start import RUN_IN_READINGS, RUN_IN_S
 
-RUN_IN_S = 0.3
-_RUN_IN_READINGS = 8
 _WORTH_OF_A_WINDOW = (
     4.0  # independent readings: what is simulated errs together from a window's beginning to its end
 )
@@ -41,6 +40,6 @@ def simulated(target: Target, window_s: float) -> Target:
 
 def _corrected(signals: Signals, window_s: float) -> BoolArray:
     """At which samples the run is corrected."""
-    run_in_s = max(RUN_IN_S, _RUN_IN_READINGS * signals.interval_s)
+    run_in_s = max(RUN_IN_S, RUN_IN_READINGS * signals.interval_s)
     elapsed_s = signals.time_s - signals.time_s[0]
     return np.asarray(np.mod(elapsed_s, run_in_s + window_s) < run_in_s)

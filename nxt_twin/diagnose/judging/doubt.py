@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.horizons import horizons_of
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator, free_job
-from nxt_twin.physics.start import moving_start
+from nxt_twin.physics.start import moving_start, run_in
 
 _TINY = 1e-6  # of the largest variance: directions that move nothing
 
@@ -58,7 +58,7 @@ def _spread(
 ) -> FloatArray:
     """The variance of each judged reading, SI, shape (readings,)."""
     start = moving_start(part.signals)
-    if np.isfinite(horizon_s):
+    if np.isfinite(horizon_s) or run_in(part.signals).any():
         start = observed_starts(simulator, structure.plant, part.signals, start, structure.noise, horizon_s)
     judged = part.counted & ~start.at
     vectors = [plant.vectors() for plant in plants]

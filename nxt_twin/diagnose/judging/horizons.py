@@ -16,7 +16,7 @@ from nxt_twin.diagnose.judging.judge import stale_readings
 from nxt_twin.physics.observer import Noise, free_run_std
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator, free_job
-from nxt_twin.physics.start import Start, moving_start, restarts
+from nxt_twin.physics.start import Start, moving_start, restarts, run_in
 
 _SLACK = 1.02
 _SLACK_OF_DRIFT = 1.1  # a whole run is one number, in which much is luck
@@ -112,7 +112,7 @@ def _errors(
     signals = replace(part.signals, measured=shown)
     first = moving_start(signals)
     start: Start = first
-    if np.isfinite(horizon_s):
+    if np.isfinite(horizon_s) or run_in(signals).any():
         start = observed_starts(simulator, plant, signals, first, noise, horizon_s)
     predicted = simulator.trace(plant, free_job(signals, start))["predicted"]
     judged = part.counted & np.isfinite(shown) & ~start.at
