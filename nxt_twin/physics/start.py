@@ -12,7 +12,6 @@ from nxt_twin.physics.beginning import begins_at_rest
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
 
-
 _BEFORE_S = 1.0
 RUN_IN_S = 0.3
 RUN_IN_READINGS = 8
