@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ from view_ticks import CHANNELS, PORTS, in_order, some_events, some_ticks
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
-from nxt_twin.twin.records import Event, Tick
+from nxt_twin.twin.records import Event
 from nxt_twin.view.dashboard import open_dashboard
 from nxt_twin.view.dashboard.drawing import colours
 from nxt_twin.view.dashboard.drawing.layout import blueprint
 from nxt_twin.view.dashboard.drawing.painter import Painter
 from nxt_twin.view.dashboard.scene import DrawnShape, Scenery, WorldMoment
+from nxt_twin.view.dashboard.wire import Message, written
+from nxt_twin.view.dashboard.worker import draw
 
 chunk = pytest.importorskip("rerun.chunk")
 
@@ -25,19 +28,16 @@ _CONTAINERS = ("Horizontal", "Vertical", "Grid", "Tabs")
 
 @pytest.fixture(scope="module")
 def batches(tmp_path_factory: pytest.TempPathFactory):
-    path = tmp_path_factory.mktemp("dashboard") / "deep" / "run.rrd"
-    dashboard = open_dashboard(
-        view="none", save=path, ports=PORTS, channels=CHANNELS, title="a test's session"
-    )
-    for message in in_order(some_ticks(_COUNT), some_events()):
-        if isinstance(message, Tick):
-            dashboard.tick(message)
-        else:
-            dashboard.event(message)
-    dashboard.close()
-    assert dashboard.troubles == ()
-    assert dashboard.url == ""
-    return _read(path)
+    path = tmp_path_factory.mktemp("dashboard") / "run.rrd"
+    return _read(_drawn(in_order(some_ticks(_COUNT), some_events()), path, CHANNELS))
+
+
+def _drawn(messages: Iterable[Message], path: Path, channels: Sequence[str], *, world: bool = False) -> Path:
+    """What the dashboard's process does with these messages, without a process that has to be in time."""
+    painter = Painter("a test's session", PORTS, channels, path, world=world)
+    draw(map(written, messages), painter, 2.0)
+    painter.close()
+    return path
 
 
 def _read(path: Path):
@@ -59,22 +59,28 @@ def _column(batches, path: str, ending: str) -> tuple[FloatArray, list]:
     return np.array(times)[order], [values[n] for n in order]
 
 
+def test_a_file_alone_is_written_by_a_process_of_its_own(tmp_path):
+    path = tmp_path / "deep" / "run.rrd"
+    dashboard = open_dashboard(view="none", save=path, ports=PORTS, channels=CHANNELS, title="a session")
+    for tick in some_ticks(20):
+        dashboard.tick(tick)
+    dashboard.close()
+    assert (dashboard.troubles, dashboard.url) == ((), "")
+    assert len(_column(_read(path), "/motor_b/reading", "scalars")[0]) == 20
+
+
 def test_a_robot_and_its_ghost_stand_where_they_were_told(tmp_path):
     box = DrawnShape("box", (0.1, 0.08, 0.05), (0.0, 0.0, 0.05), (0.0, 0.0, 0.0), (0.5, 0.5, 0.5, 1.0))
     ball = DrawnShape("sphere", (0.03,), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.8, 0.1, 0.1, 1.0))
     still = (0.0, 0.0, 0.0, 1.0)
-    dashboard = open_dashboard(
-        view="none", save=tmp_path / "run.rrd", ports=PORTS, channels=(), title="a robot", world=True
-    )
-    scenery = Scenery((1.0, 1.0), ((0, 255), (255, 0)), (("robot/base", (box,)), ("things/ball", (ball,))))
-    dashboard.show(scenery)
+    told: list[Message] = [
+        Scenery((1.0, 1.0), ((0, 255), (255, 0)), (("robot/base", (box,)), ("things/ball", (ball,))))
+    ]
     for n in range(5):
         frames = ((0.1 * n, 0.0, 0.0, *still), (0.5, 0.5, 0.03, *still))
         ghost = (0.1 * n, 0.02 * n, 0.1 * n)
-        dashboard.show(WorldMoment(0.1 * n, frames, ((0.0, 0.0, 0.1, 0.5, 0.0, 0.1),), ghost, 1 + n // 3))
-    dashboard.close()
-    assert dashboard.troubles == ()
-    found = _read(tmp_path / "run.rrd")
+        told.append(WorldMoment(0.1 * n, frames, ((0.0, 0.0, 0.1, 0.5, 0.0, 0.1),), ghost, 1 + n // 3))
+    found = _read(_drawn(told, tmp_path / "run.rrd", channels=(), world=True))
     for body, expected in (("robot/base", (0.4, 0.0)), ("things/ball", (0.5, 0.5)), ("ghost", (0.4, 0.08))):
         _, places = _column(found, f"/world/{body}", "translation")
         assert np.array(places[-1]).ravel()[:2] == pytest.approx(expected, abs=1e-6)
