@@ -1,4 +1,4 @@
-"""What `make check` asks of words: docs/writing.md, on every page, public docstring and sentence for a person."""
+"""What `make check` asks of words: docs/writing.md, on pages, templates, docstrings and spoken sentences."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from house_code import docstrings, spoken
+from house_markup import templates
 
 MOST_WORDS: Final = 25
 
@@ -30,7 +31,7 @@ _END: Final = re.compile(r"(?<=[.!?:;])\s+(?=[A-Z`*(\"])")
 
 def words(root: Path) -> Iterator[str]:
     """Sentences that are too long, and words that another word is meant for, with place and mend."""
-    for place, paragraph in (*_of_pages(root), *docstrings(root), *spoken(root)):
+    for place, paragraph in (*_of_pages(root), *docstrings(root), *spoken(root), *templates(root)):
         yield from (f"{place}: {fault}" for fault in faults(paragraph))
 
 

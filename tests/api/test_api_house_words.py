@@ -77,3 +77,34 @@ def test_any_room_s_docstring_or_sentence_that_breaks_a_rule_is_named(house_word
 @pytest.mark.parametrize("text", [f'def _inner():\n    """{LONG}."""\n', f'TABLE = "a {LONG}\\nb"\n'])
 def test_private_docstrings_and_tables_are_left_alone(house_words, tmp_path, text):
     assert in_code(house_words, tmp_path, text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (f"<p>\n{LONG} {{{{ value }}}}</p>", ":2: a sentence of 27 words"),
+        (f"<p>{{% if a > 1 %}}{LONG}{{% else %}}short{{% endif %}}</p>", ":1: a sentence of 26 words"),
+        ("<p>Short.</p>\n<li>It foretells.</li>", ":2: 'foretells': write predict"),
+    ],
+)
+def test_a_template_that_breaks_a_rule_is_named(house_words, tmp_path, text, complaint):
+    (found,) = in_template(house_words, tmp_path, text)
+    assert found.startswith(f"nxt_twin/page.html.j2{complaint}")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"<style>{LONG}</style><p>{{# {LONG} #}}</p>",
+        f"<p>{'word ' * 13}</p><p>{'word ' * 13}</p>",
+        f"<p>{{% if a %}}{'word ' * 15}{{% else %}}{'term ' * 14}{{% endif %}}</p>",
+    ],
+)
+def test_styles_remarks_and_branches_are_no_long_sentence(house_words, tmp_path, text):
+    assert in_template(house_words, tmp_path, text) == []
+
+
+def in_template(house_words, tmp_path, text):
+    findings(house_words, tmp_path, "")
+    (tmp_path / "nxt_twin/page.html.j2").write_text(text, encoding="utf-8")
+    return list(house_words.words(tmp_path))
