@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import hypothesis
 import pytest
@@ -21,3 +24,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=None,
         help="check this brick: motors turn for a moment; the ultrasonic sensor has to be on port 4",
     )
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before the workers of a whole run start, compile once what each of them would compile for itself."""
+    config = session.config
+    whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    if whole and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        _compile_ahead()
+
+
+def _compile_ahead() -> None:
+    from nxt_twin.physics.kernel import is_compiled
+    from nxt_twin.physics.layout import layout
+
+    if is_compiled(layout("dc_motor", "motor")):
+        return
+    program = [sys.executable, str(Path(__file__).parent / "compiled_ahead.py")]
+    for half in [subprocess.Popen([*program, name]) for name in ("one", "other")]:
+        half.wait()

@@ -119,7 +119,7 @@ def _between(places: FloatArray) -> tuple[FloatArray, IntArray]:
     Where gaps differ in width, each is tried as often as it is wide.
     """
     gaps = np.diff(places)
-    count = np.maximum(np.rint(_IN_A_GAP * gaps / np.median(gaps)).astype(np.int64), 1)
+    count = np.maximum(np.rint(_IN_A_GAP * gaps / np.mean(gaps)).astype(np.int64), 1)
     gap = np.repeat(np.arange(gaps.size), count)
     within = np.concatenate([(np.arange(n) + 0.5) / n for n in count])
     return places[gap] + within * gaps[gap], gap

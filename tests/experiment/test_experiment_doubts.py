@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.experiment import borders
 from nxt_twin.experiment.borders import blind_border, near_offset
 from nxt_twin.sensors.ultrasonic import NO_ECHO, UltrasonicParameters
 from nxt_twin.sensors.walk import walked
@@ -74,6 +75,7 @@ def test_no_near_offset_gains_next_to_nothing() -> None:
 
 def test_places_that_nearly_coincide_cost_nothing_more() -> None:
     places = np.sort(np.concatenate([PLACES, PLACES + 1e-3]))
+    assert borders._between(places)[0].size < 3 * borders._between(PLACES)[0].size
     readings = np.where(places < 45.0, NO_ECHO, np.rint(places / 10.0))
     border = blind_border(UltrasonicParameters(), places, readings)
     assert border.low == pytest.approx(44.0, abs=0.7)

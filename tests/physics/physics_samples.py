@@ -73,7 +73,7 @@ def signals(*, seconds, kind="power_pct", size=1.0, regular=False, seed=3):
     rng = np.random.default_rng(seed)
     steps = np.full(int(seconds * 100), 0.01) if regular else rng.uniform(0.006, 0.014, int(seconds * 100))
     time_s = np.concatenate([[0.0], np.cumsum(steps)])
-    at = time_s[:: 37 if regular else 41]
+    at = time_s[:: 37 if regular else 41].copy()  # contiguous: a stride would be one more kernel to compile
     return Signals(
         name="steps",
         channel="output",

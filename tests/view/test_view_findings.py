@@ -96,12 +96,14 @@ def test_what_would_have_been_seen_is_listed_with_its_side(page):
     assert "details" in page.tags
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_program_is_offered_where_there_is_one(page):
     assert "--experiment-out" in page.text("next")
     plain = Page(render_report(samples.explained(runs=1, samples=300)))
     assert "--experiment-out" not in plain.text("next")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_too_little_excitation_and_the_nearest_effect_are_said():
     poor = replace(
         samples.brief(samples.adequate()),

@@ -38,6 +38,7 @@ def test_sentence_events_and_every_motor_are_there(page: str):
         assert f"<code>{channel}</code>" in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_first_screen_says_what_was_wrong_and_where_the_diagnosis_is():
     found = LinkedDiagnosis("b", "The model leaves out constant load.", "live-b-1.html")
     told = render_live_report(_kept(50), title="mock:", findings=[found])
@@ -46,6 +47,7 @@ def test_the_first_screen_says_what_was_wrong_and_where_the_diagnosis_is():
     assert 'href="live-b-1.html"' in head
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_without_a_diagnosis_the_first_screen_lists_the_troubles_or_their_absence(page: str):
     troubles = [event.words for event in some_events() if event.kind in ("divergence", "stall")]
     assert all(words[1:] in page.split("What happened")[0] for words in troubles)
@@ -55,6 +57,7 @@ def test_without_a_diagnosis_the_first_screen_lists_the_troubles_or_their_absenc
     assert "Nothing was wrong" in render_live_report(calm, title="mock:")
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("kind", ["adopted", "undiagnosed"])
 def test_a_session_that_diagnosed_is_not_told_to_diagnose(page: str, kind):
     assert "Nothing was diagnosed" in page
@@ -95,6 +98,7 @@ def test_the_same_session_gives_the_same_page():
     assert first == again
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_long_session_is_thinned_and_its_numbers_are_not():
     whole, thinned = _kept(3000, ports=("a",)), _kept(3000, most=500, ports=("a",))
     assert len(thinned.ticks) <= 500

@@ -192,6 +192,7 @@ def test_stale_samples_are_marked_and_counted(pages):
     assert "stale" not in pages["explained"].source.split("</style>")[1]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_every_held_out_run_is_in_the_table_and_five_are_drawn():
     diagnosis = samples.explained(runs=13, samples=300)
     page = Page(render_report(diagnosis))
@@ -304,6 +305,7 @@ def test_long_recordings_give_a_short_file(tmp_path):
     assert path.stat().st_size < 2_000_000
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_file_is_named_after_the_case(tmp_path):
     diagnosis = samples.explained(runs=1, samples=300)
     path = write_report(diagnosis, tmp_path / "new" / "folder")
@@ -311,6 +313,7 @@ def test_the_file_is_named_after_the_case(tmp_path):
     assert path.read_text(encoding="utf-8") == render_report(diagnosis)
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("case", "file"),
     [
