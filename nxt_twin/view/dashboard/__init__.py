@@ -24,7 +24,7 @@ from nxt_twin.view.dashboard.viewer import find_viewer, free_port, require_displ
 _VIEWER: Final = "viewer"
 _VIEWER_PATIENCE_S: Final = 2.0
 _FILE_PATIENCE_S: Final = 60.0
-"""A file is worth a wait: on a busy machine its process needs 10 s to begin, and given up it loses the session's end."""
+"""A busy machine takes 10 s to begin a file, and a file that is given up loses the session's end."""
 
 _LONGEST_TROUBLE: Final = 300
 _STYLED: Final = re.compile(r"\x1b\[[0-9;]*m")
