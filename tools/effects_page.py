@@ -155,6 +155,12 @@ SCENES: Final[dict[str, Scene]] = {
     "power_curve": Scene({"exponent": 1.5}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0),
     "goal_rate_limit": Scene({"goal_rate_limit_deg_per_s": 120.0}, _GOALS, 3.0, "angle"),
     "integral_action": Scene({"integral_rate_per_s": 0.7}, _GOALS, 3.0, "angle"),
+    "firmware_regulation": Scene(
+        {"regulation_p": 96.0},
+        tuple((0.1 * n, 0.06 * min(n, 15) + 1e-9 * (n % 2)) for n in range(25)),
+        2.5,
+        "angle",
+    ),
     "command_delay": Scene({"delay_s": 0.06}, ((0.0, 0.0), (0.1, 0.6), (0.5, -0.6)), 0.9),
     "clock_skew": Scene(
         {"lag_span_s": 0.04, "lag_mean": 0.5, "rate_error": 2e-3, "lag_period_s": 3.0, "lag_phase": 0.0},

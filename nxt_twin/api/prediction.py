@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.base.servo import SERVO
+from nxt_twin.physics.goals import follower
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.physics.signals import Signals
@@ -20,7 +21,7 @@ from nxt_twin.physics.simulate import Simulator, free_job, with_supply
 from nxt_twin.physics.start import Start, at_rest, restarts
 from nxt_twin.recording.columns import PORTS, goal_column, power_column
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.recording import InputKind, Recording
 
 
 @final
@@ -84,7 +85,7 @@ def _predicted(
     plant: Model, recording: Recording, port: str | None, every_s: float | None
 ) -> SimulatedChannel:
     signals = signals_of(recording, port, fewest_readings=0, follows_goal=_is_servo(plant))
-    start, values = _run(load_plant(plant, signals.input_kind), signals, every_s)
+    start, values = _run(_followed(plant, recording, port, signals.input_kind), signals, every_s)
     units = units_of("linear" if signals.input_kind == "force_n" else "motor", signals)
     factor = units.reading_factor if signals.channel != "output" else 1.0
     counted = np.isfinite(signals.measured) & ~start.at
@@ -94,11 +95,22 @@ def _predicted(
     return SimulatedChannel(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
 
 
-def _is_servo(model: Model) -> bool:
+def _followed(model: Model, recording: Recording, port: str | None, kind: InputKind) -> Plant:
+    """The plant, with the firmware's regulator where that drives the motor."""
+    config = _config(model)
+    followed = follower(config, [recording], port)
+    return load_plant(model if followed is config else followed, kind)
+
+
+def _config(model: Model) -> Mapping[str, Any]:
+    """The keys of a plant."""
     if isinstance(model, Plant):
-        return model.layout.base.control is not None
-    config = model if isinstance(model, Mapping) else load_plant_config(model)
-    return config.get("kind") == SERVO.kind
+        return model.to_config()
+    return model if isinstance(model, Mapping) else load_plant_config(model)
+
+
+def _is_servo(model: Model) -> bool:
+    return _config(model).get("kind") == SERVO.kind
 
 
 def _run(plant: Plant, signals: Signals, every_s: float | None) -> tuple[Start, FloatArray]:

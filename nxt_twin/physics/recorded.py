@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.physics.goals import goal_deg, regulated
+from nxt_twin.physics.goals import Setpoints, goal_deg, regulated, setpoints
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
@@ -82,9 +82,11 @@ def _beside_others(recording: Recording, port: str, *, follows_goal: bool) -> Si
 
 
 def _on_its_port(recording: Recording, port: str, *, follows_goal: bool) -> Signals:
+    followed = setpoints(recording, port)
+    if followed is not None:
+        return _dated(_regulated(recording, port, followed), recording.lags, port)
     goal = goal_deg(recording, port)
-    is_power = f"{port}_power_pct" in recording.columns and not regulated(recording, port).any()
-    if goal is None or (is_power and not follows_goal):
+    if goal is None or (f"{port}_power_pct" in recording.columns and not follows_goal):
         return _dated(_brick(recording, port), recording.lags, port)
     return _dated(_following(recording, port, np.radians(goal)), recording.lags, port)
 
@@ -94,10 +96,22 @@ def _following(recording: Recording, port: str, goal: FloatArray) -> Signals:
     known = goal[np.isfinite(goal)]
     command = _held(goal, start=float(known[0]) if known.size else 0.0)
     mode = _held(recording.columns.get(f"{port}_mode", np.zeros(recording.rows)), start=float(MODE_DRIVE))
-    rests = regulated(recording, port) & (recording.columns.get(f"{port}_power_pct", mode) == 0.0)
-    mode = np.where(rests, float(MODE_BRAKE), mode)
     supply = _supply(recording.time_s, recording.columns.get("battery_v"), np.zeros(recording.rows))
     return _of_motor(recording, port, "goal_position_rad", (command, mode, supply))
+
+
+def _regulated(recording: Recording, port: str, followed: Setpoints) -> Signals:
+    """The signals of a motor whose speed the firmware regulates: a command whenever its regulator runs."""
+    nothing = np.zeros(recording.rows)
+    supply = _supply(recording.time_s, recording.columns.get("battery_v"), nothing)
+    whole = _of_motor(recording, port, "goal_position_rad", (nothing, nothing, supply))
+    return replace(
+        whole,
+        command_time_s=followed.time_s,
+        command=np.radians(followed.goal_deg),
+        command_mode=np.where(followed.driven, MODE_DRIVE, MODE_BRAKE),
+        command_supply_v=supply[followed.row],
+    )
 
 
 def _of_motor(

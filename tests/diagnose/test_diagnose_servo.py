@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from firmware_protocol import MotorMode, RegulationMode
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.api.prediction import predictions, simulate
 from nxt_twin.brick.open import open_brick
-from nxt_twin.diagnose.engine import fit_as_it_stands
+from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.case import case_of
@@ -42,24 +43,41 @@ def test_a_loop_s_gain_is_fitted_from_goal_and_reading_alone():
         assert fitted.values[slot] == (1.0 if frozen == "power_limit" else 0.0)
 
 
-def test_a_regulated_motor_is_foretold_from_its_set_speeds_alone():
-    clock, rows = VirtualClock(), []
-    with open_brick("mock:", clock, OPENERS) as brick:
-        for power_pct in (45, -30, 60):
-            brick.motors.set_output_state(
-                0,
-                power_pct=power_pct,
-                mode=MotorMode.ON | MotorMode.BRAKE | MotorMode.REGULATED,
-                regulation=RegulationMode.SPEED,
-            )
-            for _ in range(120):
-                rows.append((clock.now_s(), power_pct, brick.motors.tacho_deg(0).value))
-                clock.sleep(0.009)
-    time_s, power, tacho = np.array(rows, dtype=float).T
-    speed = np.full(time_s.size, float(REGULATIONS.index("speed")))
-    run = Recording(
-        "run", {"time_s": time_s, "a_power_pct": power, "a_regulation": speed, "a_tacho_deg": tacho}
-    )
-    (found,) = predictions({**MOTOR, "kind": "servo", "position_gain_pct_per_deg": 2.0}, run)
-    assert np.ptp(tacho) > 500.0
-    assert found.rmse < 20.0  # a setpoint that missed one period at each change would be 75 deg off
+@pytest.fixture(scope="module")
+def regulated(tmp_path_factory):
+    """Records motor A of a mock, with these effects, at speeds that its firmware regulates."""
+    folder = tmp_path_factory.mktemp("regulated")
+
+    def record(effects):
+        world = folder / "world.yaml"
+        world.write_text(yaml.safe_dump({"motors": {"a": {**MOTOR, "kind": "dc_motor", "effects": effects}}}))
+        clock, rows = VirtualClock(), []
+        with open_brick(f"mock:?world={world}", clock, OPENERS) as brick:
+            for power_pct in (45, -30, 60, 0, 75, -70, 20, -50, 35):
+                mode = MotorMode.ON | MotorMode.BRAKE | MotorMode.REGULATED
+                brick.motors.set_output_state(
+                    0, power_pct=power_pct, mode=mode, regulation=RegulationMode.SPEED
+                )
+                for _ in range(100):
+                    rows.append((clock.now_s(), power_pct, brick.motors.tacho_deg(0).value))
+                    clock.sleep(0.009)
+        time_s, power, tacho = np.array(rows, dtype=float).T
+        speed = np.full(time_s.size, float(REGULATIONS.index("speed")))
+        columns = {"time_s": time_s, "a_power_pct": power, "a_regulation": speed, "a_tacho_deg": tacho}
+        return Recording("run", columns)
+
+    return record
+
+
+def test_a_regulated_motor_is_predicted_from_its_set_speeds_alone(regulated):
+    run = regulated({})
+    (found,) = predictions({**MOTOR, "kind": "dc_motor"}, run)
+    assert np.ptp(run.columns["a_tacho_deg"]) > 500.0
+    assert found.rmse < 4.0  # a setpoint that missed one period at each change would be 75 deg off
+
+
+def test_what_a_regulated_motor_s_model_leaves_out_is_named(regulated):
+    run = regulated({"constant_load": {"load_torque_nm": 0.04}})
+    found = diagnose(case_of([run], {**MOTOR, "kind": "dc_motor"})).diagnosis
+    assert (found.verdict, [effect.id for effect in found.effects]) == ("explained", ["constant_load"])
+    assert found.effects[0].params["load_torque_nm"].value == pytest.approx(0.04, rel=0.1)

@@ -9,6 +9,7 @@ from physics_samples import NXT, commanded, motion, signals
 from scipy.integrate import solve_ivp
 
 from nxt_twin.errors import PlantError, RecordingError
+from nxt_twin.physics.goals import follower
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_DRIVE
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.recorded import signals_of
@@ -132,21 +133,46 @@ def test_a_recorded_goal_drives_where_no_power_is_recorded_or_a_servo_asks_for_i
     assert signals_of(both, "a", follows_goal=True).input_kind == "goal_position_rad"
 
 
-def test_a_regulated_speed_is_a_goal_that_moves_once_a_period_from_where_the_motor_was():
+def test_a_regulated_speed_is_a_setpoint_that_moves_whenever_the_regulator_runs():
     power = np.where(np.arange(100) < 20, 0.0, 30.0)
     power[70:] = -10.0
+    power[90:] = 0.0
     signals = signals_of(brick(a_power_pct=power, a_regulation=np.ones(100)), "a")
     assert signals.input_kind == "goal_position_rad"
     at = np.searchsorted(signals.command_time_s, 0.01 * np.arange(100), side="right") - 1
     goal = np.degrees(signals.command[at])
-    runs = 20 + np.array([11, 21, 51, 61])  # just after the regulator has run, at 0.3 + 0.101 n
-    np.testing.assert_allclose(goal[20:31], 20.0)
-    since = 0.01 * (runs - 20) / 0.101 % 1.0
-    np.testing.assert_allclose(
-        goal[runs], np.array([50, 80, 130, 120]) + since * np.array([30, 30, -10, -10])
-    )
-    np.testing.assert_array_equal(signals.command_mode[at][:20], MODE_BRAKE)
-    np.testing.assert_array_equal(signals.command_mode[at][20:], MODE_DRIVE)
+    runs = 20 + np.array([11, 21, 51, 61])  # just after the regulator has run, at 0.2 + 0.101 n
+    np.testing.assert_allclose(goal[runs], [50.0, 80.0, 130.0, 120.0])
+    assert goal[95] == pytest.approx(90.0)  # held where the motor was when it was told to stop
+    np.testing.assert_array_equal(signals.command_mode[at][90:], MODE_BRAKE)
+    np.testing.assert_array_equal(signals.command_mode[at][31:90], MODE_DRIVE)
     mixed = brick(a_power_pct=np.full(100, 30.0), a_regulation=(power != 0.0).astype(float))
     with pytest.raises(RecordingError, match="split the recording where the regulation is switched"):
         signals_of(mixed, "a")
+
+
+def test_the_firmware_s_regulator_agrees_with_plain_python_and_with_its_own_formula(servo_simulator):
+    plant = plant_from_config(
+        {**NXT, "kind": "servo", "position_gain_pct_per_deg": 0.0, "regulation_p": 96}, "goal_position_rad"
+    )
+    run = commanded([(0.1 * n, math.radians(6.0 * n)) for n in range(10)], seconds=1.0, kind="goal_position_rad")
+    job = free_job(run, at_rest(run))
+    compiled = servo_simulator.trace(plant, job)
+    np.testing.assert_allclose(
+        compiled["predicted"], predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9
+    )
+    errors, total, duty = [0.0], 0.0, [0.0]
+    for n in range(1, 10):
+        errors.append(6.0 * n - math.degrees(compiled["angle"][10 * n]))
+        total = 0.25 * (3.0 * total + errors[-1])
+        duty.append(0.5 * (3.0 * errors[-1] + total + errors[-1] - errors[-2]) / 100.0)
+    np.testing.assert_allclose(compiled["duty"][5::10], duty, atol=1e-6)
+
+
+def test_a_motor_on_a_regulated_recording_gets_the_firmware_s_regulator():
+    recording = brick(a_power_pct=np.full(100, 30.0), a_regulation=np.ones(100))
+    config = follower({**NXT, "kind": "dc_motor"}, [recording], "a")
+    assert (config["kind"], config["regulation_p"], config["position_gain_pct_per_deg"]) == ("servo", 96.0, 0.0)
+    own = follower({**config, "regulation_p": 64.0}, [recording], "a")
+    assert own["regulation_p"] == 64.0
+    assert follower(NXT, [brick(a_power_pct=np.full(100, 30.0))], "a") is NXT

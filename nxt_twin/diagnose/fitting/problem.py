@@ -22,6 +22,7 @@ from nxt_twin.diagnose.fitting.splits import (
 from nxt_twin.diagnose.fitting.variables import scale_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.base.servo import SERVO
+from nxt_twin.physics.goals import follower
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.recorded import signals_of
@@ -132,7 +133,7 @@ def problem_of(
         raise DiagnosisError(
             f"its recordings are driven by {', '.join(sorted(kinds))}", where=name, mend="split it"
         )
-    plant = plant_from_config(config, read[0].input_kind)
+    plant = plant_from_config(follower(config, made, port), read[0].input_kind)
     for signals in read:
         _refuse_no_motion(signals)
     supplied = [with_supply(driven_before(signals), plant) for signals in read]

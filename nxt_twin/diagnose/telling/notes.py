@@ -134,6 +134,8 @@ def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
     for slot, parameter in plant.layout.parameters.items():
         if slot not in plant.values or parameter.frozen or parameter.tied_to:
             continue
+        if problem.plant.values.get(slot) == 0.0 == plant.values[slot]:  # a loop without that part
+            continue
         scaled = parameter.scaled(problem.scale)
         value = plant.values[slot] / parameter.si
         if value <= scaled.lower and scaled.lower == 0.0:

@@ -34,6 +34,7 @@ from nxt_twin.physics.effects.load import (
     SPRING_LOAD,
 )
 from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE, TORQUE_SATURATION
+from nxt_twin.physics.effects.regulation import FIRMWARE_REGULATION
 from nxt_twin.physics.effects.servo import GOAL_RATE_LIMIT, INTEGRAL_ACTION
 from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, SAMPLE_HOLD, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
@@ -69,6 +70,7 @@ BUILT_IN: tuple[Effect, ...] = (
     POWER_CURVE,
     GOAL_RATE_LIMIT,
     INTEGRAL_ACTION,
+    FIRMWARE_REGULATION,
     COMMAND_DELAY,
     CLOCK_SKEW,
     SAMPLE_HOLD,
