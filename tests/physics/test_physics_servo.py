@@ -155,12 +155,12 @@ def test_the_firmware_s_regulator_agrees_with_plain_python_and_with_its_own_form
     plant = plant_from_config(
         {**NXT, "kind": "servo", "position_gain_pct_per_deg": 0.0, "regulation_p": 96}, "goal_position_rad"
     )
-    run = commanded([(0.1 * n, math.radians(6.0 * n)) for n in range(10)], seconds=1.0, kind="goal_position_rad")
+    run = commanded(
+        [(0.1 * n, math.radians(6.0 * n)) for n in range(10)], seconds=1.0, kind="goal_position_rad"
+    )
     job = free_job(run, at_rest(run))
     compiled = servo_simulator.trace(plant, job)
-    np.testing.assert_allclose(
-        compiled["predicted"], predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9
-    )
+    np.testing.assert_allclose(compiled["predicted"], predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
     errors, total, duty = [0.0], 0.0, [0.0]
     for n in range(1, 10):
         errors.append(6.0 * n - math.degrees(compiled["angle"][10 * n]))
@@ -172,7 +172,11 @@ def test_the_firmware_s_regulator_agrees_with_plain_python_and_with_its_own_form
 def test_a_motor_on_a_regulated_recording_gets_the_firmware_s_regulator():
     recording = brick(a_power_pct=np.full(100, 30.0), a_regulation=np.ones(100))
     config = follower({**NXT, "kind": "dc_motor"}, [recording], "a")
-    assert (config["kind"], config["regulation_p"], config["position_gain_pct_per_deg"]) == ("servo", 96.0, 0.0)
+    assert (config["kind"], config["regulation_p"], config["position_gain_pct_per_deg"]) == (
+        "servo",
+        96.0,
+        0.0,
+    )
     own = follower({**config, "regulation_p": 64.0}, [recording], "a")
     assert own["regulation_p"] == 64.0
     assert follower(NXT, [brick(a_power_pct=np.full(100, 30.0))], "a") is NXT
