@@ -2,6 +2,9 @@
 
 The killed process notes each row beside its recording, before and after it hands the row over. A kill cannot
 undo these notes. The benchmark compares the rows that `recover` gives with them, one by one.
+
+The brick of record and live is the mock in virtual time: a session of two seconds then takes a tenth of one, and the
+moments of kills are spread over all of it, its end included.
 """
 
 from __future__ import annotations
@@ -22,10 +25,10 @@ from typing import Final
 import numpy as np
 
 from nxt_twin.api.openers import OPENERS
-from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.record import write_down
 from nxt_twin.errors import RecordingError
+from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording
@@ -37,11 +40,13 @@ from nxt_twin.twin.rehearsal import rehearse
 from nxt_twin.twin.settings import Pace
 from nxt_twin.twin.sinks import Memory
 
-_SESSION_S: Final = 0.5
-_WITHIN_S: Final = 0.9
+_SESSION_S: Final = 2.0
+_PERIOD_S: Final = 0.01
+_BEYOND: Final = 1.1
+"""Kills come up to so many times a whole run after it began: some find it finished."""
 _EARLY: Final = 0.1
-_LOOK_S: Final = 0.005
-_ROWS: Final = 20_000
+_LOOK_S: Final = 0.001
+_ROWS: Final = 4000
 _COLUMN: Final = "a_tacho_deg"
 
 Work = Callable[[Path], None]
@@ -52,15 +57,15 @@ def report(kills: int, seed: int) -> Iterator[str]:
     plants = {"a": plant_from_config(load_plant_config("nxt_motor"), "power_pct")}
     rehearse(plants)
     for name, work in (("record", _record), ("live", lambda out: _live(out, plants))):
-        random = Random(f"{seed} {name}")
-        seen = Counter(_session_killed(work, random) for _ in range(kills))
-        yield f"kill -9 of {name}, {kills} times: {_told(seen)}"
+        random, whole_s = Random(f"{seed} {name}"), _timed(work)
+        seen = Counter(_session_killed(work, random, whole_s) for _ in range(kills))
+        yield f"kill -9 of {name}, {kills} times in runs of {whole_s:.2f} s: {_told(seen)}"
     random = Random(f"{seed} recover")
     with tempfile.TemporaryDirectory() as folder:
         stream = _long_stream(Path(folder))
-        whole_s = _timed(stream)
-        seen = Counter(_recover_killed(stream, random.uniform(0.0, 1.3 * whole_s)) for _ in range(kills))
-    yield f"kill -9 of recover, {kills} times within {whole_s:.2f} s: {_told(seen)}"
+        whole_s = _timed(lambda out: _recover(stream, out))
+        seen = Counter(_recover_killed(stream, random.uniform(0.0, _BEYOND * whole_s)) for _ in range(kills))
+    yield f"kill -9 of recover, {kills} times in runs of {whole_s:.2f} s: {_told(seen)}"
 
 
 def _told(seen: Counter[str]) -> str:
@@ -71,12 +76,22 @@ def _told(seen: Counter[str]) -> str:
     )
 
 
-def _session_killed(work: Work, random: Random) -> str:
+def _timed(work: Work) -> float:
+    """How long it takes when nothing kills it, and all that it needs is loaded."""
+    with tempfile.TemporaryDirectory() as folder:
+        work(Path(folder) / "run.csv")
+    with tempfile.TemporaryDirectory() as folder:
+        began_s = time.monotonic()
+        os.waitpid(_begun(lambda: _noting(work, Path(folder) / "run.csv", Path(folder) / "notes")), 0)
+        return time.monotonic() - began_s
+
+
+def _session_killed(work: Work, random: Random, whole_s: float) -> str:
     """Kill it a while after its first row; one time in ten, before."""
     with tempfile.TemporaryDirectory() as folder:
         out, notes = Path(folder) / "run.csv", Path(folder) / "notes"
         awaited = None if random.random() < _EARLY else notes
-        _killed(lambda: _noting(work, out, notes), random.uniform(0.0, _WITHIN_S), awaited)
+        _killed(lambda: _noting(work, out, notes), random.uniform(0.0, _BEYOND * whole_s), awaited)
         lines = notes.read_text(encoding="ascii").splitlines() if notes.exists() else []
         begun = np.array([float(line[1:]) for line in lines if line.startswith("+")])
         sure = sum(line == "-" for line in lines)
@@ -116,14 +131,14 @@ def _judged(out: Path, begun: np.ndarray, sure: int) -> str:
 
 
 def _record(out: Path) -> None:
-    clock, plan = SystemClock(), Plan(period_s=0.005)
+    clock, plan = VirtualClock(), Plan(period_s=_PERIOD_S)
     driver = ProgramDriver(excitation(("a",)))
     write_down(lambda: open_brick("mock:", clock, OPENERS), clock, out, ("a",), plan, pace=Pace(), driver=driver,
                seconds=_SESSION_S)  # fmt: skip
 
 
 def _live(out: Path, plants: Mapping[str, object]) -> None:
-    clock = SystemClock()
+    clock = VirtualClock()
     options = LiveOptions(plants, program=excitation(("a",)), out=out)  # type: ignore[arg-type]
     sitting = live_sitting(replace(options), lambda: open_brick("mock:", clock, OPENERS), clock, Memory())
     try:
@@ -142,13 +157,9 @@ def _long_stream(folder: Path) -> Path:
     return kept
 
 
-def _timed(stream: Path) -> float:
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "run.csv"
-        stream_path(out).write_bytes(stream.read_bytes())
-        began_s = time.monotonic()
-        recover(out)
-        return time.monotonic() - began_s
+def _recover(stream: Path, out: Path) -> None:
+    stream_path(out).write_bytes(stream.read_bytes())
+    recover(out)
 
 
 def _recover_killed(stream: Path, after_s: float) -> str:
@@ -163,8 +174,8 @@ def _recover_killed(stream: Path, after_s: float) -> str:
         return "finished, all rows there" if finished else "cut off, all rows recovered again"
 
 
-def _killed(work: Callable[[], object], after_s: float, awaited: Path | None = None) -> None:
-    """Do it in a process of its own, which is killed so long after a file has grown, wherever it is."""
+def _begun(work: Callable[[], object]) -> int:
+    """Do it in a process of its own, whose number this is."""
     sys.stdout.flush()
     child = os.fork()
     if child == 0:
@@ -172,6 +183,12 @@ def _killed(work: Callable[[], object], after_s: float, awaited: Path | None = N
             work()
         finally:
             os._exit(0)
+    return child
+
+
+def _killed(work: Callable[[], object], after_s: float, awaited: Path | None = None) -> None:
+    """Begin it, and kill it so long after a file has grown, wherever it is."""
+    child = _begun(work)
     while awaited is not None and not (awaited.exists() and awaited.stat().st_size):
         time.sleep(_LOOK_S)
     time.sleep(after_s)

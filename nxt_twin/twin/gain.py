@@ -18,6 +18,9 @@ from nxt_twin.recording.recording import Recording
 _RUN_S = 2.0
 _WORTHWHILE = 0.95
 _LARGE = 0.8
+_ABOUT = 1.1
+_SMALL_DEG = 1.0
+"""An error below two steps of a tolerance, half a count of the encoder each, bothers nobody."""
 
 
 @final
@@ -39,14 +42,15 @@ class Gain:
         return self.after_deg < _WORTHWHILE * self.before_deg
 
     @property
-    def any(self) -> bool:
-        """Whether the other is nearer at all."""
-        return self.after_deg < self.before_deg
+    def kept(self) -> bool:
+        """Whether the other is nearer, or about as near where the error is small either way."""
+        small = self.before_deg < _SMALL_DEG and self.after_deg < _ABOUT * self.before_deg
+        return small or self.after_deg < self.before_deg
 
     @property
     def large(self) -> bool:
         """Whether the other is nearer by so much that nobody has to ask for it."""
-        return self.after_deg < _LARGE * self.before_deg
+        return self.after_deg < _LARGE * self.before_deg and self.before_deg > _SMALL_DEG
 
 
 def gain(before: Plant, after: Plant, recording: Recording, port: Port) -> Gain:

@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from typing import final
 
 from nxt_twin.diagnose.engine import Answer
+from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
+from nxt_twin.twin.again import Refitted, Refitter, Taken
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.history import History
@@ -22,7 +24,7 @@ Experiment = Callable[[MotorProgram, float], float]
 _BEFORE_ONSET_S = 20.0
 """So much from before the onset is diagnosed as well: what came on is told by what was before, and may have come on a
 while before it showed."""
-_CHECKED_S = 40.0
+_CHECKED_S = 60.0
 """So much of a motor that is not off its model is diagnosed: more costs time, and tells little more."""
 
 _WELL_DATED_S = 1e-3
@@ -55,6 +57,9 @@ class Improver:
         self._adopter, self._twin, self._monitors, self._history = adopter, twin, monitors, history
         self._sink, self._experiment = sink, experiment
         self._gathered_s: dict[Port, float] = {}
+        self._taken: dict[Port, Taken] = {}
+        self._fitted_again: set[Port] = set()
+        self._refitter = None if adopter is None else Refitter(adopter.executor)
         self._apart = Apart()
 
     def step(self, now_s: float, doubt_s: float) -> None:
@@ -64,9 +69,18 @@ class Improver:
         for port, monitor in self._monitors.items():
             if monitor.diverging:
                 self._diagnose(self._adopter, port, self._apart.since(port, monitor.since_s, now_s), now_s)
+            elif port in self._taken:
+                self._fit_again(port, self._taken[port], now_s)
             elif monitor.trouble is None and 0.0 < doubt_s <= _WELL_DATED_S:
                 self._check(self._adopter, port, now_s)
-        finished = self._adopter.finished()
+        self._end(self._adopter, now_s)
+
+    def _end(self, adopter: Adopter, now_s: float) -> None:
+        """Take over what has been found."""
+        refitted = None if self._refitter is None else self._refitter.finished()
+        if refitted is not None and refitted.port in self._fitted_again:
+            self._take_numbers(refitted, now_s)
+        finished = adopter.finished()
         if finished is None:
             return
         if finished.answer is not None:
@@ -77,13 +91,39 @@ class Improver:
     def begin_anew(self, port: Port) -> None:
         """Forget a motor's past readings: later readings cannot be compared with them."""
         self._history[port].clear()
+        self._forget(port)
+
+    def _forget(self, port: Port) -> None:
         self._apart.forget(port)
+        self._taken.pop(port, None)
+        self._fitted_again.discard(port)
 
     def _diagnose(self, adopter: Adopter, port: Port, since_s: float, now_s: float) -> None:
         gathered = now_s >= self._gathered_s.get(port, math.inf)
         if adopter.wants(port, self._history[port].seconds_since(since_s), asked=gathered):
             self._gathered_s.pop(port, None)
-            self._start(adopter, port, since_s - _BEFORE_ONSET_S)
+            taken = self._taken.get(port)
+            if taken is not None and taken.is_recent(now_s):
+                self._diagnose_anew(adopter, port, taken)
+            else:
+                self._start(adopter, port, since_s - _BEFORE_ONSET_S)
+
+    def _diagnose_anew(self, adopter: Adopter, port: Port, taken: Taken) -> None:
+        """Diagnose the model as it was given, from all readings: a few of them led to numbers that do not last.
+
+        Against the model with these numbers, their error would look like more that is missing.
+        """
+        recording = self._history[port].recording(taken.began_s, self._twin.supply_at)
+        adopter.start(port, taken.given, recording, in_use=self._twin.plant_as_run(port))
+
+    def _fit_again(self, port: Port, taken: Taken, now_s: float) -> None:
+        """Fit what was adopted once more, as soon as there are twice the readings."""
+        refitter = self._refitter
+        if refitter is None or port in self._fitted_again or not refitter.is_free or not taken.is_due(now_s):
+            return
+        self._fitted_again.add(port)
+        recording = self._history[port].recording(taken.began_s, self._twin.supply_at)
+        refitter.start(port, self._twin.plant_as_run(port), recording)
 
     def _check(self, adopter: Adopter, port: Port, now_s: float) -> None:
         if adopter.may_check(port, self._history[port].seconds_since(now_s - _CHECKED_S)):
@@ -109,10 +149,22 @@ class Improver:
 
     def _take_over(self, finished: Finished, answer: Answer, now_s: float) -> None:
         port, told_of_battery = finished.port, battery_is_another(answer.diagnosis.refit)
-        held = self._history[port].held(finished.began_s)
-        self._twin.adopt(port, answer.plant, finished.began_s, held, told_of_battery=told_of_battery)
-        self._monitors[port].forget(now_s, proving=True)
-        if answer.diagnosis.effects:  # some change with time, which counts from where that recording began
-            self.begin_anew(port)
+        before = self._taken.get(port) if finished.anew else None
+        given = self._twin.plant_as_run(port) if before is None else before.given
+        self._adopt(port, answer.plant, finished.began_s, now_s, told_of_battery=told_of_battery)
+        self._forget(port)
+        if answer.diagnosis.effects:
+            self._taken[port] = Taken(given, finished.began_s, finished.seconds)
         for event in told(finished, answer.diagnosis, now_s):
             self._sink.event(event)
+
+    def _take_numbers(self, refitted: Refitted, now_s: float) -> None:
+        self._adopt(refitted.port, refitted.plant, refitted.began_s, now_s, told_of_battery=False)
+        self._sink.event(refitted.told(now_s))
+
+    def _adopt(
+        self, port: Port, plant: Plant, began_s: float, now_s: float, *, told_of_battery: bool
+    ) -> None:
+        held = self._history[port].held(began_s)
+        self._twin.adopt(port, plant, began_s, held, told_of_battery=told_of_battery)
+        self._monitors[port].forget(now_s, proving=True)

@@ -129,6 +129,7 @@ class Event:
         onset_s: since when, where that can be said.
         strength: in nats or normalised units, as `words` says.
         effects: names of those that were taken over.
+        instead: whether they are in the place of all that were taken over before.
     """
 
     time_s: float
@@ -139,6 +140,7 @@ class Event:
     onset_s: float | None = None
     strength: float | None = None
     effects: tuple[str, ...] = ()
+    instead: bool = False
 
 
 class Sink(Protocol):

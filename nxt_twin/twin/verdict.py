@@ -100,7 +100,9 @@ def _adopted(adopted: Sequence[Event]) -> str:
 
 def _adopted_by(adopted: Sequence[Event]) -> str:
     last = adopted[-1]
-    names = dict.fromkeys(name for event in adopted for name in event.effects)
+    names: dict[str, None] = {}
+    for event in adopted:
+        names = ({} if event.instead else names) | dict.fromkeys(event.effects)
     if set(last.effects) == set(names):
         return last.words
     refitted = "" if last.effects else ", with its parameters re-fitted later"

@@ -18,6 +18,7 @@ from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
+from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
@@ -312,11 +313,14 @@ class _Search:
         return held_s > max(signals.interval_s for signals in self._fitter.problem.signals)
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
-        """The best of `trial` and of what other starts lead to, for effects with mechanical states of their own.
+        """The best of `trial` and of what other starts lead to, for effects with an onset or mechanical states.
 
         Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
         so they are led from each start through a smaller unknown torque.
         """
+        if has_onset(effect):
+            moved = at_likeliest_onset(self._fitter, trial.plant, effect, trial.noise)
+            return trial if moved is trial.plant else self._settled.settle(moved, trial.noise)
         if not is_mechanical(effect):
             return trial
         sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)

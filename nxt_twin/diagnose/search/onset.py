@@ -1,0 +1,50 @@
+"""From which moment on an effect acts, tried where no slope leads: it shows in steps, at each change of a command."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+
+_ONSET: Final = "onset_s"
+_SHARE: Final = 0.125
+"""Of all recordings laid end to end, to either side: the starts of a search lie so far apart."""
+_TRIED: Final = 48
+
+
+def has_onset(effect: Effect) -> bool:
+    """Whether the effect acts from a moment on that has to be found."""
+    return any(parameter.name == _ONSET for parameter in effect.parameters)
+
+
+def at_likeliest_onset(fitter: Fitter, plant: Plant, effect: Effect, noise: Noise) -> Plant:
+    """`plant` with the onset of `effect` at which its readings, fitted and checking ones, are likeliest.
+
+    One that comes on in a checking block shows in no fitted reading, so both count.
+
+    Args:
+        fitter: of the problem.
+        plant: with the effect, fitted.
+        effect: with an onset.
+        noise: under which readings are weighed.
+    """
+    symbol = next(parameter.symbol for parameter in effect.parameters if parameter.name == _ONSET)
+    slot = Slot(effect.id, symbol)
+    last = fitter.problem.signals[-1]
+    length_s = last.session_s + float(last.time_s[-1] - last.time_s[0])
+    reach_s = _SHARE * length_s
+    shifts_s = np.linspace(-reach_s, reach_s, _TRIED)
+    tried = [plant, *(_at(plant, slot, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
+    tuned = fitter.tuned(noise, DRAFTED.step_for(plant)).everything()
+    return tried[int(np.argmin(tuned.costs_of(fitter.simulator, tried)))]
+
+
+def _at(plant: Plant, slot: Slot, onset_s: float) -> Plant:
+    others = {each.symbol: value for each, value in plant.values.items() if each.owner == slot.owner}
+    return plant.with_effect(slot.owner, {**others, slot.symbol: max(onset_s, 0.0)})
