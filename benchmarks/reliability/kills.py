@@ -3,8 +3,8 @@
 The killed process notes each row beside its recording, before and after it hands the row over. A kill cannot
 undo these notes. The benchmark compares the rows that `recover` gives with them, one by one.
 
-The brick of record and live is the mock in virtual time: a session of two seconds then takes a tenth of one, and the
-moments of kills are spread over all of it, its end included.
+The brick of record and live is the mock in virtual time. A session of two seconds then takes a tenth of one, and kills
+are spread over its whole length, its end included.
 """
 
 from __future__ import annotations

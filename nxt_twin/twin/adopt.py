@@ -202,7 +202,10 @@ class Adopter:
         if run.anew and not diagnosis.effects:
             reason = reason or "all readings together show nothing else"
         if leaves_much(diagnosis) and self._tries.get(run.port, 0) < _FEW:
-            reason = reason or f"re-fitted parameters leave much ({_errors(gained)}), and more readings may tell why"
+            reason = (
+                reason
+                or f"re-fitted parameters leave much ({_errors(gained)}), and more readings may tell why"
+            )
         return reason
 
     def _asked_for(self, run: _Running, diagnosis: Diagnosis, *, found: bool) -> MotorProgram | None:

@@ -21,7 +21,7 @@ _LATEST_S = 90.0
 
 @final
 @dataclass(frozen=True)
-class Taken:
+class Adoption:
     """A model that was taken over with effects.
 
     Attributes:
@@ -46,7 +46,7 @@ class Taken:
 @final
 @dataclass(frozen=True)
 class Refitted:
-    """A model with better numbers; `began_s` as of `Taken`."""
+    """A model with better numbers; `began_s` as of `Adoption`."""
 
     port: Port
     began_s: float

@@ -11,7 +11,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
-from nxt_twin.twin.again import Refitted, Refitter, Taken
+from nxt_twin.twin.again import Adoption, Refitted, Refitter
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.history import History
@@ -57,7 +57,7 @@ class Improver:
         self._adopter, self._twin, self._monitors, self._history = adopter, twin, monitors, history
         self._sink, self._experiment = sink, experiment
         self._gathered_s: dict[Port, float] = {}
-        self._taken: dict[Port, Taken] = {}
+        self._taken: dict[Port, Adoption] = {}
         self._fitted_again: set[Port] = set()
         self._refitter = None if adopter is None else Refitter(adopter.executor)
         self._apart = Apart()
@@ -108,7 +108,7 @@ class Improver:
             else:
                 self._start(adopter, port, since_s - _BEFORE_ONSET_S)
 
-    def _diagnose_anew(self, adopter: Adopter, port: Port, taken: Taken) -> None:
+    def _diagnose_anew(self, adopter: Adopter, port: Port, taken: Adoption) -> None:
         """Diagnose the model as it was given, from all readings: a few of them led to numbers that do not last.
 
         Against the model with these numbers, their error would look like more that is missing.
@@ -116,7 +116,7 @@ class Improver:
         recording = self._history[port].recording(taken.began_s, self._twin.supply_at)
         adopter.start(port, taken.given, recording, in_use=self._twin.plant_as_run(port))
 
-    def _fit_again(self, port: Port, taken: Taken, now_s: float) -> None:
+    def _fit_again(self, port: Port, taken: Adoption, now_s: float) -> None:
         """Fit what was adopted once more, as soon as there are twice the readings."""
         refitter = self._refitter
         if refitter is None or port in self._fitted_again or not refitter.is_free or not taken.is_due(now_s):
@@ -154,7 +154,7 @@ class Improver:
         self._adopt(port, answer.plant, finished.began_s, now_s, told_of_battery=told_of_battery)
         self._forget(port)
         if answer.diagnosis.effects:
-            self._taken[port] = Taken(given, finished.began_s, finished.seconds)
+            self._taken[port] = Adoption(given, finished.began_s, finished.seconds)
         for event in told(finished, answer.diagnosis, now_s):
             self._sink.event(event)
 

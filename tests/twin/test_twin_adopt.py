@@ -27,7 +27,7 @@ from nxt_twin.twin.adopt import (
     weak_battery,
     why_not,
 )
-from nxt_twin.twin.again import Refitter, Taken, refitted
+from nxt_twin.twin.again import Adoption, Refitter, refitted
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import Hold
@@ -235,7 +235,14 @@ class _Answering:
 
     def __init__(self, resistance_ohm, **said):
         self._resistance_ohm = resistance_ohm
-        self._said = {"effects": (), "verdict": "adequate", "refit": {}, "tolerance": None, "next_experiment": None, **said}
+        self._said = {
+            "effects": (),
+            "verdict": "adequate",
+            "refit": {},
+            "tolerance": None,
+            "next_experiment": None,
+            **said,
+        }
         self.leanings = []
         self.given = []
 
@@ -300,7 +307,7 @@ def test_an_adopted_model_is_fitted_again_and_taken_over_if_that_gains_much():
 
 
 def test_an_adopted_model_is_fitted_again_at_twice_the_readings():
-    taken = Taken(nxt_motor(), 5.0, 12.0)
+    taken = Adoption(nxt_motor(), 5.0, 12.0)
     assert [taken.is_due(28.9), taken.is_due(29.0)] == [False, True]
     assert [taken.is_recent(95.0), taken.is_recent(95.1)] == [True, False]
 
