@@ -5,10 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import hypothesis
 import pytest
+
+from nxt_twin.threads import one_of_many
 
 # Matrices are small here: a second thread of BLAS only waits in a loop, a third of a diagnosis' processor time.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -24,6 +28,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=None,
         help="check this brick: motors turn for a moment; the ultrasonic sensor has to be on port 4",
     )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _abreast(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Where several workers share the cores, each simulates in its one thread."""
+    with one_of_many() if hasattr(request.config, "workerinput") else nullcontext():
+        yield
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
