@@ -187,7 +187,7 @@ def _flat_list(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
     """One column or a list of columns, as a list."""
     if given is None:
         return ()
-    return [_flat(each) for each in (given if isinstance(given, list) else [given])]
+    return [_flat(each) for each in (given if isinstance(given, list | tuple) else [given])]
 
 
 @final
