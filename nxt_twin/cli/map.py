@@ -30,6 +30,7 @@ def map(  # noqa: A001  # the command's name
 
     The output is the mapping, with the reasons as comments. Check each line that says CHECK.
     """
+    from nxt_twin.errors import RecordingError
     from nxt_twin.recording.guess.contract import is_recording
     from nxt_twin.recording.guess.guess import guess_mapping
     from nxt_twin.recording.guess.writing import mapping_text
@@ -44,7 +45,13 @@ def map(  # noqa: A001  # the command's name
         if json != "-":
             print(mapping_text(guessed, [f"a first guess for {table.name}, which is incomplete"]), end="")
         raise guessed.lacking
-    text = mapping_text(guessed, _seen(guessed, read_all_mapped(table, mapping_of(guessed.keys, str(table)))))
+    try:
+        seen = _seen(guessed, read_all_mapped(table, mapping_of(guessed.keys, str(table))))
+    except RecordingError as error:
+        if "gravity_of" not in guessed.keys:
+            raise
+        seen = [f"CHECK {error}"]
+    text = mapping_text(guessed, seen)
     if out:
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(text, encoding="utf-8")

@@ -23,6 +23,7 @@ from nxt_twin.recording.checks import (
     hold,
 )
 from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.joints import at_rest
 from nxt_twin.recording.mapping import (
     POWER_LIMIT_PCT,
     InputSource,
@@ -87,16 +88,30 @@ def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
     file, part = _file_and_part(path)
     table = read_table(file, _chooser(file, mapping), _kind(mapping.table), _layout(mapping.table))
     if mapping.split is None:
-        return (_recording(table, file, mapping, path.name),)
+        return _of_one_run(table, file, mapping, path.name)
     runs = _runs(table, mapping.split.column)
     if part and part not in runs:
         mend = f"nearest known: {nearest(part, runs)}"
         raise MappingError(f"has no {mapping.split.column} {quoted(part)}", where=str(file), mend=mend)
     chosen = {part: runs[part]} if part else runs
     return tuple(
-        _recording(_some_rows(table, rows), file, mapping, f"{file.name}{_PART}{label}")
+        each
         for label, rows in chosen.items()
+        for each in _of_one_run(_some_rows(table, rows), file, mapping, f"{file.name}{_PART}{label}")
     )
+
+
+def _of_one_run(table: Table, path: Path, mapping: Mapping, name: str) -> tuple[Recording, ...]:
+    """A run's recording; of an arm's joint, one for each stretch in which the other joints rest."""
+    recording = _recording(table, path, mapping, name)
+    if not mapping.gravity_of:
+        return (recording,)
+    angles = {
+        joint: table.numbers[source.column] * _OUTPUT_SI[source.kind][1]
+        for joint, source in mapping.gravity_of.items()
+    }
+    signs = {joint: source.sign for joint, source in mapping.gravity_of.items()}
+    return at_rest(recording, angles, signs)
 
 
 def _file_and_part(path: Path) -> tuple[Path, str]:
@@ -123,6 +138,7 @@ def _chooser(path: Path, mapping: Mapping) -> Choose:
     """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
     sources = [(key, getattr(mapping, key)) for key in ("time", "input", "output", "supply", "split")]
     sources += [("mode", each) for each in mapping.mode]
+    sources += [("gravity_of", each) for each in mapping.gravity_of.values()]
     wanted = [(key, source.column) for key, source in sources if source and source.column is not None]
     labels = ("mode", "split", "time") if mapping.time.unit == "iso" else ("mode", "split")
 

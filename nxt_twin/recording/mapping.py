@@ -157,6 +157,23 @@ class ModeSource(BaseModel):
 
 
 @final
+class JointSource(BaseModel):
+    """A column that is the angle of another joint of the arm.
+
+    Attributes:
+        kind: what the column holds.
+        sign: by how much its angle adds to that of the joint in question, counted from the arm's foot. It is 0 for a
+            joint further out, which changes the load but not the angle.
+    """
+
+    model_config = _STRICT
+
+    column: str
+    kind: Literal["position_deg", "position_rad"]
+    sign: float = 1.0
+
+
+@final
 class SplitColumn(BaseModel):
     """A column that tells a table's recordings apart, by having one value in each."""
 
@@ -203,6 +220,7 @@ class Mapping(BaseModel):
     supply: Annotated[SupplySource | None, _FLAT] = None
     mode: Annotated[tuple[ModeSource, ...], BeforeValidator(_flat_list)] = ()
     split: Annotated[SplitColumn | None, _FLAT] = None
+    gravity_of: dict[str, Annotated[JointSource, _FLAT]] = {}
 
     @model_validator(mode="before")
     @classmethod
@@ -213,6 +231,12 @@ class Mapping(BaseModel):
             return given
         rest = {key: value for key, value in table.items() if key != "split"}
         return {**given, "table": rest, "split": table["split"]}
+
+    @model_validator(mode="after")
+    def _gravity_turns_an_angle(self) -> Self:
+        if self.gravity_of and self.output.kind not in ("position_deg", "position_rad"):
+            raise ValueError("gravity_of needs an output of kind position_deg or position_rad")
+        return self
 
     @model_validator(mode="after")
     def _input_can_drive_output(self) -> Self:

@@ -98,11 +98,15 @@ def test_a_lerobot_data_set_by_episode_and_joint(tmp_path):
         }
     )
     pyarrow.parquet.write_table(table, tmp_path / "data" / "file-000.parquet")
-    keys, recordings = guessed(tmp_path)
+    keys = guess_mapping(tmp_path).keys
     assert keys["input"] == {"column": "action", "index": 1, "kind": "goal_position_deg"}
+    pan = {"column": "observation.state", "index": 0, "kind": "position_deg", "sign": 1.0}
+    assert keys.pop("gravity_of") == {"pan": pan}
+    recordings = read_all_mapped(tmp_path, mapping_of(keys, "guess"))
     assert [recording.name.partition("#")[2] for recording in recordings] == ["3", "4"]
     np.testing.assert_allclose(np.degrees(recordings[1].columns["input"]), U[half:])
-    assert guessed(tmp_path, "pan")[0]["output"]["index"] == 0
+    of_pan = guess_mapping(tmp_path, "pan").keys
+    assert (of_pan["output"]["index"], of_pan["gravity_of"]["elbow"]["sign"]) == (0, 0.0)
 
 
 def test_ticks_that_start_anew_each_turn_and_dates_and_speeds(tmp_path):

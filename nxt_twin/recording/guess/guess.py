@@ -13,6 +13,7 @@ import numpy as np
 
 from nxt_twin.errors import MappingError
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
+from nxt_twin.recording.guess.joints import joints_beside
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile, profile_of
 from nxt_twin.recording.guess.roles import Roles, is_of, names, roles_of
 from nxt_twin.recording.guess.scales import input_scale, output_scale, step_of, time_unit, turn_of
@@ -24,6 +25,10 @@ _IN_NAME = re.compile(
     r"(power|pwm|duty|volt(?:age)?|spannung)[^\d+-]{0,3}([+-]?\d+(?:\.\d+)?)", re.IGNORECASE
 )
 _HIGHEST_V = 24.0
+_WHY_JOINTS = (
+    "other joints that move; those before it tilt it, those behind it change its load. CHECK each sign, and take out "
+    "those that do not bear on its weight"
+)
 
 
 class Guess(NamedTuple):
@@ -77,6 +82,9 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
             found.append(guess(profile, roles))
         except MappingError as error:
             lacking = lacking or error
+    others = joints_beside(profile.columns, roles.output)
+    if others:
+        found.append(Guess("gravity_of", others, _WHY_JOINTS))
     return Guessed(profile, (*found, *_optional(profile, roles)), lacking)
 
 
@@ -92,7 +100,7 @@ def _check_joint(profile: TableProfile, joint: str) -> None:
 def _optional(profile: TableProfile, roles: Roles) -> Iterator[Guess]:
     if roles.supply is not None:
         gain = 1e-3 if roles.supply.largest > 1000.0 else 1.0
-        yield Guess("supply", _column(roles.supply) | _gain(gain), "named like a supply, and in its range")
+        yield Guess("supply", roles.supply.keys | _gain(gain), "named like a supply, and in its range")
     modes = [*map(_flag, roles.modes), *_worded(profile)]
     if modes:
         several = "; of several columns the first that is not drive decides" if len(modes) > 1 else ""
@@ -100,7 +108,7 @@ def _optional(profile: TableProfile, roles: Roles) -> Iterator[Guess]:
         yield Guess("mode", modes if len(modes) > 1 else modes[0], why)
     if roles.split is not None:
         runs = np.unique(roles.split.known).size
-        yield Guess("split", _column(roles.split), f"{runs} runs, one after the other")
+        yield Guess("split", roles.split.keys, f"{runs} runs, one after the other")
 
 
 def _flag(column: TableColumn) -> dict[str, Any]:
@@ -108,7 +116,7 @@ def _flag(column: TableColumn) -> dict[str, Any]:
     named = next((word for word in column.words if word in ("brake", "coast")), "")
     at_zero, else_ = ("drive", named) if named else ("coast", "drive")
     values = {f"{value:g}": else_ if value else at_zero for value in np.unique(column.known).tolist()}
-    return _column(column) | {"values": values}
+    return column.keys | {"values": values}
 
 
 def _worded(profile: TableProfile) -> Iterator[dict[str, Any]]:
@@ -144,7 +152,7 @@ def _time(profile: TableProfile, roles: Roles) -> Guess:
         mend = f"write `time: {{period_s: 0.01}}` in a mapping, with the log's own period; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
     unit, why = time_unit(roles.time)
-    return Guess("time", _column(roles.time) | {"unit": unit}, why)
+    return Guess("time", roles.time.keys | {"unit": unit}, why)
 
 
 def _output(profile: TableProfile, roles: Roles) -> Guess:
@@ -159,7 +167,7 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     gain *= size
     step = step_of(column) * abs(gain)
     turn = turn_of(column)
-    keys = {**_column(column), "kind": kind, **_gain(gain), **({"step": _short(step)} if step else {})}
+    keys = {**column.keys, "kind": kind, **_gain(gain), **({"step": _short(step)} if step else {})}
     keys |= {"wraps_at": turn} if turn else {}
     taken = (column, roles.time, roles.input, roles.supply)
     rest = [c for c in profile.columns if c not in taken and _alike(c, column)]
@@ -179,7 +187,7 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
     if roles.input is not None and roles.output is not None:
         role, unit, size, why = input_scale(roles.input, roles.output)
         kind, gain = INPUTS[role][unit]
-        return Guess("input", _column(roles.input) | {"kind": kind} | _gain(gain * size), why)
+        return Guess("input", roles.input.keys | {"kind": kind} | _gain(gain * size), why)
     named = _IN_NAME.search(profile.path.name)
     if named:
         value = float(named[2])
@@ -203,11 +211,6 @@ def _by_file(path: Path, named: re.Match[str]) -> dict[str, float]:
         match for match in map(alike.fullmatch, sorted(each.name for each in path.parent.iterdir())) if match
     ]
     return {escape(match[0]): float(match[1]) for match in found} if len(found) > 1 else {}
-
-
-def _column(column: TableColumn) -> dict[str, Any]:
-    stem, index = split_name(column.name)
-    return {"column": column.name} if index is None else {"column": stem, "index": index}
 
 
 def _gain(gain: float) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from datetime import datetime
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -61,6 +61,12 @@ class TableColumn:
     def index(self) -> int | None:
         """Which element of a list or matrix it is."""
         return split_name(self.name)[1]
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """How a mapping names it."""
+        stem, index = split_name(self.name)
+        return {"column": self.name} if index is None else {"column": stem, "index": index}
 
     @cached_property
     def known(self) -> FloatArray:
