@@ -10,13 +10,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, final
 
-from nxt_twin.api.openers import open_mock, world_bodies
+from nxt_twin.api.openers import mock_options, open_mock, world_bodies
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.link import Link
 from nxt_twin.mock.body.body import Body
-from nxt_twin.mock.body.world import World
+from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.physics.robot.drive import DifferentialDrive
+from nxt_twin.recording.case import ROBOT_KIND
 from nxt_twin.recording.columns import PORTS, tacho_column
+from nxt_twin.recording.configs import configs_dir, load_plant_config
 from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
@@ -30,7 +32,7 @@ from nxt_twin.view.dashboard.scene import (
 )
 from nxt_twin.world.arena import Arena, open_arena
 from nxt_twin.world.floor import FloorPicture
-from nxt_twin.world.load import setting_of
+from nxt_twin.world.load import named, setting_of
 from nxt_twin.world.motion import WorldBodies
 from nxt_twin.world.pose import Heading
 
@@ -39,6 +41,25 @@ _FRAME_STEPS: Final = 40
 _SHOWN_EVERY_S: Final = 0.05
 _KEPT: Final = 1000
 """Looks: the last four seconds, in which a poll's counts are found again."""
+
+
+def usual_robot(url: str) -> str | None:
+    """The plant that a `mock:` URL's world has its robot by name or by ``like:``; None where there is none.
+
+    Raises:
+        LinkUrlError: the address is not of its form.
+        WorldError: the world file cannot be read.
+    """
+    scheme, _, address = url.partition(":")
+    world = mock_options(address).get("world") if scheme == "mock" else None
+    if world is None:
+        return None
+    given = load_world(named(world, "worlds")).robot
+    name = given.get("like") if isinstance(given, dict) else given
+    known = {file.stem for file in (configs_dir() / "plants").glob("*.yaml")}
+    if name not in known or load_plant_config(str(name)).get("kind") != ROBOT_KIND:
+        return None
+    return str(name)
 
 
 @final

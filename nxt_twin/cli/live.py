@@ -13,8 +13,10 @@ from nxt_twin.cli.showing import Showing, View
 
 if TYPE_CHECKING:
     from nxt_twin.api.robots import WatchedRobot
+    from nxt_twin.physics.robot.drive import DifferentialDrive
     from nxt_twin.recording.columns import Port
     from nxt_twin.recording.program import MotorProgram
+    from nxt_twin.twin.legs import LegsDriver
 
 _AS_SHIPPED = "1:touch,2:sound,3:light,4:ultrasonic"
 _BUILT_IN = "excitation"
@@ -29,7 +31,10 @@ SinceOption = Annotated[
 ]
 RobotOption = Annotated[
     str | None,
-    typer.Option(metavar="PLANT", help="A differential_drive: watch its ghost in mock:?world=FILE."),
+    typer.Option(
+        metavar="PLANT",
+        help="A differential_drive: watch its ghost in mock:?world=FILE; without: the robot that the world's is like.",
+    ),
 ]
 
 
@@ -60,8 +65,8 @@ def live(
 ) -> None:
     """Watch a brick beside its model: readings, predictions, and the moment at which they diverge.
 
-    By default the motors run a program of steps, ramps and rests, so put the robot on blocks. Ctrl-C ends the session,
-    and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the
+    By default the motors run a program of steps, ramps and rests, so put the robot on blocks; a robot beside its ghost
+    drives squares. Ctrl-C ends the session, and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the
     brick cannot be reached or answers no poll; 2 for wrong use.
     """
     # The help of this command needs none of these, and they take a second.
@@ -76,6 +81,8 @@ def live(
     commanded = _program(program, wanted)
     slots = wanted_sensors(sensors)
     found = chosen_url(url, clock)
+    drive = _robot(robot, found)
+    legs = _legs(drive, wanted) if program == _BUILT_IN else None
     if commanded is not None:
         get_leave(found, commanded.ports, yes=yes)
     tell_of_compiling()
@@ -83,32 +90,50 @@ def live(
         plants=plants_since(one_model(since, plant) or _PLANT, wanted),
         sensors=slots,
         program=commanded,
+        driver=legs,
         adopt=adopt,
-        experiment=program == _BUILT_IN,
+        experiment=program == _BUILT_IN and legs is None,
         out=out,
         pace=pace_of(found),
     )
     showing = Showing(
         title=found, schema=LIVE_SCHEMA, view=view, save=save, report=report, model_out=model_out, since=since,
-        json=json, world=robot is not None,
+        json=json, world=drive is not None,
     )  # fmt: skip
-    hold(found, options, seconds or None, showing, robot=_beside(robot, found, silent=json == "-"))
+    hold(found, options, seconds or None, showing, robot=_beside(drive, silent=json == "-"))
 
 
-def _beside(robot: str | None, url: str, *, silent: bool) -> WatchedRobot | None:
-    """The robot in the world behind the URL, beside its ghost, if it is to be watched."""
-    if robot is None:
+def _robot(name: str | None, url: str) -> DifferentialDrive | None:
+    """The model of the robot in the world behind the URL, if there is one to be watched beside its ghost."""
+    if not url.startswith("mock:?") or "world=" not in url:
+        if name is not None:
+            raise typer.BadParameter(
+                "only a robot in mock:?world=FILE has a pose that can be seen", param_hint="--robot"
+            )
         return None
-    from nxt_twin.api.robots import WatchedRobot
-    from nxt_twin.cli.watching import Printer
+    from nxt_twin.api.robots import usual_robot
     from nxt_twin.physics.robot.drive import drive_from_config
     from nxt_twin.recording.configs import load_plant_config
 
-    if not url.startswith("mock:?") or "world=" not in url:
-        raise typer.BadParameter(
-            "only a robot in mock:?world=FILE has a pose that can be seen", param_hint="--robot"
-        )
-    drive = drive_from_config(load_plant_config(robot))
+    name = name or usual_robot(url)
+    return None if name is None else drive_from_config(load_plant_config(name))
+
+
+def _legs(drive: DifferentialDrive | None, ports: tuple[Port, ...]) -> LegsDriver | None:
+    """What drives a robot's wheels, if both are among the ports."""
+    from nxt_twin.twin.legs import LegsDriver
+
+    if drive is None or drive.left not in ports or drive.right not in ports:
+        return None
+    return LegsDriver(drive.left, drive.right)
+
+
+def _beside(drive: DifferentialDrive | None, *, silent: bool) -> WatchedRobot | None:
+    if drive is None:
+        return None
+    from nxt_twin.api.robots import WatchedRobot
+    from nxt_twin.cli.watching import Printer
+
     return WatchedRobot(drive, (lambda _: None) if silent else Printer().event)
 
 

@@ -16,7 +16,7 @@ from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.adopt import Adopter
 from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.brick_twin import BrickTwin
-from nxt_twin.twin.driver import Detour, ProgramDriver
+from nxt_twin.twin.driver import Detour, Driver, ProgramDriver
 from nxt_twin.twin.logbook import columns_of
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
@@ -35,6 +35,7 @@ class LiveOptions:
         plants: the model of each motor that is watched.
         sensors: what is plugged in, by slot.
         program: what the motors are commanded, again and again; None only watches what others command.
+        driver: commands the motors in the program's place.
         adopt: whether a divergence is diagnosed, and what is found is taken over.
         experiment: whether the motors may run what a diagnosis asks for, in between.
         out: where the session is recorded, .csv or .parquet; None records nothing.
@@ -45,6 +46,7 @@ class LiveOptions:
     plants: Mapping[Port, Plant]
     sensors: Mapping[Slot, SensorKind] = field(default_factory=dict)
     program: MotorProgram | None = None
+    driver: Driver | None = None
     adopt: bool = False
     experiment: bool = False
     out: Path | None = None
@@ -74,7 +76,10 @@ def live_sitting(options: LiveOptions, open_brick: Callable[[], Brick], clock: C
     recorder = None
     if options.out is not None:
         recorder = RecordingWriter(options.out, columns_of(tuple(options.plants), options.sensors))
-    detour = None if options.program is None else Detour(ProgramDriver(options.program))
+    usual = options.driver
+    if usual is None and options.program is not None:
+        usual = ProgramDriver(options.program)
+    detour = None if usual is None else Detour(usual)
     experiment = detour.run if detour is not None and options.experiment else None
     parts = Parts(
         open_brick=open_brick,

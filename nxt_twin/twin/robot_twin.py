@@ -11,6 +11,7 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.robot.engine import RobotAnswer, diagnose_robot
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.robot.drive import DifferentialDrive
@@ -28,6 +29,8 @@ TOGETHER_M: Final = 0.5
 """After adoption the ghost has to hold for so long a way."""
 GATHERED_S: Final = 12.0
 """A diagnosis needs so much driving; after one that named nothing, twice as much."""
+CLEARLY: Final = 0.5
+"""A model is taken over where its held-out error is below this share of the given model's."""
 ROW_S: Final = 0.018
 """Readings that follow sooner are left out."""
 
@@ -173,7 +176,7 @@ class RobotTwin:
             answer = waiting.result()
         except NxtTwinError as error:
             return [_event(reading, "undiagnosed", f"the robot's path is not diagnosed: {error}")]
-        if answer.diagnosis.verdict != "explained":
+        if answer.diagnosis.verdict != "explained" or not _clearly_better(answer.diagnosis):
             return [_event(reading, "undiagnosed", answer.diagnosis.sentence)]
         return self._adopt(answer, reading)
 
@@ -204,6 +207,12 @@ class RobotTwin:
             POSE_HEADING: [row.heading_deg for row in rows],
         }
         return Recording("live", {name: np.array(values) for name, values in columns.items()})
+
+
+def _clearly_better(said: Diagnosis) -> bool:
+    """Short paths fit many explanations a little; only one that holds on unseen parts of them is worth adopting."""
+    whole = said.fit.horizons[-1]
+    return whole.improved < CLEARLY * whole.given
 
 
 def _event(reading: RobotReading, kind: EventKind, words: str) -> Event:

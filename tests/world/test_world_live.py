@@ -9,19 +9,19 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from nxt_twin.api.robots import WatchedRobot
+from nxt_twin.api.robots import WatchedRobot, usual_robot
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.app import program
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.physics.robot.drive import drive_from_config
 from nxt_twin.recording.configs import load_plant_config
+from nxt_twin.twin import robot_twin
+from nxt_twin.twin.legs import LEGS
 from nxt_twin.twin.records import Innovation, Tick
 from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.load import load_setting
 from nxt_twin.world.pose import Heading
-
-LEGS = ((0, 0, 0.2), (35, 35, 2.0), (30, -30, 0.9), (35, 35, 2.0), (-30, 30, 1.2), (0, 0, 0.3), (40, 30, 2.0))
 
 
 class AtOnce(Executor):
@@ -36,7 +36,7 @@ class AtOnce(Executor):
 def drive(twin, arena, legs):
     """What the twin says while a robot drives."""
     said, heading = [], Heading()
-    for left, right, seconds in legs:
+    for seconds, left, right in legs:
         for port, power in ((1, left), (2, right)):
             arena.body.set_motor(port, power, brake=True)
         for _ in range(round(seconds / 0.02)):
@@ -64,16 +64,33 @@ def watched(tmp_path):
 
 def test_robot_and_ghost_part_at_a_smaller_wheel_are_told_why_and_are_together_again(watched):
     twin, arena = watched(27.0)
-    said = drive(twin, arena, (*LEGS, *LEGS, (35, 35, 1.5)))
+    said = drive(twin, arena, LEGS)
     assert [event.kind for event in said] == ["divergence", "effect_named", "adopted", "calm"]
     assert "unequal_wheels" in said[2].words
     assert twin.drive.geometry.wheel_radius_ratio == pytest.approx(27.0 / 28.0, abs=0.003)
     assert said[0].time_s < 4.0
 
 
+def test_a_model_that_is_hardly_better_is_not_adopted(watched, monkeypatch):
+    monkeypatch.setattr(robot_twin, "CLEARLY", 0.01)
+    twin, arena = watched(27.0)
+    assert [event.kind for event in drive(twin, arena, LEGS[:20])] == ["divergence", "undiagnosed"]
+    assert twin.drive.geometry.wheel_radius_ratio == 1.0
+
+
+@pytest.mark.parametrize(
+    ("robot", "plant"),
+    [("tribot", "tribot"), ({"like": "castor_bot", "wheels": {}}, "castor_bot"), ("arm", None)],
+)
+def test_a_robot_in_a_world_is_watched_by_the_plant_that_it_is_like(tmp_path, robot, plant):
+    path = tmp_path / "world.yaml"
+    path.write_text(yaml.safe_dump({"robot": robot}))
+    assert usual_robot(f"mock:?world={path}") == plant
+
+
 def test_robot_and_ghost_stay_together_where_the_model_is_right(watched):
     twin, arena = watched(28.0)
-    assert drive(twin, arena, LEGS) == []
+    assert drive(twin, arena, LEGS[:16]) == []
 
 
 def test_a_session_shows_the_world_and_how_robot_and_ghost_part(tmp_path):
