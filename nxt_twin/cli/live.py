@@ -66,8 +66,8 @@ def live(
     """Watch a brick beside its model: readings, predictions, and the moment at which they diverge.
 
     By default the motors run a program of steps, ramps and rests, so put the robot on blocks; a robot beside its ghost
-    drives squares. Ctrl-C ends the session, and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the
-    brick cannot be reached or answers no poll; 2 for wrong use.
+    drives squares. Ctrl-C ends the session, and the motors coast. The last line and the JSON give the verdict. Exit
+    status 0 after any verdict; 1 if the brick cannot be reached or answers no poll; 2 for wrong use.
     """
     # The help of this command needs none of these, and they take a second.
     from nxt_twin.brick.clock import SystemClock
