@@ -65,9 +65,9 @@ def live(
 ) -> None:
     """Watch a brick beside its model: readings, predictions, and the moment at which they diverge.
 
-    By default the motors run a program of steps, ramps and rests, so put the robot on blocks; a robot beside its ghost
-    drives squares. Ctrl-C ends the session, and the motors coast. The last line and the JSON give the verdict. Exit
-    status 0 after any verdict; 1 if the brick cannot be reached or answers no poll; 2 for wrong use.
+    By default the motors run a program of steps, ramps and rests, so put the robot on blocks. Ctrl-C ends the session,
+    and the motors coast. The last line and the JSON give the verdict. Exit status 0 after any verdict; 1 if the brick
+    cannot be reached or answers no poll; 2 for wrong use.
     """
     # The help of this command needs none of these, and they take a second.
     from nxt_twin.brick.clock import SystemClock
@@ -81,8 +81,7 @@ def live(
     commanded = _program(program, wanted)
     slots = wanted_sensors(sensors)
     found = chosen_url(url, clock)
-    drive = _robot(robot, found)
-    legs = _legs(drive, wanted) if program == _BUILT_IN else None
+    drive, legs = _watched(robot, found, wanted, built_in=program == _BUILT_IN)
     if commanded is not None:
         get_leave(found, commanded.ports, yes=yes)
     tell_of_compiling()
@@ -119,13 +118,16 @@ def _robot(name: str | None, url: str) -> DifferentialDrive | None:
     return None if name is None else drive_from_config(load_plant_config(name))
 
 
-def _legs(drive: DifferentialDrive | None, ports: tuple[Port, ...]) -> LegsDriver | None:
-    """What drives a robot's wheels, if both are among the ports."""
+def _watched(
+    name: str | None, url: str, ports: tuple[Port, ...], *, built_in: bool
+) -> tuple[DifferentialDrive | None, LegsDriver | None]:
+    """The robot to be watched, and what drives it in the built-in program's place if both wheels are among the ports."""
     from nxt_twin.twin.legs import LegsDriver
 
-    if drive is None or drive.left not in ports or drive.right not in ports:
-        return None
-    return LegsDriver(drive.left, drive.right)
+    drive = _robot(name, url)
+    if drive is None or not built_in or not {drive.left, drive.right} <= set(ports):
+        return drive, None
+    return drive, LegsDriver(drive.left, drive.right)
 
 
 def _beside(drive: DifferentialDrive | None, *, silent: bool) -> WatchedRobot | None:

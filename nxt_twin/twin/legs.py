@@ -1,4 +1,4 @@
-"""What a robot on two wheels drives while it is watched beside its ghost."""
+"""The squares that a robot on two wheels drives while it is watched beside its ghost."""
 
 from __future__ import annotations
 
