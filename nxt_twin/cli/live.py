@@ -37,6 +37,10 @@ RobotOption = Annotated[
     ),
 ]
 
+ReportOption = Annotated[
+    Path | None, typer.Option(help="Folder for HTML reports: the session, and each diagnosis of --adopt.")
+]
+
 
 def live(
     url: Annotated[str | None, typer.Argument(help="As for connect; without: the first brick found.")] = None,
@@ -56,10 +60,7 @@ def live(
     model_out: Annotated[Path | None, typer.Option(help="Write the adopted plant as YAML.")] = None,
     view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
-    report: Annotated[
-        Path | None,
-        typer.Option(help="Folder for HTML reports: the session, and each diagnosis of --adopt."),
-    ] = None,
+    report: ReportOption = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,
     json: JsonOption = None,
 ) -> None:
@@ -121,7 +122,7 @@ def _robot(name: str | None, url: str) -> DifferentialDrive | None:
 def _watched(
     name: str | None, url: str, ports: tuple[Port, ...], *, built_in: bool
 ) -> tuple[DifferentialDrive | None, LegsDriver | None]:
-    """The robot to be watched, and what drives it in the built-in program's place if both wheels are among the ports."""
+    """The robot to be watched, and what drives it in the built-in program's place if both wheels may turn."""
     from nxt_twin.twin.legs import LegsDriver
 
     drive = _robot(name, url)
