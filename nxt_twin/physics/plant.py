@@ -116,6 +116,12 @@ class Plant:
         return config
 
 
+_LOOP = (
+    "a goal drives a servo: write `kind: servo` and `position_gain_pct_per_deg: …` in the plant, or another "
+    "`input: {kind: …}` in the mapping"
+)
+
+
 def frame_for(kind: str, input_kind: InputKind) -> Frame:
     """The frame of a plant of `kind` that is driven by `input_kind`.
 
@@ -124,7 +130,8 @@ def frame_for(kind: str, input_kind: InputKind) -> Frame:
     """
     frame = layout(kind, _FRAME_OF_INPUT[input_kind]).frame
     if (BASES[kind].control is not None) != (input_kind in GOALS):
-        raise PlantError(f"a {kind} is not driven by {input_kind}", where="plant", mend=DRIVEN_BY)
+        mend = _LOOP if input_kind in GOALS else DRIVEN_BY
+        raise PlantError(f"a {kind} is not driven by {input_kind}", where="plant", mend=mend)
     return frame
 
 

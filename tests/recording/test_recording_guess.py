@@ -168,6 +168,15 @@ def test_files_that_differ_in_the_number_of_their_names_have_values_of_their_own
     assert first.columns["input"][0] == 40.0
 
 
+def test_a_command_at_which_the_reading_comes_to_rest_is_a_goal(put):
+    goal = np.repeat([20.0, -30.0, 55.0, 5.0, -60.0, 40.0, 10.0, -15.0], ROWS // 8)
+    reading = np.concatenate([[0.0], goal[:-1]])
+    for _ in range(3):
+        reading = np.convolve(reading, np.ones(8) / 8)[:ROWS]
+    keys, _ = guessed(put("servo.csv", lines("t,u,present_deg", T, goal, np.round(reading, 2))))
+    assert keys["input"] == {"column": "u", "kind": "goal_position_deg"}
+
+
 def test_a_joint_that_is_not_there_is_refused(put, refusal):
     table = put("log.csv", lines("t,pwm,hip_deg", T, U, DEG))
     assert "write `output: {column" in refusal(MappingError, guess_mapping, table, "knee")

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 
+from nxt_twin.recording.checks import hold
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.profile import ISO, TableColumn
 from nxt_twin.recording.guess.vocabulary import has, unit_of
@@ -29,6 +30,9 @@ _ENCODERS = (
 )
 _ROS_ANGLE = re.compile(r".+\..+\.position")
 _ROBOT_WORDS = ("q", "qm")
+_FEWEST_LEAPS = 5
+_SLOPE_OFF = 0.2
+_ALIKE = 0.95
 _FINEST = 20_000  # steps that a reading spans; finer ones are the digits it was printed with
 _DISTINCT = 8
 _TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
@@ -102,6 +106,10 @@ def input_scale(column: TableColumn, output: TableColumn) -> Scale:
             return "goal", own, size, "named like a goal, in the unit of the reading"
     if measures in INPUTS:
         return measures, unit, 1.0, f"its name or unit says {unit}"
+    if is_followed(column, output):
+        role, own, size, _ = output_scale(output)
+        if role == "angle":
+            return "goal", own, size, "the reading comes to where it says, so it is a goal; CHECK"
     for role in ("voltage", "current", "torque", "force"):
         if has(column, role):
             first = next(iter(INPUTS[role]))
@@ -122,6 +130,17 @@ def input_scale(column: TableColumn, output: TableColumn) -> Scale:
         100.0 / column.largest,
         f"{named}, full at its largest value, {column.largest:g}; CHECK",
     )
+
+
+def is_followed(command: TableColumn, reading: TableColumn) -> bool:
+    """Whether the reading, before each leap of the command, is where the command says."""
+    at, there = (hold(each.values, float(each.known[0])) for each in (command, reading))
+    leaps = np.flatnonzero(np.diff(at) != 0.0)
+    if leaps.size < _FEWEST_LEAPS or np.ptp(at[leaps]) == 0.0 or np.ptp(there[leaps]) == 0.0:
+        return False
+    slope, _ = np.polyfit(at[leaps], there[leaps], 1)
+    alike = np.corrcoef(at[leaps], there[leaps])[0, 1]
+    return bool(abs(slope - 1.0) < _SLOPE_OFF and alike > _ALIKE)
 
 
 def split_action(column: TableColumn) -> bool:

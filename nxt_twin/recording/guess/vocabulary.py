@@ -12,7 +12,7 @@ _WRITTEN = """
 time: t time timestamp stamp ms millis micros seconds sec clock date datetime zeit tempo temps
 counter: index frame row id n nr no sample step count counter
 split: episode run trial experiment segment repeat rep versuch
-mode: enabled enable mode active brake coast bridge drive state
+mode: enabled enable mode active brake coast bridge drive
 goal: action goal target setpoint setpt reference ref desired des soll qg
 angle: angle ang theta phi position pos qm q tacho encoder enc ticks counts rotation winkel state deg
 speed: speed velocity vel omega rpm qd dq rate geschwindigkeit
