@@ -12,12 +12,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import final
 
 LANES = 8
-"""Sets abreast: as many doubles as the widest registers hold (AVX-512). Narrower ones take two or four turns."""
+"""Sets in a block: as many doubles as the widest registers hold (AVX-512). Narrower ones take two or four turns."""
+
+MOST = 32
+"""Sets abreast at most. Two blocks take half as long again as one, which mostly waits for its own results."""
 
 FEWEST = 4
 """Sets that are worth it: a step of all lanes takes as long as three or four steps of one set."""
 
 _GIVEN = "values"
+_OF_JOBS = frozenset(
+    ("gains", "reading_std", "log_scale", "restart", "restart_angle", "restart_speed", "restart_states")
+)
 _OUTPUTS = ("predicted", "weight", "cost")
 _TRACE = "trace"
 
@@ -27,27 +33,27 @@ Statements = Sequence[ast.stmt]
 def abreast(run: str) -> str:
     """The source of `run_abreast` from that of `run`, a function of one parameter set.
 
-    Two arguments come first: `blocks`, and the row of each lane's set in `values` and in the outputs. There is one
-    block of `LANES` sets, which the compiler must not know: it would unroll the loops. The other arguments are those
-    of `run`, which may no longer trace.
+    Three arguments come first: how many `blocks` of `LANES` sets there are, the `row` of each lane's set in `values` and
+    in the outputs, and `of`, its row in what corrects and starts it. The other arguments are those of `run`, which
+    may no longer trace.
     """
     function = next(node for node in ast.parse(run).body if isinstance(node, ast.FunctionDef))
     body = _Untraced().visit(function).body
     rewriting = _Rewriting(_differing(body))
     function.name = "run_abreast"
     arguments = [one for one in function.args.args if one.arg != _TRACE]
-    function.args.args = [ast.arg("blocks"), ast.arg("row"), *arguments]
+    function.args.args = [ast.arg("blocks"), ast.arg("row"), ast.arg("of"), *arguments]
     function.body = [*ast.parse(f"w = np.empty({rewriting.size})").body, *rewriting.rewritten(body)]
     return ast.unparse(ast.fix_missing_locations(function))
 
 
 def _differing(body: Statements) -> list[str]:
-    """The names whose values differ between sets: what follows from the parameters, or where these decide."""
-    found = {_GIVEN, *_OUTPUTS}
+    """The names whose values differ between sets: what follows from parameters and gains, or where these decide."""
+    found = {_GIVEN, *_OF_JOBS, *_OUTPUTS}
     while True:
         new = {name for name in _assigned_differently(body, found, differs=False) if name not in found}
         if not new:
-            return sorted(found - {_GIVEN})
+            return sorted(found - {_GIVEN, *_OF_JOBS})
         found |= new
 
 
@@ -106,8 +112,8 @@ class _Rewriting(ast.NodeTransformer):
     """Puts loops over lanes around statements, and an element of the array in the place of what differs there."""
 
     def __init__(self, differing: Iterable[str]) -> None:
-        self._place = {name: LANES * number for number, name in enumerate(differing)}
-        self.size = LANES * len(self._place)
+        self._place = {name: MOST * number for number, name in enumerate(differing)}
+        self.size = MOST * len(self._place)
 
     def rewritten(self, body: Statements) -> list[ast.stmt]:
         """The statements, those that differ between sets in loops over lanes."""
@@ -128,7 +134,7 @@ class _Rewriting(ast.NodeTransformer):
         return found + self._looped(waiting)
 
     def _differs(self, statement: ast.stmt) -> bool:
-        return bool(_names(statement) & {_GIVEN, *self._place})
+        return bool(_names(statement) & {_GIVEN, *_OF_JOBS, *self._place})
 
     def _is_shared(self, statement: ast.stmt) -> bool:
         """Whether all sets go through the statement's inside together, if at all."""
@@ -165,9 +171,17 @@ class _Rewriting(ast.NodeTransformer):
             case ast.Name(id=name) if name in _OUTPUTS:
                 return self._element(name, node.ctx)
             case ast.Name(id=name) if name == _GIVEN:
-                row = ast.parse("row[lane]", mode="eval").body
-                return ast.Subscript(node.value, ast.Tuple([row, node.slice], ast.Load()), node.ctx)
+                return self._of_lane("row", node)
+            case ast.Name(id=name) if name in _OF_JOBS:
+                return self._of_lane("of", node)
         return ast.Subscript(self.visit(node.value), self.visit(node.slice), node.ctx)
+
+    def _of_lane(self, which: str, node: ast.Subscript) -> ast.expr:
+        """The element of an array whose first index is that of the lane's own row."""
+        own = ast.parse(f"{which}[lane]", mode="eval").body
+        inner = self.visit(node.slice)
+        rest = inner.elts if isinstance(inner, ast.Tuple) else [inner]
+        return ast.Subscript(node.value, ast.Tuple([own, *rest], ast.Load()), node.ctx)
 
     def _element(self, name: str, context: ast.expr_context) -> ast.expr:
         index = ast.BinOp(ast.Constant(self._place[name]), ast.Add(), ast.Name("lane", ast.Load()))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
 from nxt_twin.physics import frame
-from nxt_twin.physics.abreast import FEWEST, LANES, abreast
+from nxt_twin.physics.abreast import FEWEST, LANES, MOST, abreast
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
@@ -43,6 +43,7 @@ _FRAME = (
     frame.room,
     frame.schedule,
     frame.log_scales,
+    frame.anywhere,
     frame.same,
     frame.free_speed,
     frame.slowed,
@@ -72,7 +73,7 @@ def source(plan: Layout) -> str:
         lag=_indent(_stage(plan, "lag"), 8),
     )
     run = _run(plan, step, states)
-    many = MANY.format(compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, fewest=FEWEST)
+    many = MANY.format(compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, most=MOST, fewest=FEWEST)
     stepping = STEPPING.format(
         unpack=_indent(_unpack(plan), 8),
         load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),
@@ -89,13 +90,13 @@ def _run(plan: Layout, step: list[str], states: list[str]) -> str:
     return RUN.format(
         unpack=_indent(_unpack(plan), 4),
         states_zero_outer=_indent((f"{state} = 0.0" for state in states), 4),
-        states_restart=_indent(_restart(plan), 12),
-        states_known=_indent((f"{s} = restart_states[begun, {n}]" for n, s in enumerate(carried)), 16),
+        states_restart=_indent(_restart(plan), 16),
+        states_known=_indent((f"{s} = restart_states[int(begun), {n}]" for n, s in enumerate(carried)), 20),
         states_traced=_indent((f"trace[k, {len(TRACE) + n}] = {s}" for n, s in enumerate(carried)), 16),
         others=_others(plan),
         step=_indent(iter(step), 16),
         settling=SETTLING,
-        settle=_indent(_stage(plan, "reading"), 20),
+        settle=_indent(_stage(plan, "reading"), 24),
         reading=_indent(_stage(plan, "reading"), 12),
         scatter=_indent(_stage(plan, "scatter"), 20),
         outlier=_indent(_stage(plan, "outlier"), 20),

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 
 _SQRT_TAU = math.sqrt(2.0 * math.pi)
 
@@ -96,10 +96,19 @@ def next_change(time_s: FloatArray, held: int, delay_s: float, stop: float) -> f
 
 def log_scales(reading_std: FloatArray) -> FloatArray:
     """The logarithm of a normal density's scale for each innovation's deviation; 0 where that is 0."""
-    found = np.zeros(reading_std.shape[0])
-    for k in range(reading_std.shape[0]):
-        if reading_std[k] > 0.0:
-            found[k] = math.log(reading_std[k] * _SQRT_TAU)
+    found = np.zeros(reading_std.shape)
+    for v in range(reading_std.shape[0]):
+        for k in range(reading_std.shape[1]):
+            if reading_std[v, k] > 0.0:
+                found[v, k] = math.log(reading_std[v, k] * _SQRT_TAU)
+    return found
+
+
+def anywhere(flags: BoolArray) -> BoolArray:
+    """In which columns any flag is set."""
+    found = np.zeros(flags.shape[1], np.bool_)
+    for v in range(flags.shape[0]):
+        found |= flags[v]
     return found
 
 

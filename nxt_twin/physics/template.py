@@ -33,7 +33,7 @@ def _timing(values, active, out_time_s, target_s):
 RUN = """
 def run(
     values, active, span, steps, first,
-    measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
+    measured, judged, anew, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
     observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
 {unpack}
@@ -46,7 +46,7 @@ def run(
     duty = 0.0
     drive_torque = 0.0
     last_reading = 0.0
-    begun = 0
+    begun = 0.0
     inertia = base__inertia
 {states_zero_outer}
     for k in range(rows):
@@ -67,23 +67,24 @@ def run(
                 elapsed_s = span[n, 3] + piece * piece_s
 {step}
         reading = measured[k]
-        if restart[k]:
-            angle = restart_angle[k]
-            speed = restart_speed[k]
-            current = 0.0
-            disturbance = 0.0
-            last_reading = speed if observe_speed else angle
+        if anew[k]:
+            if restart[k]:
+                angle = restart_angle[k]
+                speed = restart_speed[k]
+                current = 0.0
+                disturbance = 0.0
+                last_reading = speed if observe_speed else angle
 {states_restart}
-            if restart_states.shape[0] > 0:
+                if restart_states.shape[-1] > 0:
 {states_known}
-            begun += 1
-            if any_reading:
-                for _ in range({settling}):
-                    shift = 0.0
-                    speed_shift = 0.0
+                begun += 1.0
+                if any_reading:
+                    for _ in range({settling}):
+                        shift = 0.0
+                        speed_shift = 0.0
 {settle}
-                    angle = restart_angle[k] - shift
-                    speed = restart_speed[k] - speed_shift
+                        angle = restart_angle[k] - shift
+                        speed = restart_speed[k] - speed_shift
         predicted_reading = speed if observe_speed else angle
         if any_reading:
             shift = 0.0
@@ -93,10 +94,11 @@ def run(
         predicted[k] = predicted_reading
         weight[k] = 0.0
         cost[k] = 0.0
-        if reading == reading and not restart[k]:
+        if reading == reading:
+            counts = 0.0 if restart[k] else 1.0
             innovation = reading - predicted_reading
             fresh = 1.0
-            if reading_std[k] > 0.0:
+            if judged:
                 std = reading_std[k]
                 log_std = log_scale[k]
                 trust = 1.0
@@ -113,11 +115,13 @@ def run(
                 else:
                     cost[k] = 0.5 * ratio * ratio + log_std
                 fresh *= trust
+            fresh *= counts
+            cost[k] *= counts
             weight[k] = fresh
             angle += gains[k, 0] * fresh * innovation
             speed += gains[k, 1] * fresh * innovation
             disturbance += gains[k, 2] * fresh * innovation
-            last_reading = reading
+            last_reading = reading if counts > 0.0 else last_reading
         if trace.shape[0] > 0:
             shift = 0.0
             speed_shift = 0.0
@@ -141,8 +145,8 @@ MANY = """
 
 {compiled}
 def run_many(
-    values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s, others_load,
-    out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
+    values, active, of, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s,
+    others_load, out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
     target_s = np.empty(out_time_s.shape[0])
@@ -150,6 +154,7 @@ def run_many(
     others = (others_time_s, others_load)
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
     log_scale = _log_scales(reading_std)
+    judged = reading_std[0, 0] > 0.0
     delay_s, pace, lagged = math.nan, math.nan, False
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
@@ -157,9 +162,10 @@ def run_many(
         if lagged or before != (delay_s, pace, False):
             clock = (delay_s, pace, step_max_s, disturbance_rate)
             _schedule(target_s, commands, others, clock, (span, steps, first))
+        v = of[i]
         run(
-            values[i], active[i], span, steps, first,
-            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
+            values[i], active[i], span, steps, first, measured, judged, restart[v],
+            gains[v], reading_std[v], log_scale[v], restart[v], restart_angle[v], restart_speed[v], restart_states[v],
             observe_speed, session_s, predicted[i], weight[i], cost[i], trace, stop,
         )
 
@@ -170,7 +176,7 @@ def run_many(
 
 {compiled}
 def run_together(
-    blocks, values, active, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s,
+    values, active, of, step_max_s, command_time_s, command, command_mode, command_supply_v, others_time_s,
     others_load, out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
@@ -178,15 +184,17 @@ def run_together(
     target_s, other_s = np.empty(rows), np.empty(rows)
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
     log_scale = _log_scales(reading_std)
+    judged = reading_std[0, 0] > 0.0
+    anew = _anywhere(restart)
     left = np.ones(sets, np.bool_)
-    row = np.empty({lanes}, np.int64)
+    row = np.empty({most}, np.uint32)
     for i in range(sets):
         if not left[i]:
             continue
         timing = _timing(values[i], active[i], out_time_s, target_s)
         alike = 0
         for j in range(i, sets):
-            if alike < {lanes} and left[j] and _same(active[i], active[j]):
+            if alike < {most} and left[j] and _same(active[i], active[j]):
                 other = _timing(values[j], active[j], out_time_s, other_s)
                 if other == timing and _same(target_s, other_s):
                     left[j] = False
@@ -195,7 +203,7 @@ def run_together(
         if alike < {fewest}:
             for j in row[:alike]:
                 run_many(
-                    values[j:j + 1], active[j:j + 1], step_max_s, command_time_s, command, command_mode,
+                    values[j:j + 1], active[j:j + 1], of[j:j + 1], step_max_s, command_time_s, command, command_mode,
                     command_supply_v, others_time_s, others_load, out_time_s, measured, gains, reading_std, restart,
                     restart_angle, restart_speed, restart_states, disturbance_rate, observe_speed, session_s,
                     predicted[j:j + 1], weight[j:j + 1], cost[j:j + 1], trace, stop,
@@ -207,12 +215,13 @@ def run_together(
         )
         row[alike:] = row[alike - 1]
         run_abreast(
-            blocks, row, values, active[i], span, steps, first,
-            measured, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
+            (alike + {lanes} - 1) // {lanes}, row, of[row], values, active[i], span, steps, first, measured, judged,
+            anew, gains, reading_std, log_scale, restart, restart_angle, restart_speed, restart_states,
             observe_speed, session_s, predicted, weight, cost, stop,
         )
 """
-"""Many parameter sets over one recording, each by itself; and those abreast that take the same steps."""
+"""Many parameter sets over one recording, each by itself; and those abreast that take the same steps. `of` tells under
+which gains and from which starts each set runs, the first index of those arrays."""
 
 COMPILED = '@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})'
 

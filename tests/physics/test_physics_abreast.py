@@ -1,6 +1,7 @@
 """Parameter sets that are run abreast give what each gives by itself."""
 
 import ast
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ from physics_samples import NXT, job_with_readings
 
 from nxt_twin.physics.abreast import LANES, abreast
 from nxt_twin.physics.layout import layout
+from nxt_twin.physics.observer import Observer
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.simulate import free_job
+from nxt_twin.physics.start import restarts
 
 MOTOR = layout("dc_motor", "motor")
 
@@ -41,6 +45,21 @@ def test_sets_of_different_effects_and_delays_each_keep_their_place(motor_simula
     assert_as_alone(motor_simulator, plants, job_with_readings(motor_simulator, seconds=0.3))
 
 
+def test_one_recording_under_several_gains_and_starts_runs_as_each_alone(motor_simulator):
+    plants = [with_effect("missed_counts", 1.0 + 0.02 * n) for n in range(3)]
+    values, active = (np.array(part) for part in zip(*(plant.vectors() for plant in plants), strict=True))
+    tuned = job_with_readings(motor_simulator, seconds=0.5)
+    anew = free_job(tuned.signals, restarts(tuned.signals, 0.1))
+    weak = replace(tuned, observer=Observer(0.3 * tuned.observer.gains, 2.0 * tuned.observer.innovation_std))
+    jobs = [tuned, weak, replace(tuned, start=anew.start), anew]
+    for job, together in zip(jobs, motor_simulator.run(values, active, jobs), strict=True):
+        for n in range(len(plants)):
+            alone = motor_simulator.run(values[n : n + 1], active[n : n + 1], [job])[0]
+            for name in ("predicted", "weight", "cost"):
+                one, other = getattr(together, name)[n], getattr(alone, name)[0]
+                np.testing.assert_allclose(one, other, rtol=1e-8, atol=1e-8)
+
+
 def test_what_sets_share_is_done_once_and_what_differs_in_each_lane():
     run = """
 def run(values, given, predicted, weight, cost, trace):
@@ -59,7 +78,8 @@ def run(values, given, predicted, weight, cost, trace):
     exec(abreast(run), scope)
     predicted, weight, cost = np.zeros((3, LANES, 3))
     values, given = np.arange(float(LANES))[:, None], np.array([1.0, -1.0, 2.0])
-    scope["run_abreast"](1, np.arange(LANES)[::-1], values, given, predicted, weight, cost)
+    rows = np.arange(LANES)[::-1]
+    scope["run_abreast"](1, rows, np.zeros(LANES, dtype=int), values, given, predicted, weight, cost)
     np.testing.assert_array_equal(predicted, values + np.array([2.0, 2.0, 6.0]))
     assert (weight == 1.0).all()
     assert "shared = 2.0 * given[k]" in [ast.unparse(node) for node in ast.walk(ast.parse(abreast(run)))]

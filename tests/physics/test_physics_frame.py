@@ -65,7 +65,7 @@ def test_without_friction_the_trapezoidal_rule_holds():
 
 
 def test_a_reading_is_believed_by_its_share_of_the_density():
-    scale = log_scales(np.array([0.0, 0.5]))
+    scale = log_scales(np.array([[0.0, 0.5]]))[0]
     assert scale[0] == 0.0
     normal = math.exp(-0.5 * 1.2**2) / (0.5 * math.sqrt(2.0 * math.pi))
     assert believed(1.2, scale[1], 1.0, 0.0) == pytest.approx((1.0, -math.log(normal)))

@@ -43,8 +43,16 @@ def _likeliest(fitter: Fitter, near: Structure) -> Plant:
 def roughly_everything(fitter: Fitter, plant: Plant, noise: Noise, *, rounds: int) -> Structure:
     """Fit `plant` on target and check together, as closely as a structure is weighed.
 
-    Noise and parameters are estimated in turn for so many `rounds`; without a round, `noise` stays as it is.
+    Noise and parameters are estimated in turn for so many `rounds`; without a round, `noise` stays as it is. What a
+    fitter has fitted once is not fitted again.
     """
+    key = (id(plant), noise, rounds)
+    if key not in fitter.on_everything:
+        fitter.on_everything[key] = (plant, _roughly(fitter, plant, noise, rounds))
+    return fitter.on_everything[key][1]
+
+
+def _roughly(fitter: Fitter, plant: Plant, noise: Noise, rounds: int) -> Structure:
     target = fitter.problem.objective.everything().with_step(SETTLED.step_for(plant))
     for _ in range(rounds):
         plant = fitter.fit_on(with_noise(target, noise), plant, _WHILE_NOISE_SETTLES)[0].plant

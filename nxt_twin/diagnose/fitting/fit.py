@@ -235,13 +235,14 @@ def fit(
     iterations: int,
     patience_nats: float = _PATIENCE_NATS,
     covariance: bool,
+    roughly: bool = False,
 ) -> tuple[Fitted, Slopes]:
     """Move `variables` of `plant` to the most likely values, given the target's readings and the weak priors.
 
     Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
     A caller may pass slopes from an earlier fit of these variables on these readings. They hold while the
-    noise has changed little; inexact slopes are measured anew before the fit ends. Stops after so many
-    `iterations`, or where the next would gain less than `patience_nats`. Without `covariance` that of the
+    noise has changed little; inexact slopes are measured anew before the fit ends, unless it is to fit
+    `roughly`. Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance` that of the
     last step stands in for the one at the end, which takes twice as many runs.
     """
     search = _FitSurroundings(simulator, plant, tuple(variables), target.pulling())
@@ -267,10 +268,10 @@ def fit(
                     slopes, trials[best] - x, [one_of(result, best) for result in results]
                 )
                 x, objective = trials[best], float(objectives[best])
-        if gain < patience_nats and exact:
+        if gain < patience_nats and (exact or (roughly and promised < patience_nats)):
             break
         if gain < max(patience_nats, _TRUSTED * promised) and left > 0:
-            slopes = search.slopes(x)
+            slopes = search.slopes(x, slopes.results)
     cost = float(target.cost(slopes.results)[0])
     x = search.centred(x)
     hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
@@ -389,23 +390,29 @@ class _FitSurroundings:
         held = ((x <= self.lower) & (gradient > 0.0)) | ((x >= self.upper) & (gradient < 0.0))
         return np.asarray(~held)
 
-    def slopes(self, x: FloatArray, *, central: bool = False) -> Slopes:
-        """By one-sided differences, which do for a step, or by central ones, which a covariance needs."""
+    def slopes(
+        self, x: FloatArray, known: Sequence[Result] | None = None, *, central: bool = False
+    ) -> Slopes:
+        """By one-sided differences, which do for a step, or by central ones, which a covariance needs.
+
+        `known` are the runs at `x`, if there are any.
+        """
         size = x.size
         step = _DIFFERENCE * np.where(self._log, 1.0, np.maximum(np.abs(x), 0.1 * self.scale))
         ahead = np.where(x + step <= self.upper, x + step, np.maximum(x - step, self.lower))
         behind = np.maximum(x - step, self.lower) if central else x
-        sets = np.repeat(x[None], 2 * size + 1 if central else size + 1, axis=0)
+        sets = np.repeat(x[None], size * (2 if central else 1) + (known is None), axis=0)
         sets[np.arange(size), np.arange(size)] = ahead
         if central:
             sets[size + np.arange(size), np.arange(size)] = behind
         width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
         found = []
         predicted, last = predictions(self._simulator, *self._sets(sets), self._target.jobs, self._counted)
-        for own in predicted:
-            below = own[size : 2 * size] if central else own[-1]
+        here = tuple(known or last)
+        for own, result, mask in zip(predicted, here, self._counted, strict=True):
+            below = own[size : 2 * size] if central else result.predicted[0, mask]
             found.append(np.nan_to_num((own[:size] - below) / width[:, None]))
-        return Slopes(tuple(found), tuple(last), exact=True)
+        return Slopes(tuple(found), here, exact=True)
 
     def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
         """Slopes from under other noise or other shares of faults, with the run of these."""

@@ -19,6 +19,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
 
 _SIMULATING_ROUNDS = 3
+_DRIFT_RESTS = 0.02
 _SHARE_ROUNDS = 3
 _SHARE_RESTS = 0.03
 _TUNED_KEPT = 8
@@ -34,19 +35,21 @@ class Effort:
         iterations: most steps of the fit.
         patience_nats: the fit rests where the next step would gain less.
         covariance: whether the covariance is measured at the end.
+        roughly: whether it may rest on slopes that followed the steps.
     """
 
     step_s: float
     iterations: int
     patience_nats: float
     covariance: bool = False
+    roughly: bool = False
 
     def step_for(self, plant: Plant) -> float:
         """The step of the simulation for `plant`, s."""
         return step_for(plant, self.step_s)
 
 
-DRAFTED = Effort(DRAFT_STEP_S, 4, 1.0)
+DRAFTED = Effort(DRAFT_STEP_S, 4, 1.0, roughly=True)
 SETTLED = Effort(SETTLED_STEP_S, 12, 0.2)
 EXACT = Effort(STEP_S, 15, 0.05, covariance=True)
 """Enough to rank a candidate, enough to weigh a structure, and what is reported."""
@@ -54,7 +57,13 @@ EXACT = Effort(STEP_S, 15, 0.05, covariance=True)
 
 @final
 class Fitter:
-    """Fits plants to one problem's readings; the latest of the targets that suit a noise are kept."""
+    """Fits plants to one problem's readings; the latest of the targets that suit a noise are kept.
+
+    Attributes:
+        simulator, problem: what it was made with.
+        on_everything: what `everything.roughly_everything` has fitted, by the plant's identity, noise and rounds;
+            each with the plant, so that no other one gets this identity.
+    """
 
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.simulator = simulator
@@ -62,6 +71,7 @@ class Fitter:
         self._targets: dict[float, Target] = {STEP_S: problem.objective}
         self._tuned: dict[tuple[float, Noise], Target] = {}
         self._checks = Checks(simulator, problem)
+        self.on_everything: dict[tuple[int, Noise, int], tuple[Plant, Structure]] = {}
 
     def fit(
         self, plant: Plant, noise: Noise, effort: Effort = SETTLED, slopes: Slopes | None = None
@@ -88,6 +98,7 @@ class Fitter:
                 iterations=effort.iterations,
                 patience_nats=effort.patience_nats,
                 covariance=effort.covariance,
+                roughly=effort.roughly,
             )
             before, plant = plant, self._with_shares(fitted.plant, tuned)
             if rounds == _SHARE_ROUNDS or _shares_rest(before, plant):
@@ -102,13 +113,26 @@ class Fitter:
         variables = variables_of(plant, self.problem.plant, self.problem.scale)
         target = self.target(step_for(plant, DRAFT_STEP_S))
         target = target.everything() if everything else target
+        fitted, slopes = None, None
         for _ in range(_SIMULATING_ROUNDS):
-            noise = replace(noise, drift=drift_of(self.simulator, plant, target, noise))
+            drift = drift_of(self.simulator, plant, target, noise)
+            if fitted is not None and abs(drift - noise.drift) < _DRIFT_RESTS * drift:
+                break
+            noise = replace(noise, drift=drift)
             tuned = with_noise(target.simulating(), noise)
-            fitted, _ = fit(
-                self.simulator, plant, variables, tuned, iterations=12, patience_nats=0.2, covariance=False
+            fitted, slopes = fit(  # how far off simulations are changes what a reading weighs, and no slope
+                self.simulator,
+                plant,
+                variables,
+                tuned,
+                slopes,
+                iterations=12,
+                patience_nats=0.2 if everything else DRAFTED.patience_nats,
+                covariance=False,
+                roughly=not everything,
             )
             plant = fitted.plant
+        assert fitted is not None
         return fitted, noise
 
     def simulated_error(self, plant: Plant, noise: Noise) -> float:

@@ -34,6 +34,7 @@ _SAME_DAMPING = 0.1
 _WORSE_NATS = 100.0
 _LARGEST_DRIFT = 1e4
 _DRIFT_ROUNDS = 30
+_DRIFT_FOUND = 1e-6
 
 
 def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
@@ -77,7 +78,7 @@ def with_noise(target: Target, noise: Noise) -> Target:
 def _observer(signals: Signals, noise: Noise, corrected: BoolArray | None) -> Observer:
     if corrected is None:
         return observer(signals, noise)
-    free = observer(replace(signals, measured=np.where(corrected, signals.measured, np.nan)), noise)
+    free = observer(signals, noise, corrected)
     gains = free.gains.copy()
     gains[:, 2] = 0.0  # an unknown torque is no part of a simulation
     return Observer(gains, noise.drift * free.innovation_std)
@@ -98,7 +99,10 @@ def drift_of(simulator: Simulator, plant: Plant, target: Target, noise: Noise) -
     drift2 = max(float(np.median(square)), 1e-12)
     for _ in range(_DRIFT_ROUNDS):
         scaled = square / drift2
-        drift2 *= float(np.mean(scaled / np.sqrt(1.0 + scaled / SOFT**2)))
+        larger = float(np.mean(scaled / np.sqrt(1.0 + scaled / SOFT**2)))
+        drift2 *= larger
+        if abs(larger - 1.0) < _DRIFT_FOUND:
+            break
     return float(np.clip(math.sqrt(drift2), 1.0 / _LARGEST_DRIFT, _LARGEST_DRIFT))
 
 
