@@ -73,7 +73,9 @@ def source(plan: Layout) -> str:
         lag=_indent(_stage(plan, "lag"), 8),
     )
     run = _run(plan, step, states)
-    many = MANY.format(compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, most=MOST, fewest=FEWEST)
+    many = MANY.format(
+        compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, most=MOST, fewest=FEWEST
+    )
     stepping = STEPPING.format(
         unpack=_indent(_unpack(plan), 8),
         load=_indent((f"{state} = state[i, {3 + n}]" for n, state in enumerate(states)), 8),

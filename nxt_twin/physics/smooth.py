@@ -61,7 +61,9 @@ def _local_quadratic(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compile
             position[k] = reading[min(max(high - 1, 0), time_s.shape[0] - 1)]
             speed[k] = 0.0
             continue
-        n1 = n2 = n3 = n4 = r0 = r1 = r2 = 0.0  # the normal equations; written out, they take a tenth of the time
+        n1 = n2 = n3 = n4 = r0 = r1 = r2 = (
+            0.0  # the normal equations; written out, they take a tenth of the time
+        )
         for i in range(low, high):
             x = (time_s[i] - t0) / half_s
             n1 += x
