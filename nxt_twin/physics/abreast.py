@@ -33,9 +33,9 @@ Statements = Sequence[ast.stmt]
 def abreast(run: str) -> str:
     """The source of `run_abreast` from that of `run`, a function of one parameter set.
 
-    Three arguments come first: how many `blocks` of `LANES` sets there are, the `row` of each lane's set in `values` and
-    in the outputs, and `of`, its row in what corrects and starts it. The other arguments are those of `run`, which
-    may no longer trace.
+    Three arguments come first. `blocks` is how many times `LANES` sets there are. `row` tells for each lane where its
+    set stands in `values` and in the outputs, and `of` where it stands in gains and starts. The other arguments are
+    those of `run`, which may no longer trace.
     """
     function = next(node for node in ast.parse(run).body if isinstance(node, ast.FunctionDef))
     body = _Untraced().visit(function).body

@@ -113,12 +113,10 @@ class Fitter:
         variables = variables_of(plant, self.problem.plant, self.problem.scale)
         target = self.target(step_for(plant, DRAFT_STEP_S))
         target = target.everything() if everything else target
-        fitted, slopes = None, None
-        for _ in range(_SIMULATING_ROUNDS):
-            drift = drift_of(self.simulator, plant, target, noise)
-            if fitted is not None and abs(drift - noise.drift) < _DRIFT_RESTS * drift:
-                break
-            noise = replace(noise, drift=drift)
+        patience_nats = SETTLED.patience_nats if everything else DRAFTED.patience_nats
+        noise = replace(noise, drift=drift_of(self.simulator, plant, target, noise))
+        slopes = None
+        for left in reversed(range(_SIMULATING_ROUNDS)):
             tuned = with_noise(target.simulating(), noise)
             fitted, slopes = fit(  # how far off simulations are changes what a reading weighs, and no slope
                 self.simulator,
@@ -127,12 +125,15 @@ class Fitter:
                 tuned,
                 slopes,
                 iterations=12,
-                patience_nats=0.2 if everything else DRAFTED.patience_nats,
+                patience_nats=patience_nats,
                 covariance=False,
                 roughly=not everything,
             )
             plant = fitted.plant
-        assert fitted is not None
+            drift = drift_of(self.simulator, plant, target, noise) if left else noise.drift
+            if abs(drift - noise.drift) <= _DRIFT_RESTS * drift:
+                break
+            noise = replace(noise, drift=drift)
         return fitted, noise
 
     def simulated_error(self, plant: Plant, noise: Noise) -> float:
