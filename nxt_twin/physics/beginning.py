@@ -18,6 +18,7 @@ _LAGS_S = np.geomspace(0.015, 0.5, 11)
 _DELAYS_S = (0.0, 0.01, 0.02, 0.04, 0.08)
 _AS_GOOD = 1.5  # times the error of a motion that need not begin at rest
 _AS_NEAR = 0.5  # of the readings' step
+_ANOTHER = 0.1  # of the largest command
 _CLEARLY_WORSE = 4.0  # times the error from rest
 
 
@@ -60,10 +61,11 @@ def _drives_at_once(signals: Signals) -> bool:
 
 
 def _first_change_s(signals: Signals) -> float:
-    """How long after the first reading the command changes, s."""
+    """How long after the first reading the command has become clearly another, s."""
     held = signals.command[_in_force(signals)]
     later = signals.command_time_s > signals.time_s[0]
-    changed = signals.command_time_s[later & (signals.command != held)]
+    another = np.abs(signals.command - held) > _ANOTHER * np.abs(signals.command).max()
+    changed = signals.command_time_s[later & another]
     return float(changed[0] - signals.time_s[0]) if changed.size else np.inf
 
 

@@ -97,10 +97,10 @@ def run_in(signals: Signals) -> BoolArray:
 
 
 def windows(signals: Signals, every_s: float) -> BoolArray:
-    """At which samples windows of `every_s` begin, the first after the run-in; the first sample always."""
+    """At which samples windows of `every_s` begin, the first of them anew after the run-in."""
     unknown = run_in(signals)
-    begun_s = float(signals.time_s[np.argmin(unknown)])
-    at = np.diff(np.floor((signals.time_s - begun_s) / every_s), prepend=-np.inf) > 0.0
+    number = np.floor((signals.time_s - signals.time_s[0]) / every_s) - unknown
+    at = np.diff(number, prepend=-np.inf) > 0.0
     at &= np.isfinite(signals.measured) & ~unknown
     at[0] = True
     return np.asarray(at)
