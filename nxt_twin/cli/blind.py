@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.follow import follow
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.pairs import pairs as changed
@@ -111,6 +112,7 @@ def solve(
     """Diagnose every case of a folder; skip cases that have their JSON already."""
     from nxt_twin.blind.solve import case_folders, solve_all
 
+    tell_of_compiling()
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
     follow(
@@ -132,6 +134,7 @@ def reach(
     """Fit the true structure to every case: whether its effects are detectable, and the error that it reaches."""
     from nxt_twin.blind.solve import case_folders, reach_all
 
+    tell_of_compiling()
     folders = case_folders(cases)
     follow("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
@@ -255,6 +258,7 @@ def bench(
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts)
     follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
+    tell_of_compiling()
     folders = case_folders(cases)
     follow("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
     follow("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))

@@ -11,6 +11,7 @@ import typer
 
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock, SystemClock
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, progress
 from nxt_twin.cli.record import RecordedRun, Teller, opened, write_down
 from nxt_twin.cli.wanted import chosen_url, get_leave, tidy_end, wanted_ports
@@ -57,6 +58,8 @@ def drive(
     clock = SystemClock()
     found = chosen_url(url, clock)
     get_leave(found, wanted.ports, yes=yes)
+    if found.startswith("mock:"):
+        tell_of_compiling()
     done: list[RecordedRun] = []
     with tidy_end(), opened(found, clock) as brick:
         for run in wanted.runs:

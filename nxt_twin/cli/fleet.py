@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 
@@ -63,6 +64,8 @@ def diagnose(
 
     options = Options(seed, tolerated(tolerance))
     place = Cluster(cluster) if cluster else Processes(jobs)
+    if not cluster:
+        tell_of_compiling()
     with FleetTable(out) as table, _bar() as tell:
         tally = diagnose_fleet(places, table, options, place, tell)
     said = (

@@ -12,6 +12,7 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.follow import followed
 from nxt_twin.cli.output import JsonOption, emit_json
 
@@ -48,6 +49,7 @@ def proof(
         raise typer.BadParameter(f"'{chosen}' is none of {', '.join(RANGES)}", param_hint="--range")
     names = tuple(FAMILIES) if family == "all" else tuple(family.split(","))
     work = Proof(folder, RANGES[chosen], families_of(names), cases)
+    tell_of_compiling()
     others = peers and find_spec("pysindy") is not None
     outcomes = work.run(place_of(jobs, cluster), time.process_time, _until(minutes), peers=others)
     failed = followed("proving", outcomes, len(work.waiting()))

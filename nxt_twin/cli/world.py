@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption, emit_json, fail
 from nxt_twin.mock.serve.profile import LinkProfile
 
@@ -59,6 +60,7 @@ def world(
 
     if program is not None and not program.is_file():
         raise typer.BadParameter(f"there is no program {program}", param_hint="--program")
+    tell_of_compiling()
     arena = open_arena(load_setting(file), seed)
     watched = Watched(arena, Wanted(trace, film, save, ghost))
     began_s = time.monotonic()

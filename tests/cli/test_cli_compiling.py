@@ -33,6 +33,10 @@ def test_only_the_first_command_on_a_terminal_says_so(terminal, cached, told, tm
         ("live", "mock:", "--seconds", "1"),
         ("replay", "run.csv"),
         ("demo",),
+        ("drive", "nudge", "mock:"),
+        ("fleet", "diagnose", "runs"),
+        ("world", "bench"),
+        ("blind", "solve", "cases", "out"),
         ("identify", "motor_steps", "mock:", "--out", "steps"),
     ],
 )
