@@ -61,8 +61,7 @@ def world(
     if program is not None and not program.is_file():
         raise typer.BadParameter(f"there is no program {program}", param_hint="--program")
     tell_of_compiling()
-    arena = open_arena(load_setting(file), seed)
-    watched = Watched(arena, Wanted(trace, film, save, ghost))
+    watched = Watched(arena := open_arena(load_setting(file), seed), Wanted(trace, film, save, ghost))
     began_s = time.monotonic()
     with contextlib.redirect_stdout(sys.stderr) if json == "-" else contextlib.nullcontext():
         if program is None:
