@@ -36,6 +36,7 @@ from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
+from nxt_twin.diagnose.telling.far import moved_far
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.telling.notes import notes, on_the_load
 from nxt_twin.diagnose.where.mismatch import mismatch_of
@@ -155,7 +156,8 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         {one.id: one.name for one in sizes},
         patchwork=is_patchwork(evidence.record),
     )
-    sentence = " ".join([sentence, *words.too_small([one.name for one in evidence.needless]), *load])
+    far = moved_far(problem.plant, evidence.final.plant)
+    sentence = " ".join([*far, sentence, *words.too_small([one.name for one in evidence.needless]), *load])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,

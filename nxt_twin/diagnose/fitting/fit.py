@@ -16,6 +16,7 @@ from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator
 
+_RAN_AWAY = 1e30
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
@@ -287,6 +288,11 @@ def fit(
     return fitted, slopes
 
 
+def _tamed(values: FloatArray) -> FloatArray:
+    """What a simulation that ran away gives, as numbers whose products are numbers."""
+    return np.asarray(np.clip(np.nan_to_num(values), -_RAN_AWAY, _RAN_AWAY))
+
+
 def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
     """The step of the `free` variables; the others stay where they are."""
     step = np.zeros(gradient.size)
@@ -410,7 +416,7 @@ class _FitSurroundings:
         here = tuple(known or last)
         for own, result, mask in zip(predicted, here, self._counted, strict=True):
             below = own[size : 2 * size] if central else result.predicted[0, mask]
-            found.append(np.nan_to_num((own[:size] - below) / width[:, None]))
+            found.append(_tamed((own[:size] - below) / width[:, None]))
         return Slopes(tuple(found), here, exact=True)
 
     def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
@@ -426,7 +432,7 @@ class _FitSurroundings:
             slopes.predicted, slopes.results, results, self._counted, strict=True
         ):
             missed = after.predicted[0, mask] - before.predicted[0, mask] - scaled @ slope
-            found.append(slope + along[:, None] * np.nan_to_num(missed))
+            found.append(_tamed(slope + along[:, None] * np.nan_to_num(missed)))
         return Slopes(tuple(found), tuple(results), exact=False)
 
     def objective_of(self, x: FloatArray, slopes: Slopes) -> float:
@@ -445,5 +451,5 @@ class _FitSurroundings:
             weighted = told_apart(slope, self._likeness * np.where(self._log, 1.0, x / self.scale)) * inverse
             residual = (job.signals.measured[mask] - result.predicted[0, mask]) * inverse
             hessian += weighted @ weighted.T
-            gradient -= weighted @ np.nan_to_num(residual)
+            gradient -= weighted @ _tamed(residual)
         return hessian, gradient
