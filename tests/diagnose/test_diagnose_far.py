@@ -1,8 +1,10 @@
 """Parameters that a re-fit moved tenfold, or to nothing."""
 
+import numpy as np
 import pytest
 
 import nxt_twin as nt
+from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.diagnose.telling.far import moved_far
 
 GIVEN = nt.load_plant("nxt_motor")
@@ -32,3 +34,10 @@ def test_the_answer_begins_with_a_quantity_that_vanished_or_grew_tenfold(times, 
 def test_nothing_is_said_of_smaller_moves_or_of_effects_that_replace_a_key():
     assert moved_far(GIVEN, refitted(inertia_kg_m2=9.0, coulomb_friction_nm=0.11)) == ()
     assert moved_far(GIVEN, GIVEN.without(["coulomb_friction"])) == ()
+
+
+def test_the_squares_of_a_simulation_that_ran_away_are_numbers():
+    wild = tamed(np.array([np.inf, -1e200, np.nan, 2.0]))
+    assert np.isfinite(wild @ wild)
+    np.testing.assert_array_equal(wild[2:], [0.0, 2.0])
+    assert wild[0] > 0.0 > wild[1]

@@ -12,11 +12,11 @@ import numpy as np
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches, one_of, predictions, samples_of
 from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
+from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator
 
-_RAN_AWAY = 1e30
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
@@ -288,11 +288,6 @@ def fit(
     return fitted, slopes
 
 
-def _tamed(values: FloatArray) -> FloatArray:
-    """What a simulation that ran away gives, as numbers whose products are numbers."""
-    return np.asarray(np.clip(np.nan_to_num(values), -_RAN_AWAY, _RAN_AWAY))
-
-
 def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
     """The step of the `free` variables; the others stay where they are."""
     step = np.zeros(gradient.size)
@@ -416,7 +411,7 @@ class _FitSurroundings:
         here = tuple(known or last)
         for own, result, mask in zip(predicted, here, self._counted, strict=True):
             below = own[size : 2 * size] if central else result.predicted[0, mask]
-            found.append(_tamed((own[:size] - below) / width[:, None]))
+            found.append(tamed((own[:size] - below) / width[:, None]))
         return Slopes(tuple(found), here, exact=True)
 
     def brought(self, slopes: Slopes, x: FloatArray) -> Slopes:
@@ -432,7 +427,7 @@ class _FitSurroundings:
             slopes.predicted, slopes.results, results, self._counted, strict=True
         ):
             missed = after.predicted[0, mask] - before.predicted[0, mask] - scaled @ slope
-            found.append(_tamed(slope + along[:, None] * np.nan_to_num(missed)))
+            found.append(tamed(slope + along[:, None] * np.nan_to_num(missed)))
         return Slopes(tuple(found), tuple(results), exact=False)
 
     def objective_of(self, x: FloatArray, slopes: Slopes) -> float:
@@ -451,5 +446,5 @@ class _FitSurroundings:
             weighted = told_apart(slope, self._likeness * np.where(self._log, 1.0, x / self.scale)) * inverse
             residual = (job.signals.measured[mask] - result.predicted[0, mask]) * inverse
             hessian += weighted @ weighted.T
-            gradient -= weighted @ _tamed(residual)
+            gradient -= weighted @ tamed(residual)
         return hessian, gradient

@@ -1,0 +1,14 @@
+"""Numbers of a simulation that ran away."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+
+_RAN_AWAY = 1e30
+
+
+def tamed(values: FloatArray) -> FloatArray:
+    """The values, small enough that sums of their products are numbers; no number counts as 0."""
+    return np.asarray(np.clip(np.nan_to_num(values), -_RAN_AWAY, _RAN_AWAY))
