@@ -81,7 +81,7 @@ def _diagnosed(folder, port, **effects):
     return diagnose(read_case(folder)).diagnosis
 
 
-@pytest.mark.parametrize(("how", "ports"), [("alike", "ac"), ("apart", "a"), ("floating", "a")])
+@pytest.mark.parametrize(("how", "ports"), [("alike", "a"), ("apart", "a"), ("floating", "a")])
 def test_the_battery_that_all_share_is_named_with_its_own_resistance(cases, how, ports):
     for port in ports:
         found = _diagnosed(cases[how], port)

@@ -57,10 +57,9 @@ def test_nothing_is_missing_from_a_motor_that_is_the_models(tmp_path: Path, prof
     assert named(out) == expected
 
 
-@pytest.mark.parametrize("profile", ["none", "usb"])
-def test_what_is_in_the_mock_is_all_that_is_named(tmp_path: Path, profile: str) -> None:
+def test_what_is_in_the_mock_is_all_that_is_named(tmp_path: Path) -> None:
     """Its battery has a resistance that is so small that it need not show."""
-    assert named(identified(tmp_path, STICKY, profile)) in (["stiction"], ["stiction", "battery_sag"])
+    assert named(identified(tmp_path, STICKY, "usb")) in (["stiction"], ["stiction", "battery_sag"])
 
 
 @pytest.mark.parametrize(("profile", "least_s", "most_s"), [("none", 1e-3, 2e-3), ("bluetooth", 0.015, 0.05)])

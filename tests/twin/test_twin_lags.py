@@ -28,7 +28,7 @@ from nxt_twin.twin.settings import AT_ARRIVAL, PACES
 from nxt_twin.twin.sinks import Memory
 
 PORTS = ("a", "b", "c")
-SESSION_S = 15.0
+SESSION_S = 10.0
 
 
 def _watched(path, profile):
