@@ -14,7 +14,9 @@ import shutil
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import final
 
 import matplotlib.image
 import numpy as np
@@ -39,7 +41,7 @@ from nxt_twin.twin.verdict import Seen, verdict
 from nxt_twin.view.dashboard import Dashboard, open_dashboard
 from nxt_twin.view.dashboard.drawing.colours import LINK, TORQUE
 from nxt_twin.view.dashboard.drawing.layout import FOCUS
-from nxt_twin.view.live_report import Keeper, write_live_report
+from nxt_twin.view.live_report import Keeper, LinkedDiagnosis, write_live_report
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
 SENSORS: dict[int, SensorKind] = {1: "touch", 3: "light", 4: "ultrasonic"}
@@ -65,21 +67,31 @@ def main() -> None:
     chosen = words.parse_args()
     if chosen.chromium is None:
         sys.exit("there is no Chromium on this machine; name one with --chromium")
-    memory, kept, sentence = _session(chosen.seconds)
+    memory, told = _session(chosen.seconds)
     for event in memory.events:
         print(f"{event.time_s:6.1f} s  {event.words}")
     FOLDER.mkdir(parents=True, exist_ok=True)
     for tab, name in ((FOCUS, "dashboard"), (0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
         _photograph(chosen.chromium, memory, tab, FOLDER / f"{name}.png")
-    _photograph_report(chosen.chromium, kept, sentence, FOLDER / "live-report.png")
+    _photograph_report(chosen.chromium, told, FOLDER / "live-report.png")
 
 
-def _session(seconds: float) -> tuple[Memory, Keeper, str]:
-    """What a session in virtual time says, which is the same on every machine, and its verdict."""
+@final
+@dataclass(frozen=True)
+class Told:
+    """The words and polls that a session's report needs."""
+
+    kept: Keeper
+    sentence: str
+    findings: list[LinkedDiagnosis]
+
+
+def _session(seconds: float) -> tuple[Memory, Told]:
+    """All that a session in virtual time says, and its report's part; each machine gets equal ones."""
     clock = VirtualClock()
     plant = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
     twin = BrickTwin(dict.fromkeys(PORTS, plant))
-    memory, kept = Memory(100_000), Keeper()
+    memory, kept, adopter = Memory(100_000), Keeper(), Adopter(AtOnce())
     with tempfile.TemporaryDirectory() as folder:
         world = Path(folder) / "world.yaml"
         world.write_text(yaml.safe_dump(_world()), encoding="utf-8")
@@ -92,13 +104,17 @@ def _session(seconds: float) -> tuple[Memory, Keeper, str]:
             pace=PACES["usb"],
             driver=ProgramDriver(excitation(PORTS)),
             recorder=None,
-            adopter=Adopter(AtOnce()),
+            adopter=adopter,
         )
         session = Session(parts)
         session.run(seconds)
     diverging = [port for port, monitor in session.monitors.items() if monitor.diverging]
     seen = Seen(session.polls, session.lasted_s, session.unseen_s)
-    return memory, kept, verdict(memory.events, diverging, seen).sentence
+    findings = [
+        LinkedDiagnosis(port, each.sentence, f"live-{port}-{number}.html")
+        for number, (port, each) in enumerate(adopter.diagnoses, start=1)
+    ]
+    return memory, Told(kept, verdict(memory.events, diverging, seen).sentence, findings)
 
 
 def _world() -> dict[str, object]:
@@ -179,11 +195,17 @@ def settled(page: Page, place: Path, curve: tuple[int, ...]) -> Path:
     sys.exit("the dashboard was never drawn to its end; is the machine busy?")
 
 
-def _photograph_report(program: str, kept: Keeper, sentence: str, place: Path) -> None:
+def _photograph_report(program: str, told: Told, place: Path) -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
-        report = write_live_report(Path(folder), kept, title="mock brick, loaded motor A", sentence=sentence)
+        report = write_live_report(
+            Path(folder),
+            told.kept,
+            title="mock brick, loaded motor A",
+            sentence=told.sentence,
+            findings=told.findings,
+        )
         browser = driver.chromium.launch(executable_path=program, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1100, "height": 1250})
+        page = browser.new_page(viewport={"width": 1100, "height": 1480})
         page.goto(report.as_uri())
         page.screenshot(path=place)
         browser.close()
