@@ -14,12 +14,16 @@ import house_pages
 from pydantic import BaseModel
 
 from nxt_twin.diagnose import sensor
+from nxt_twin.diagnose.telling import to_json
+from nxt_twin.fleet.finding.fleet_file import FleetFile
+from nxt_twin.fleet.row import SCHEMA
 from nxt_twin.physics.effects import BUILT_IN
 from nxt_twin.physics.layout import BASE_OWNER, BASES, layout
 from nxt_twin.physics.robot import drive
 from nxt_twin.recording import mapping
 from nxt_twin.recording.case import CaseFile
 from nxt_twin.recording.program import MotorProgram, Run, Segment
+from nxt_twin.recording.robot_path import Leg, RobotPath
 
 ROOT: Final = Path(__file__).parents[1]
 
@@ -30,6 +34,7 @@ _MODELS: Final[dict[str, tuple[type[BaseModel], ...]]] = {
     ),
     "Cases": (CaseFile,),
     "Motor programs": (MotorProgram, Run, Segment),
+    "Robot paths": (RobotPath, Leg),
 }  # fmt: skip
 
 
@@ -49,6 +54,9 @@ def findings(root: Path) -> Iterator[str]:
     yield from verbs(prose(root))
     formats = (root / "docs" / "formats.md").read_text(encoding="utf-8")
     yield from keys(formats)
+    fleet = (root / "docs" / "fleet.md").read_text(encoding="utf-8")
+    yield from _missing("fleet", fleet, "What it finds", FleetFile.model_fields)
+    yield from _missing("fleet", fleet, "The table", SCHEMA.names)
     yield from statuses(formats, root / "nxt_twin" / "cli")
     for page in ("effects", "sensors", "robots"):
         yield from effects(page, (root / "docs" / f"{page}.md").read_text(encoding="utf-8"))
@@ -83,11 +91,15 @@ def verbs(text: str) -> Iterator[str]:
 
 
 def keys(formats: str) -> Iterator[str]:
-    """Keys of mappings, cases, programs and plants that the page of formats leaves out."""
+    """Keys of mappings, cases, programs, paths, plants and answers that the page of formats leaves out."""
     for section, models in _MODELS.items():
         read = {key for model in models for key in model.model_fields}
-        yield from _missing(formats, section, read - {"name"})
-    yield from _missing(formats, "Plant files", _plant_keys())
+        yield from _missing("formats", formats, section, read - {"name"})
+    yield from _missing("formats", formats, "Plant files", _plant_keys())
+    written = ast.parse(Path(to_json.__file__).read_text(encoding="utf-8"))
+    dicts = (node for node in ast.walk(written) if isinstance(node, ast.Dict))
+    said = {key.value for node in dicts for key in node.keys if isinstance(key, ast.Constant)}
+    yield from _missing("formats", formats, "Diagnosis JSON", map(str, said))
 
 
 def _plant_keys() -> set[str]:
@@ -106,9 +118,9 @@ def _plant_keys() -> set[str]:
     return {"kind", "effects", *axis, *robot} - {BASE_OWNER}
 
 
-def _missing(formats: str, section: str, wanted: Iterable[str]) -> Iterator[str]:
-    for key in sorted(set(wanted) - named(formats, section)):
-        yield f"docs/formats.md, {section}: leaves out the key '{key}'"
+def _missing(page: str, text: str, section: str, wanted: Iterable[str]) -> Iterator[str]:
+    for key in sorted(set(wanted) - named(text, section)):
+        yield f"docs/{page}.md, {section}: leaves out the key '{key}'"
 
 
 def named(page: str, section: str) -> set[str]:

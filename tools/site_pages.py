@@ -19,6 +19,7 @@ from mkdocs.structure.pages import Page
 sys.path.insert(0, str(Path(__file__).parent))
 
 import cli_page
+import keys_page
 import library_page
 
 ROOT: Final = Path(__file__).parents[1]
@@ -35,6 +36,7 @@ COPIED: Final[Mapping[str, str]] = {
 
 WRITTEN: Final[Mapping[str, Callable[[], str]]] = {
     "reference/commands.md": cli_page.page,
+    "reference/keys.md": keys_page.page,
     "reference/library.md": library_page.library,
     "reference/firmware_protocol.md": library_page.protocol,
 }

@@ -40,6 +40,8 @@ def test_a_verb_that_no_page_calls_is_named(docs_check, root):
         ("Motor programs", "most_turn_deg"),
         ("Plant files", "goal_delay_s"),
         ("Plant files", "track_m"),
+        ("Robot paths", "turn_deg"),
+        ("Diagnosis JSON", "held_out"),
     ],
 )
 def test_a_key_that_its_section_leaves_out_is_named(docs_check, formats, section, key):
