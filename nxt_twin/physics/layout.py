@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple, final
 
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.base.base import Base
 from nxt_twin.physics.base.dc_motor import DC_MOTOR
@@ -57,6 +60,11 @@ class Layout:
     def index(self) -> dict[Slot, int]:
         """Position of each parameter in the value vector."""
         return {slot: i for i, slot in enumerate(self.parameters)}
+
+    @cached_property
+    def first_starts(self) -> FloatArray:
+        """Each parameter's first start, SI, in the order of the value vector."""
+        return np.array([parameter.starts[0] * parameter.si for parameter in self.parameters.values()])
 
     def effect(self, effect_id: str) -> Effect:
         """The effect of that id.

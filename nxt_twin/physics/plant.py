@@ -56,12 +56,13 @@ class Plant:
 
     def vectors(self) -> tuple[FloatArray, BoolArray]:
         """The value vector (inactive parameters at their first start) and the mask of active effects."""
-        values = [
-            self.values.get(slot, parameter.starts[0] * parameter.si)
-            for slot, parameter in self.layout.parameters.items()
-        ]
+        values = self.layout.first_starts.copy()
+        index = self.layout.index
+        for slot, value in self.values.items():
+            if slot in index:
+                values[index[slot]] = value
         mask = [effect.id in self.active for effect in self.layout.effects]
-        return np.array(values), np.array(mask)
+        return values, np.array(mask)
 
     def with_values(self, values: Mapping[Slot, float]) -> Plant:
         """The same plant with some SI values replaced."""

@@ -65,6 +65,7 @@ class Simulator:
         self._kernel = kernel(plan)
         self._pool, self._workers = threads_for(workers)
         self._stop = np.zeros(1, dtype=np.uint8)
+        self._groups: dict[tuple[int, ...], tuple[tuple[Job, ...], list[_Group]]] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -81,16 +82,15 @@ class Simulator:
             active: which effects act, shape (sets, effects).
             jobs: the recordings.
         """
-        groups = _abreast(jobs)
+        groups = self._grouped(jobs)
         chunks = math.ceil(self._workers / max(len(groups), 1))
         results: dict[int, Result] = {}
         pending = []
-        for rows in groups:
-            some = [jobs[n] for n in rows]
-            whole = _empty_result(len(rows) * values.shape[0], some[0])
-            for number, n in enumerate(rows):
+        for group in groups:
+            whole = _empty_result(len(group.rows) * values.shape[0], group.job)
+            for number, n in enumerate(group.rows):
                 results[n] = _part(whole, number * values.shape[0], (number + 1) * values.shape[0])
-            own = _Sets.of(values, active, some)
+            own = group.sets(values, active)
             for low, high in itertools.pairwise(_edges(whole.cost.shape[0], chunks)):
                 pending.append(
                     self._pool.submit(self._call, own.part(low, high), _part(whole, low, high), _NO_TRACE)
@@ -98,6 +98,15 @@ class Simulator:
         for task in pending:
             task.result()
         return [results[n] for n in range(len(jobs))]
+
+    def _grouped(self, jobs: Sequence[Job]) -> list[_Group]:
+        """`jobs` that may be run abreast together; a fit runs its jobs many times, so the latest are kept."""
+        key = tuple(map(id, jobs))
+        if key not in self._groups:
+            while len(self._groups) >= _GROUPS_KEPT:
+                self._groups.pop(next(iter(self._groups)), None)
+            self._groups[key] = (tuple(jobs), _abreast(jobs))
+        return self._groups[key][1]
 
     def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
         """One run of one plant, with what went on inside.
@@ -107,7 +116,9 @@ class Simulator:
         values, active = plant.vectors()
         result = _empty_result(1, job)
         trace = np.empty((job.signals.time_s.size, len(TRACE)))
-        self._pool.submit(self._call, _Sets.of(values[None], active[None], [job]), result, trace).result()
+        self._pool.submit(
+            self._call, _abreast([job])[0].sets(values[None], active[None]), result, trace
+        ).result()
         inside = dict(zip(TRACE, trace.T, strict=True))
         return {
             **inside,
@@ -122,7 +133,9 @@ class Simulator:
         states = 1 + sum(len(effect.states) for effect in plant.layout.effects)
         trace = np.empty((job.signals.time_s.size, len(TRACE) + states))
         result = _empty_result(1, job)
-        self._pool.submit(self._call, _Sets.of(values[None], active[None], [job]), result, trace).result()
+        self._pool.submit(
+            self._call, _abreast([job])[0].sets(values[None], active[None]), result, trace
+        ).result()
         angle, speed = trace[:, TRACE.index("angle")], trace[:, TRACE.index("speed")]
         given = job.start.at
         return Start(
@@ -161,6 +174,7 @@ class Simulator:
         )
 
 
+_GROUPS_KEPT = 4
 _NO_TRACE = np.empty((0, len(TRACE)))
 
 
@@ -182,51 +196,75 @@ class _Sets:
     of_job: IntArray
     corrections: tuple[FloatArray | BoolArray, ...]
 
-    @classmethod
-    def of(cls, values: FloatArray, active: BoolArray, jobs: Sequence[Job]) -> Self:
-        """Every set over every job, job by job."""
-        parts = [
-            (
-                job.observer.gains,
-                job.observer.innovation_std,
-                job.start.at,
-                job.start.position,
-                job.start.speed,
-                job.start.states,
-            )
-            for job in jobs
-        ]
-        return cls(
-            jobs[0],
-            np.tile(values, (len(jobs), 1)),
-            np.tile(active, (len(jobs), 1)),
-            np.repeat(np.arange(len(jobs), dtype=np.uint32), len(values)),
-            tuple(np.array(each) for each in zip(*parts, strict=True)),
-        )
-
-    def part(self, low: int, high: int) -> Self:
+    def part(self, low: int, high: int) -> _Sets:
         """Some of the rows."""
-        return replace(
-            self,
-            values=self.values[low:high],
-            active=self.active[low:high],
-            of_job=self.of_job[low:high],
+        own = slice(low, high)
+        return _Sets(self.job, self.values[own], self.active[own], self.of_job[own], self.corrections)
+
+
+@final
+@dataclass(frozen=True)
+class _Group:
+    """Jobs that differ only in gains and starts.
+
+    Attributes:
+        rows: which of the jobs that are run.
+        job: any of them.
+        corrections: as `_Sets` has them.
+    """
+
+    rows: tuple[int, ...]
+    job: Job
+    corrections: tuple[FloatArray | BoolArray, ...]
+
+    def sets(self, values: FloatArray, active: BoolArray) -> _Sets:
+        """Every set over every job, job by job."""
+        size = len(self.rows)
+        if size == 1:
+            return _Sets(self.job, values, active, np.zeros(len(values), dtype=np.uint32), self.corrections)
+        return _Sets(
+            self.job,
+            np.tile(values, (size, 1)),
+            np.tile(active, (size, 1)),
+            np.repeat(np.arange(size, dtype=np.uint32), len(values)),
+            self.corrections,
         )
 
 
-def _abreast(jobs: Sequence[Job]) -> list[list[int]]:
-    """Which of `jobs` take equal steps past equal readings, so that their sets may be run abreast."""
+def _abreast(jobs: Sequence[Job]) -> list[_Group]:
+    """`jobs` by what takes equal steps past equal readings, so that their sets may be run abreast."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for number, job in enumerate(jobs):
         judged = bool(job.observer.innovation_std[0] > 0.0)
         alike = (id(job.signals), job.step_s, job.disturbance_time_s, judged, job.start.states.shape)
         groups.setdefault(alike, []).append(number)
-    return list(groups.values())
+    return [
+        _Group(tuple(rows), jobs[rows[0]], _corrections([jobs[n] for n in rows])) for rows in groups.values()
+    ]
+
+
+def _corrections(jobs: Sequence[Job]) -> tuple[FloatArray | BoolArray, ...]:
+    parts = [
+        (
+            job.observer.gains,
+            job.observer.innovation_std,
+            job.start.at,
+            job.start.position,
+            job.start.speed,
+            job.start.states,
+        )
+        for job in jobs
+    ]
+    if len(parts) == 1:
+        return tuple(each[None] for each in parts[0])
+    return tuple(np.array(each) for each in zip(*parts, strict=True))
 
 
 def _edges(rows: int, chunks: int) -> list[int]:
     """Where `chunks` of `rows` begin and end: between blocks of rows that are run abreast."""
     blocks = math.ceil(rows / LANES)
+    if min(chunks, blocks) <= 1:
+        return [0, rows]
     edges = np.linspace(0, blocks, min(chunks, blocks) + 1).round().astype(int)
     return [min(LANES * int(edge), rows) for edge in edges]
 

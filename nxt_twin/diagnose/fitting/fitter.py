@@ -105,10 +105,12 @@ class Fitter:
                 return replace(fitted, plant=plant), slopes
             slopes = replace(slopes, exact=False)  # what is taken for a fault corrects nothing
 
-    def simulating(self, plant: Plant, noise: Noise, *, everything: bool = False) -> tuple[Fitted, Noise]:
+    def simulating(
+        self, plant: Plant, noise: Noise, *, everything: bool = False, rounds: int = _SIMULATING_ROUNDS
+    ) -> tuple[Fitted, Noise]:
         """`plant` fitted on windows of simulation alone, and `noise` with how far these are off.
 
-        Of the target's readings, or of `everything` that is not held out.
+        Of the target's readings, or of `everything` that is not held out. Both are found in turn, for `rounds` at most.
         """
         variables = variables_of(plant, self.problem.plant, self.problem.scale)
         target = self.target(step_for(plant, DRAFT_STEP_S))
@@ -116,7 +118,7 @@ class Fitter:
         patience_nats = SETTLED.patience_nats if everything else DRAFTED.patience_nats
         noise = replace(noise, drift=drift_of(self.simulator, plant, target, noise))
         slopes = None
-        for left in reversed(range(_SIMULATING_ROUNDS)):
+        for left in reversed(range(rounds)):
             tuned = with_noise(target.simulating(), noise)
             fitted, slopes = fit(  # how far off simulations are changes what a reading weighs, and no slope
                 self.simulator,

@@ -89,7 +89,7 @@ def _replicate(
     every = [*problem.signals, *(part.signals for part in problem.held_out)]
     made = {signals.name: synthetic(simulator, plant, signals, noise, rng) for signals in every}
     own = _instead(problem, made)
-    fitted, _ = Fitter(simulator, own).simulating(plant, noise, everything=True)
+    fitted, _ = Fitter(simulator, own).simulating(plant, noise, everything=True, rounds=1)
     held, seen = (errors_of(simulator, one, fitted.plant, fitted.plant, noise) for one in (own, _seen(own)))
     return held, seen
 
