@@ -10,17 +10,25 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import Final, Protocol, final
+from types import ModuleType
+from typing import Final, Protocol, cast, final
 
 import firmware_protocol as fp
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.errors import LinkError
 from nxt_twin.brick.link import Link
+from nxt_twin.brick.links.bluetooth import open_bluetooth
 from nxt_twin.brick.links.serial_port import open_serial
 from nxt_twin.brick.links.tcp import open_tcp
-from nxt_twin.brick.policy import STREAM_POLICY
+from nxt_twin.brick.links.usb import open_usb
+from nxt_twin.brick.policy import PACKET_POLICY, STREAM_POLICY
+from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.mock.serve.host import Host
+from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
+from nxt_twin.mock.start import switch_on
 
+_PACKETS: Final = 4
 _REQUEST: Final = fp.frame(fp.encode_request(fp.GetOutputState(0)))
 _REPLY: Final = fp.frame(bytes((2, fp.GetOutputState.OPCODE, 0)) + bytes(22))
 _POLICY: Final = replace(STREAM_POLICY, reply_timeout_s=0.05, release_timeout_s=0.05)
@@ -47,11 +55,26 @@ def report(every: int = 1) -> Iterator[str]:
     places = [*((n, 0) for n in range(len(_REQUEST))), *((len(_REQUEST), n) for n in range(len(_REPLY)))][
         ::every
     ]
-    for name, pair in (("tcp", _tcp), ("serial", _serial)):
+    for name, pair in (("tcp", _tcp), ("serial", _serial), ("bluetooth", _bluetooth)):
         seen = Counter(_cut(pair, *place, held=held) for held in (False, True) for place in places)
         told = ", ".join(f"{number} {what}" for what, number in seen.most_common())
         yield f"{name} cut after {len(places)} of {len(_REQUEST)} + {len(_REPLY)} bytes, closed and held: {told}"
-    yield "usb and mock carry whole packets: between two there is nothing to cut"
+    told = ", ".join(_pulled(requests) for requests in range(_PACKETS))
+    yield f"usb pulled before each of {_PACKETS} packets, which arrive whole or not at all: {told}"
+
+
+def _pulled(packets: int) -> str:
+    """A USB cable that is pulled before a packet."""
+    clock = VirtualClock()
+    device = ServedUsbDevice(Host(switch_on(), clock))
+    link = open_usb("", clock, backend=MockUsbBackend([device]))
+    try:
+        with Brick(_Cable(link, device, packets), clock, PACKET_POLICY) as brick:
+            brick.motors.read(0)
+            brick.motors.read(1)
+        return "ANSWERED"
+    except LinkError as failure:
+        return type(failure).__name__
 
 
 def _cut(pair: Callable[[], tuple[Link, Far]], asked: int, answered: int, *, held: bool) -> str:
@@ -77,6 +100,61 @@ def _answer(far: Far, asked: int, answered: int, held: bool) -> None:
         far.write(_REPLY[:answered])
     if not held:
         far.close()
+
+
+@final
+class _Cable:
+    """A link over USB whose cable is pulled before one of its packets, either way."""
+
+    def __init__(self, link: Link, device: ServedUsbDevice, packets: int) -> None:
+        self._link, self._device, self._left = link, device, packets
+
+    def send(self, telegram: bytes) -> None:
+        self._pass()
+        self._link.send(telegram)
+
+    def receive(self, timeout_s: float) -> bytes:
+        self._pass()
+        return self._link.receive(timeout_s)
+
+    def close(self) -> None:
+        self._link.close()
+
+    def describe(self) -> str:
+        return self._link.describe()
+
+    def _pass(self) -> None:
+        if not self._left:
+            self._device.unplug()
+        self._left -= 1
+
+
+@final
+class _Radio:
+    """Stands for the module `socket` on a machine with Bluetooth, and for the socket: one of a pair."""
+
+    SOCK_STREAM = socket.SOCK_STREAM
+
+    def __init__(self, near: socket.socket) -> None:
+        self.AF_BLUETOOTH, self.BTPROTO_RFCOMM = 31, 3  # looked up in the module's own dictionary
+        self.settimeout, self.fileno, self.send, self.recv = (
+            near.settimeout,
+            near.fileno,
+            near.send,
+            near.recv,
+        )
+        self._near, self._asked = near, 0
+
+    def socket(self, *_: int) -> _Radio:
+        return self
+
+    def connect(self, _: tuple[str, int]) -> None:
+        """Connected already."""
+
+    def close(self) -> None:
+        self._asked += 1
+        if self._asked > 1:  # the first one only asks whether there are such sockets
+            self._near.close()
 
 
 @final
@@ -116,6 +194,12 @@ def _tcp() -> tuple[Link, Far]:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         link = open_tcp(f"127.0.0.1:{listener.getsockname()[1]}", SystemClock())
         return link, _Socket(listener.accept()[0])
+
+
+def _bluetooth() -> tuple[Link, Far]:
+    near, far = socket.socketpair()
+    radio = cast("ModuleType", _Radio(near))
+    return open_bluetooth("00:16:53:00:00:01", SystemClock(), sockets=radio), _Socket(far)
 
 
 def _serial() -> tuple[Link, Far]:
