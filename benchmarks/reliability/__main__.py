@@ -34,7 +34,7 @@ def _parts(given: argparse.Namespace) -> Mapping[str, Callable[[], Iterator[str]
         "cuts": cuts.report,
         "disk": full_disk.report,
         "clients": two_clients.report,
-        "kills": lambda: kills.report(given.kills, given.seed),
+        "kills": lambda: kills.report(given.kills, given.seed, given.only),
         "session": lambda: session.report(given.hours, given.seed),
     }
 
@@ -51,6 +51,7 @@ def _arguments() -> argparse.Namespace:
     soak.add_argument("parts", nargs="*", help="flips, cuts, disk, clients, kills, session; all without")
     soak.add_argument("--flips", type=int, default=FLIPS)
     soak.add_argument("--kills", type=int, default=KILLS, help="of record, of live and of recover each")
+    soak.add_argument("--only", default="", choices=("", "record", "live", "recover"), help="of kills")
     soak.add_argument("--hours", type=float, default=HOURS, help="of virtual time")
     for each in (inputs, soak):
         each.add_argument("--seed", type=int, default=1)
