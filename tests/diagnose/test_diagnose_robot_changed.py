@@ -21,13 +21,13 @@ from nxt_twin.view.changes_report import render_changes
 
 
 def robot_of_seed(seed):
-    return world._drawn(np.random.default_rng(seed))
+    return world.drawn_robot(np.random.default_rng(seed))
 
 
 def powered_case(name, robot, seed):
     rng = np.random.default_rng(seed)
-    runs = tuple(world._record(f"{name}{n}.csv", robot, {}, 0.0, rng, powered=True) for n in range(3))
-    return Case(name, Path(), world._nominal(rng, powered=True), runs, (), None)
+    runs = tuple(world.recorded_run(f"{name}{n}.csv", robot, {}, 0.0, rng, powered=True) for n in range(3))
+    return Case(name, Path(), world.nominal_robot(powered=True), runs, (), None)
 
 
 def sides(before=(), after=()):

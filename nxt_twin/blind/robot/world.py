@@ -146,21 +146,21 @@ def make_world(effects: Sequence[str], seed: int) -> RobotWorld:
     }
     powered = any(one in NEEDS_POWER for one in effects) or bool(rng.random() < 0.6)
     powered = powered or bool({"unknown_patch", "unknown_tether"} & set(effects))
-    robot = _built(_drawn(rng), made)
+    robot = built_robot(drawn_robot(rng), made)
     seen = {name: value for one in made.values() for name, value in one.seen.items()}
     ratio = max((one.slip_ratio for one in made.values()), default=0.0)
     recordings = tuple(
-        _record(f"r{n + 1}.csv", robot, seen, ratio, rng, powered=powered) for n in range(_RUNS)
+        recorded_run(f"r{n + 1}.csv", robot, seen, ratio, rng, powered=powered) for n in range(_RUNS)
     )
     names = [one.name for one in recordings]
     held = 2 if rng.random() < 0.5 else 0
-    content: dict[str, Any] = {"plant": _nominal(rng, powered=powered), "recordings": names[: _RUNS - held]}
+    content: dict[str, Any] = {"plant": nominal_robot(powered=powered), "recordings": names[: _RUNS - held]}
     if held:
         content["holdout"] = names[_RUNS - held :]
     return RobotWorld(content, recordings, {name: dict(one.truth) for name, one in made.items()})
 
 
-def _drawn(rng: Generator) -> TrueRobot:
+def drawn_robot(rng: Generator) -> TrueRobot:
     """A robot whose motors are off their nominal numbers, the two a little more alike than any two."""
     plain = TrueRobot()
 
@@ -181,7 +181,8 @@ def _drawn(rng: Generator) -> TrueRobot:
     )
 
 
-def _built(robot: TrueRobot, made: Mapping[str, Concealed]) -> TrueRobot:
+def built_robot(robot: TrueRobot, made: Mapping[str, Concealed]) -> TrueRobot:
+    """A robot with what effects change of it; where two change one wheel, both factors act."""
     changes: dict[str, Any] = {}
     factor = {"left_radius_m": 1.0, "right_radius_m": 1.0}
     for one in made.values():
@@ -196,9 +197,9 @@ def _built(robot: TrueRobot, made: Mapping[str, Concealed]) -> TrueRobot:
     return replace(robot, **{**changes, **radii})
 
 
-def _nominal(rng: Generator, *, powered: bool) -> dict[str, Any]:
+def nominal_robot(*, powered: bool) -> dict[str, Any]:
+    """The model that a solver is given: with motors and body where powers are recorded."""
     plain = TrueRobot()
-    del rng
     plant: dict[str, Any] = {
         "kind": "differential_drive",
         "left": "b",
@@ -226,7 +227,7 @@ def _nominal(rng: Generator, *, powered: bool) -> dict[str, Any]:
     return {**plant, "motor": motor, **body}
 
 
-def _record(
+def recorded_run(
     name: str,
     robot: TrueRobot,
     seen: Mapping[str, float],
@@ -235,6 +236,7 @@ def _record(
     *,
     powered: bool,
 ) -> Recording:
+    """A run of about 25 s: powers, counts, and what a camera sees; slip at a ratio above 0."""
     legs = _legs(rng)
     length_s = float(sum(leg[0] for leg in legs))
     time_s = np.cumsum(0.04 + rng.gamma(2.0, 1e-3, int(length_s / 0.042)))
