@@ -63,15 +63,16 @@ def _real() -> list[str]:
     good = [run for run in runs if not any(bad in run.name for bad in _BAD_CLOCKS)]
     late = [run for run in runs if any(bad in run.name for bad in _BAD_CLOCKS)]
     clocked = [_with_its_clock(run, models[1][1]) for run in runs]
-    return [f"{_REAL}, held-out position RMSE; aims: whole runs 18 mm, after 1 m 7.5 mm"] + [
-        _line(f"{name}, {len(chosen)} runs", model, chosen, case)
-        for name, model in models
-        for chosen in (runs, good)
-    ] + [
-        _line(f"improved, {run.name} as recorded", models[1][1], [run], case) for run in late
-    ] + [
-        _line("improved, 38 runs, each by its own clock's lag and rate", models[1][1], clocked, case)
-    ]
+    return (
+        [f"{_REAL}, held-out position RMSE; aims: whole runs 18 mm, after 1 m 7.5 mm"]
+        + [
+            _line(f"{name}, {len(chosen)} runs", model, chosen, case)
+            for name, model in models
+            for chosen in (runs, good)
+        ]
+        + [_line(f"improved, {run.name} as recorded", models[1][1], [run], case) for run in late]
+        + [_line("improved, 38 runs, each by its own clock's lag and rate", models[1][1], clocked, case)]
+    )
 
 
 def _with_its_clock(run: RobotRun, drive: DifferentialDrive) -> RobotRun:
