@@ -73,7 +73,7 @@ class PairOutcome:
 
     @property
     def kind(self) -> str:
-        """What was done, in a word."""
+        """The things done, in a word."""
         if self.done and self.done[0] in ROBOT_SURPRISES:
             return "unknown"
         return ("nothing", "one change", "two changes")[len(self.done)]
