@@ -77,6 +77,35 @@ def test_a_proportional_loop_moves_as_its_equations_say(servo_simulator):
     np.testing.assert_allclose(found, expected.y[0], atol=0.2 * DEG)
 
 
+def test_an_integral_a_dead_band_a_delay_and_a_rate_limit_are_those_of_another_simulator(servo_simulator):
+    gain, integral, dead_deg, delay_s, rate_deg_s, goal_deg = 0.6, 1.5, 1.0, 0.03, 250.0, 80.0
+
+    def law(time_s, state):
+        angle, speed, total = state
+        goal = min(max(time_s - delay_s, 0.0) * rate_deg_s, goal_deg)
+        error = goal + integral * total - math.degrees(angle)
+        pct = gain * error if abs(error) > dead_deg else 0.0
+        torque = NXT["torque_constant_nm_per_a"] * (0.01 * pct * 8.0 - 0.4908 * speed) / NXT["resistance_ohm"]
+        moves = (torque - NXT["viscous_friction_nm_s_per_rad"] * speed) / NXT["inertia_kg_m2"]
+        sums = goal_deg if time_s >= delay_s else 0.0
+        return speed, moves, sums - math.degrees(angle)
+
+    plant = servo(
+        position_gain_pct_per_deg=gain,
+        integral_rate_per_s=integral,
+        dead_band_deg=dead_deg,
+        goal_delay_s=delay_s,
+        goal_rate_limit_deg_per_s=rate_deg_s,
+        coulomb_friction_nm=0.0,
+        inductance_h=0.0,
+    )
+    found = motion(servo_simulator, plant, goals((0.0, goal_deg), seconds=0.6))["angle"]
+    grid = 0.01 * np.arange(61)
+    expected = solve_ivp(law, (0.0, 0.6), (0.0, 0.0, 0.0), t_eval=grid, rtol=1e-8, max_step=1e-3)
+    np.testing.assert_allclose(found, expected.y[0], atol=0.3 * DEG)
+    assert expected.y[0].max() > 0.9
+
+
 def test_an_error_within_the_dead_band_moves_nothing_and_coasting_neither(servo_simulator):
     quiet = motion(servo_simulator, servo(dead_band_deg=5.0), goals((0.0, 4.9)))["angle"]
     loose = motion(servo_simulator, servo(), goals((0.0, 90.0), mode=MODE_COAST))["angle"]
