@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import pytest
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.fair import in_fair_order
-from nxt_twin.blind.families.orders import Amounts
+from nxt_twin.blind.families.orders import Amounts, plan_orders
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.proof import Proof
 from nxt_twin.blind.ranges import SeedRange
@@ -23,6 +24,8 @@ SMALL = SeedRange("small", (7,), Amounts(("stiction",), 1, 0, 0, 0), None, "of a
 def proof(tmp_path, monkeypatch):
     monkeypatch.setattr("nxt_twin.blind.prove.solve_one", answered({"verdict": "adequate"}))
     monkeypatch.setattr("nxt_twin.blind.prove.reach_one", answered(None))
+    short = partial(plan_orders, duration_s=3.0)
+    monkeypatch.setattr("nxt_twin.blind.ranges.plan_orders", short)
     return Proof(tmp_path, SMALL, (FAMILIES["bristle"],))
 
 
