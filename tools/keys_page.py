@@ -69,10 +69,11 @@ def _section(name: str, part: dict[str, Any], parts: dict[str, Any]) -> Iterator
     text = part.get("description", "")
     told = {key.strip(): meaning for keys, meaning in _TOLD.findall(text) for key in keys.split(",")}
     yield f"### {name}\n\n{' '.join(text.partition('Attributes:')[0].split())}\n"
-    yield "| key | value | without it | meaning |\n| --- | --- | --- | --- |"
+    heads = ("key", "value", "without it", *(("meaning",) if told else ()))
+    yield f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}"
     for key, field in part["properties"].items():
         cells = (f"`{key}`", _value(field, parts), _usual(key, field, part), told.get(key, ""))
-        yield f"| {' | '.join(' '.join(cell.split()).replace('|', '/') for cell in cells)} |"
+        yield f"| {' | '.join(' '.join(cell.split()).replace('|', '/') for cell in cells[: len(heads)])} |"
     yield ""
 
 
