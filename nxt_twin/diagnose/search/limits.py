@@ -15,6 +15,7 @@ class SearchLimits:
         most_effects: effects that a plant may lack at once.
         gain_nats: least gain of an effect on fitted readings, of which about three pay for the choice.
         silent_nats: that gain where a simulation of two seconds errs by less than the tolerance already.
+        windows_nats: that gain where windows of simulation alone decide, as single steps are coloured: so are windows.
         check_nats: least gain on readings that were not fitted.
         half: share of the gain that will do where readings that were not fitted make up for the rest.
         altogether: how many times the least gain both kinds of readings then have to gain together.
@@ -39,6 +40,7 @@ class SearchLimits:
     most_effects: int = 4
     gain_nats: float = 8.0
     silent_nats: float = 12.0
+    windows_nats: float = 20.0
     check_nats: float = 2.0
     half: float = 0.5
     altogether: float = 1.5

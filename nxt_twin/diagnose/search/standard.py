@@ -86,7 +86,10 @@ class Standard:
             if idle
             else LIMITS.form_share * explained
         )
-        return max(LIMITS.silent_nats if silent else LIMITS.gain_nats, share)
+        least = LIMITS.silent_nats if silent else LIMITS.gain_nats
+        if self._fitter.problem.by_windows:
+            least = LIMITS.windows_nats
+        return max(least, share)
 
     def _explained(self, best: Structure) -> float:
         """What `best` has gained over the baseline, nats, but for readings that it doubts."""
