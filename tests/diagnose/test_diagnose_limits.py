@@ -19,7 +19,9 @@ from nxt_twin.physics.layout import Slot
 
 
 def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
-    parameters = tuple(SimpleNamespace(name="size", frozen=False, doubt=math.inf, starts=own) for own in starts)
+    parameters = tuple(
+        SimpleNamespace(name="size", frozen=False, doubt=math.inf, starts=own) for own in starts
+    )
     return SimpleNamespace(
         id=name,
         parameters=parameters,
