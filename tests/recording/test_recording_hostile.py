@@ -9,6 +9,7 @@ import pyarrow.parquet
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pyarrow import feather
 from scipy.io import savemat
 
 from nxt_twin.errors import LONGEST_LINE, CaseError, MappingError, NxtTwinError, RecordingError
@@ -35,6 +36,14 @@ SCRAPS = [
     b"\0",
     b"\xc2",
 ]
+FEATHER_MAPPING = Mapping.model_validate(
+    {
+        "table": {"format": "feather"},
+        "time": {"column": "t"},
+        "input": {"column": "u", "kind": "torque_nm"},
+        "output": {"column": "y", "kind": "position_rad"},
+    }
+)
 MAT_MAPPING = Mapping.model_validate(
     {
         "table": {"format": "mat"},
@@ -128,6 +137,22 @@ def test_a_parquet_file_with_half_a_character_is_refused_with_its_column(tmp_pat
     )
     pyarrow.parquet.write_table(pa.table({"time_s": [0.0, 0.1], "a_mode": words}), path)
     assert "column a_mode: holds text that is not UTF-8" in refusal(RecordingError, read_recording, path)
+
+
+def test_a_feather_file_with_one_damaged_byte_is_read_or_refused(tmp_path):
+    t = np.arange(30) / 100
+    whole, damaged = tmp_path / "whole.feather", tmp_path / "damaged.feather"
+    feather.write_feather(pa.table({"t": t, "u": t, "y": t}), str(whole), compression="uncompressed")
+    content, said = whole.read_bytes(), set()
+    for place in range(0, len(content), 2):
+        changed = bytearray(content)
+        changed[place] ^= 0xFF
+        damaged.write_bytes(changed)
+        try:
+            read_mapped(damaged, FEATHER_MAPPING)
+        except NxtTwinError as refused:
+            said.add(str(refused))
+    assert said
 
 
 def test_a_table_whose_gain_leaves_no_number_is_refused(put, refusal):

@@ -23,7 +23,7 @@ def _of_chunk(chunk: pa.Array) -> FloatArray:
         return np.full(len(chunk), np.nan)
     rows = slice(chunk.offset, chunk.offset + len(chunk))
     is_known, values = chunk.buffers()
-    found: FloatArray = np.frombuffer(values, dtype=np.float64)[rows]
+    found: FloatArray = np.frombuffer(values, dtype=np.float64, count=rows.stop)[rows]
     if is_known is None:
         return found
     bits = np.unpackbits(np.frombuffer(is_known, dtype=np.uint8), bitorder="little")[rows]

@@ -60,6 +60,7 @@ def read_feather(path: Path, choose: Choose) -> Table:
                 batches.append(file.get_batch(number))
                 check_unfolded(sum(batch.nbytes for batch in batches) // 8, path)
             columns = pa.Table.from_batches(batches, file.schema)
+            columns.validate(full=True)  # a damaged file may promise more than it holds
     except (pa.ArrowException, OSError, ValueError, IndexError) as failure:
         mend = "check that the file is whole"
         raise RecordingError(f"is no readable Feather file: {failure}", where=str(path), mend=mend) from None
