@@ -24,6 +24,7 @@ QUIET = Record(
     nearer=1.0,
     silent=False,
     least_nats=100.0,
+    remaining=10.0,
 )
 FOUND = replace(
     QUIET, found=True, named=1, gained_nats=500.0, torque_before=2e-2, run_ratio=0.1, worst_ratio=0.1
@@ -86,6 +87,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "idle",
         "no_nearer",
         "sure",
+        "nearly",
     }
 
 
@@ -121,6 +123,15 @@ def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle)
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
     quiet = replace(FOUND, silent=True, nearer=0.98, least_nats=0.99 * 40.0)
     assert is_needless(replace(quiet, **changes)) is needless
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [({}, "explained"), ({"remaining": 2.0}, "unexplained"), ({"nearer": 0.5}, "unexplained")],
+)
+def test_effects_that_halve_the_error_and_leave_next_to_none_may_leave_a_torque(changes, verdict):
+    nearly = replace(FOUND, run_ratio=0.5, torque_after=0.02, remaining=0.99 * 2.0, nearer=0.99 * 0.5)
+    assert verdict_of(replace(nearly, **changes)) == verdict
 
 
 def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():

@@ -216,6 +216,7 @@ def _record(
         by_windows=problem.by_windows,
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
         silent=all(before.rms[n] <= problem.tolerance for n in windows),
+        remaining=max((after.rms[n] for n in windows), default=0.0) / max(problem.tolerance, 1e-15),
         least_nats=min((weight.total for _, weight in found), default=0.0),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )

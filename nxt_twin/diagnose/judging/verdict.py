@@ -24,7 +24,8 @@ class VerdictLimits:
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
         most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
-        confirmed: error of windows that check, over that of the baseline, below which they confirm found effects.
+        confirmed: error of windows that check or are held out, over that of the baseline, below which they confirm
+            found effects.
         surprising: error on held-out readings, over what noise and the doubt in parameters let expect, that shows
             physics which no fitted reading shows.
         idle: error over that of the re-fitted baseline above which several effects hardly bring a simulation nearer.
@@ -32,6 +33,7 @@ class VerdictLimits:
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
             no difference to it.
         sure: gain in nats that names such an effect nevertheless.
+        nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error.
     """
 
     structured_torque: float = 6e-3
@@ -50,6 +52,7 @@ class VerdictLimits:
     large_by_windows: float = 4e-2
     no_nearer: float = 0.98
     sure: float = 40.0
+    nearly: float = 2.0
 
 
 LIMITS = VerdictLimits()
@@ -82,6 +85,7 @@ class Record:
         nearer: error of the improved plant on held-out readings over that of the baseline.
         silent: whether the baseline errs by no more than the tolerance in windows of two seconds or shorter.
         least_nats: what speaks for the weakest of the found effects.
+        remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
     """
 
     named: int
@@ -101,6 +105,7 @@ class Record:
     nearer: float
     silent: bool
     least_nats: float
+    remaining: float
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -162,7 +167,9 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
 def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
     """Whether found effects leave much of the error, and a torque behind it.
 
-    Not asked of windows: how far coloured readings let a simulation come is not known.
+    Not asked of windows: how far coloured readings let a simulation come is not known. Nor of what halves the error
+    and leaves next to none: a filter does not see a load behind play, and takes its motion for an unknown torque.
     """
-    much = record.run_ratio > limits.hardly
+    nearly_all = record.nearer < limits.confirmed and record.remaining < limits.nearly
+    much = record.run_ratio > limits.hardly and not nearly_all
     return not record.by_windows and much and record.run_ratio * record.torque_after > limits.unsettled
