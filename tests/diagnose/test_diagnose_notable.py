@@ -1,11 +1,13 @@
 """Notable sizes: an effect below the size that motors of one make differ by has no name."""
 
 import math
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.diagnose.search.notable import is_notable, is_told_from_jitter
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import NXT_SCALE, Scale
@@ -58,3 +60,16 @@ def test_a_load_has_a_name_in_either_direction():
     load = PLAIN.layout.effect("constant_load")
     assert is_notable(sized(load, -1.1 * load.notable), load, NXT_SCALE)
     assert not is_notable(sized(load, -0.9 * load.notable), load, NXT_SCALE)
+
+
+@pytest.mark.parametrize(("jitter_s", "told"), [(2.9e-3, True), (3.1e-3, False)])
+def test_readings_held_for_less_than_three_times_the_jitter_of_polls_are_jitter(jitter_s, told):
+    deviation = np.random.default_rng(1).normal(size=4001)
+    deviation -= np.median(deviation)
+    deviation /= 1.4826 * np.median(np.abs(deviation))
+    stamps_s = np.cumsum(0.05 + jitter_s * deviation)
+    polls = SimpleNamespace(time_s=stamps_s, measured=np.zeros(stamps_s.size))
+    hold = PLAIN.layout.effect("sample_hold")
+    held = PLAIN.with_effect(hold.id, {hold.parameters[0].symbol: 9e-3})
+    assert is_told_from_jitter(held, hold, [polls]) is told
+    assert is_told_from_jitter(PLAIN, PLAIN.layout.effect("cogging"), [polls])

@@ -18,6 +18,7 @@ _CLEAR = 1.3
 _ABOVE = 1.1
 _PERIODS = 2.0
 _LEAST_SHARE = 0.06  # of the inertia of both bodies
+_CLEAR_OF_JITTER = 3.0
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 
 
@@ -51,6 +52,20 @@ def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> 
         plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters if p.name.endswith("per_turn")
     ]
     return all(turns * each >= _PERIODS for each in cycles)
+
+
+def is_told_from_jitter(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
+    """Whether readings that `effect` holds are older than the jitter of their polls could make them."""
+    if "scatter" not in effect.terms:
+        return True
+    held_s = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
+    return held_s > _CLEAR_OF_JITTER * max(map(_jitter_s, recordings))
+
+
+def _jitter_s(signals: Signals) -> float:
+    """The standard deviation of the time from one reading to the next, robust, s."""
+    between_s = np.diff(signals.time_s[np.isfinite(signals.measured)])
+    return 1.4826 * float(np.median(np.abs(between_s - np.median(between_s))))
 
 
 def _is_light(plant: Plant, effect: Effect) -> bool:

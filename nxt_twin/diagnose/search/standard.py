@@ -9,7 +9,7 @@ from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.moments import moments_gained
-from nxt_twin.diagnose.search.notable import is_notable, is_repeated
+from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.physics.effect import Effect
@@ -32,7 +32,8 @@ class Standard:
         """Whether the effect is large enough in `best` to have a name."""
         problem, effect = self._fitter.problem, best.plant.layout.effect(effect_id)
         repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
-        return repeats and is_notable(best.plant, effect, problem.scale)
+        held = is_told_from_jitter(best.plant, effect, problem.signals)
+        return repeats and held and is_notable(best.plant, effect, problem.scale)
 
     def worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
