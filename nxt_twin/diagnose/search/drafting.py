@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.fit import Fitted, Slopes
+from nxt_twin.diagnose.fitting.fit import Fitted
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -27,17 +27,10 @@ class Draft:
         return self.fitted.cost + self.fitted.prior_cost + self.check_cost
 
 
-def begun(fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int) -> tuple[Fitted, Slopes]:
-    """Fit `plant` for a few steps under `noise`, on coarse steps of the simulation."""
-    return fitter.fit(plant, noise, replace(DRAFTED, iterations=iterations))
-
-
-def drafted(
-    fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int, slopes: Slopes | None = None
-) -> Draft:
-    """Fit `plant` roughly under `noise`, on coarse steps, with `slopes` if it was `begun` before."""
+def drafted(fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
+    """Fit `plant` roughly under `noise`, on coarse steps."""
     effort = replace(DRAFTED, iterations=iterations)
-    fitted, _ = fitter.fit(plant, noise, effort, slopes)
+    fitted, _ = fitter.fit(plant, noise, effort)
     return Draft(fitted, draft_cost(fitter, fitted.plant, noise, effort.step_for(plant))[1])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.search.drafting import Draft, begun, draft_cost, draft_costs, drafted
+from nxt_twin.diagnose.search.drafting import Draft, draft_cost, draft_costs, drafted
 from nxt_twin.diagnose.search.screen import Prospect, screen
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
@@ -88,11 +88,12 @@ class Drafts:
         further = SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
         enough = _STARTS_SHARE * prospects[0].gain
         plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
-        if len(plants) == 1:
-            return drafted(self._fitter, plants[0], noise, iterations=further)
-        trials = [begun(self._fitter, plant, noise, iterations=_START_ITERATIONS) for plant in plants]
-        best, slopes = min(trials, key=lambda trial: trial[0].cost + trial[0].prior_cost)
-        return drafted(self._fitter, best.plant, noise, iterations=further, slopes=slopes)
+        if len(plants) > 1:
+            trials = [drafted(self._fitter, plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
+            plants = [best.fitted.plant]
+        # Slopes that have followed a start's steps promise too little here: measured anew, a fit goes further.
+        return drafted(self._fitter, plants[0], noise, iterations=further)
 
     def _ordered(self, prospects: list[Prospect], noise: Noise) -> list[Prospect]:
         """Those that promise anything; of starts that the fitted readings cannot tell apart the best to check first.
