@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from nxt_twin.blind.case import SEAL_FILE
 from nxt_twin.blind.families.family import Order
+from nxt_twin.blind.families.habits import Habits, draw_length_s, polls_s
 from nxt_twin.blind.families.orders import Amounts, families_of, make_orders, plan_orders
 from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.sets import CasePlan, plan_set
@@ -14,14 +17,34 @@ from nxt_twin.errors import CaseError
 from nxt_twin.recording.case import read_case
 from nxt_twin.recording.files import read_sidecar
 
+HABITS = Habits(3, 20.0, 0.0, 50.0, 0.1, 0.0, 0.1, 1.0, 10)
 FOREIGN = [name for name in FAMILIES if name != BRISTLE]
 STRONG = ("stiction", "backlash", "gravity_load", "command_delay")
 CONTRACT = set(FAMILIES[BRISTLE].known) | {"hanging_payload", "sample_hold"}
 
 
-def case_of(family, effects=(), size="large", seed=5, duration_s=2.0):
+@cache
+def case_of(family, effects=(), size="large", seed=6, duration_s=2.0):
     plan = CasePlan("case", seed, effects, size)
     return FAMILIES[family].make(Order(family, plan, "usb", duration_s))
+
+
+def begins(case) -> str:
+    return case.answer["recordings"]["r1.csv"]["begins"]
+
+
+def begun(kind, family="workshop", effects=()):
+    """The first case of a family whose recordings begin so."""
+    return next(case for seed in range(40) if begins(case := case_of(family, effects, seed=seed)) == kind)
+
+
+def moved_early_deg(case) -> list[float]:
+    """How far the true hub turns in the first 60 ms of each recording."""
+    return [
+        abs(float(np.interp(0.06, one.time_s, case.answer["recordings"][one.name]["hub_deg"])) - hub[0])
+        for one in case.recordings
+        if (hub := case.answer["recordings"][one.name]["hub_deg"])
+    ]
 
 
 def same(one, other) -> bool:
@@ -94,11 +117,51 @@ def test_a_logger_that_writes_the_last_command_puts_it_a_row_late():
         ]
         < 0.0
         and case.answer["rate_hz"] < 60.0
+        and begins(case) == "off"
     )
     recording = late.recordings[0]
     moved = np.flatnonzero(np.abs(np.diff(recording.columns["a_tacho_deg"])) > 0.0)[0] + 1
     commanded = np.flatnonzero(recording.columns["a_power_pct"])[0]
     assert moved <= commanded
+
+
+def test_a_recording_begins_with_the_motor_off_or_in_the_midst_of_a_program_or_of_a_motion():
+    off, driven, cut = (begun(kind) for kind in ("off", "driven", "cut"))
+    assert all(not one.columns["a_power_pct"][one.time_s < 0.2].any() for one in off.recordings)
+    assert max(moved_early_deg(off)) < 0.1
+    assert any(one.columns["a_power_pct"][0] != 0.0 for one in driven.recordings)
+    assert max(moved_early_deg(cut)) > 5.0
+    for case in (off, driven, cut):
+        assert all(one.time_s[0] == 0.0 for one in case.recordings)
+        assert all(np.isfinite(one.columns["battery_v"][0]) for one in case.recordings)
+
+
+@pytest.mark.parametrize("family", FOREIGN)
+def test_a_cut_recording_is_the_end_of_a_longer_motion_of_its_motor(family):
+    case = begun("cut", family)
+    reading_deg = [float(one.columns["a_tacho_deg"][0]) for one in case.recordings]
+    true_deg = [case.answer["recordings"][one.name]["hub_deg"][0] for one in case.recordings]
+    assert np.abs(np.subtract(true_deg, reading_deg)).max() <= case.answer["step_deg"] + 1e-3
+    assert all(1.0 < one.time_s[-1] <= 2.1 for one in case.recordings)
+
+
+def test_some_hosts_make_recordings_of_unlike_lengths():
+    lengths_s = [
+        draw_length_s(rng, replace(HABITS, uneven=uneven))
+        for uneven in (0.0, 0.25)
+        for rng in map(np.random.default_rng, range(20))
+    ]
+    assert set(lengths_s[:20]) == {20.0}
+    assert 15.0 < min(lengths_s[20:]) < 16.5 < 18.5 < max(lengths_s[20:]) < 20.0
+
+
+@pytest.mark.parametrize("before_s", [0.0, 1.7])
+def test_polls_before_a_recording_end_with_one_at_zero(before_s):
+    read_s = polls_s(np.random.default_rng(3), HABITS, 2.0, before_s)
+    assert np.all(np.diff(read_s) > 0.0)
+    assert 0.0 in read_s
+    assert abs(read_s[0] + before_s) < 0.1
+    assert 1.8 < read_s[-1] <= 2.0
 
 
 def test_families_are_planned_together_and_that_at_home_stays_as_it_was():

@@ -87,3 +87,13 @@ def test_pieces_of_a_run_make_the_whole_run(machine):
 def test_internal_resistance_shows_in_the_batterys_voltage(machine):
     motor = machine(replace(PLAIN, internal_resistance_ohm=2.0, stop_side=1.0, stop_rad=0.3), 0.0)
     assert motor.run(STOPS_S, 1.0, DRIVE)[-1, 2] < PLAIN.supply_v - 1.0
+
+
+@machines
+def test_a_machine_that_begins_before_a_recording_has_warmed_and_drained_as_told_at_its_first_row(machine):
+    drained = machine(replace(PLAIN, drain_v_per_s=0.5), 0.0, -2.0)
+    assert drained.run(np.array([-1.0, 0.0, 1.0]), 0.0, COAST)[:, 2] == pytest.approx([8.5, 8.0, 7.5])
+    cold = replace(PLAIN, cold_extra_torque_nm=0.02, warmup_time_s=0.3)
+    before, fresh = machine(cold, 0.0, -2.0), machine(cold, 0.0)
+    before.run(np.array([0.0]), 0.0, DRIVE)
+    assert before.run(STOPS_S, 0.6, DRIVE)[-1, 0] == pytest.approx(fresh.run(STOPS_S, 0.6, DRIVE)[-1, 0], rel=1e-3)

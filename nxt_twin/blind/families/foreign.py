@@ -12,7 +12,8 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.families.habits import Habits, draw_habits, polls_s
+from nxt_twin.blind.families.beginnings import draw_beginning, draw_kind
+from nxt_twin.blind.families.habits import Habits, draw_habits, draw_length_s, polls_s
 from nxt_twin.blind.families.host import Driven, Rows, Script, drive, follow, shown_deg, write_rows
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.motors import draw_baseline, draw_motor, true_parameters
@@ -27,7 +28,7 @@ HOLDOUT_CHANCE: Final = 0.5
 FEWEST_TO_HOLD_OUT: Final = 2
 SALT_BYTES: Final = 16
 
-Build = Callable[[Numbers, float], Machine]
+Build = Callable[[Numbers, float, float], Machine]
 
 
 @final
@@ -37,7 +38,7 @@ class Foreign:
 
     Attributes:
         name: of the family.
-        build: makes its machine of a motor and a start angle in rad.
+        build: makes its machine of a motor, a start angle in rad, and the time at which it begins in s.
         effects: what it can hide, those that look at the others last.
         longest_s: what all recordings of a case may last together, s.
         steps_deg: the encoders, one of which is drawn.
@@ -171,6 +172,7 @@ def _truth_of(
     recordings = {
         script.name: {
             "family": script.program,
+            "begins": script.begins,
             "effect_rms_deg": _rms(shift),
             "hub_deg": [round(float(angle), 3) for angle in one.hub_deg],
         }
@@ -182,20 +184,25 @@ def _truth_of(
 def draw_scripts(rng: Generator, habits: Habits, coasts: bool, command_every_s: float) -> tuple[Script, ...]:
     """One recording's script for each recording of a case, `r1.csv` and so on."""
     programs = draw_programs(rng, habits.recordings, coasts=coasts)
-    far = rng.random() < 0.5
+    far, begins = rng.random() < 0.5, draw_kind(rng)
     scripts = []
     for number, program in enumerate(programs, start=1):
         loops = program.endswith("_loop") and habits.poll_s < command_every_s
         polled = replace(habits, rate_hz=1.0 / command_every_s) if loops else habits
         start_deg = float(rng.uniform(-360.0, 360.0) if far else rng.random())
+        beginning, length_s = draw_beginning(rng, begins), draw_length_s(rng, habits)
         seed = int(rng.integers(2**31))
         scripts.append(
             Script(
                 name=f"r{number}.csv",
                 program=program,
-                read_s=polls_s(rng, polled, habits.duration_s),
+                begins=begins,
+                read_s=polls_s(rng, polled, length_s, beginning.before_s),
                 start_deg=start_deg,
-                make_program=partial(_program, program, seed, habits.duration_s),
+                ahead_s=beginning.ahead_s,
+                make_program=partial(
+                    _program, program, seed, length_s + beginning.before_s + beginning.ahead_s
+                ),
             )
         )
     return tuple(scripts)
@@ -237,20 +244,25 @@ def _reach_deg(
     reach = []
     for number, script in enumerate(scripts):
         hub = np.rad2deg(_driven(family, hiding, number, script, habits).states[:, 0])
-        reach.append((float(hub.min()), float(hub.max())))
+        shown = hub[script.read_s >= 0.0]
+        reach.append((float(shown.min()), float(shown.max())))
     return tuple(reach)
 
 
 def _driven(family: Foreign, hiding: _Hiding, number: int, script: Script, habits: Habits) -> Driven:
-    machine = family.build(hiding.motor_in(number), float(np.deg2rad(script.start_deg)))
+    machine = _machine(family, hiding.motor_in(number), script)
     return drive(machine, hiding.chain, script, habits.step_deg, family.command_every_s)
+
+
+def _machine(family: Foreign, motor: Numbers, script: Script) -> Machine:
+    return family.build(motor, float(np.deg2rad(script.start_deg)), float(script.read_s[0]))
 
 
 def _shift_deg(family: Foreign, hiding: _Hiding, script: Script, driven: Driven, rows: Rows) -> FloatArray:
     """Reading with the effects minus that of the same motor without them under the same commands."""
     if not hiding.effects:
         return np.zeros(script.read_s.size)
-    plain = family.build(hiding.plain, float(np.deg2rad(script.start_deg)))
+    plain = _machine(family, hiding.plain, script)
     table = _as_written(hiding.chain, driven)
     read_deg = shown_deg(Chain(), follow(plain, Chain(), script, *table))
     return rows.read_deg - np.interp(rows.recording.time_s, script.read_s, read_deg)

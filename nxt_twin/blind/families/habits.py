@@ -13,6 +13,7 @@ from nxt_twin.arrays import FloatArray
 RATES_HZ: Final = (20.0, 30.0, 50.0, 50.0, 80.0, 100.0, 100.0, 150.0, 200.0, 300.0, 500.0)
 MOST_ROWS: Final = 24_000
 SHORTEST_S: Final = 5.0
+UNEVEN: Final = 0.25
 
 
 @final
@@ -22,7 +23,8 @@ class Habits:
 
     Attributes:
         recordings: how many.
-        duration_s: how long each is.
+        duration_s: how long the longest is.
+        uneven: by which share the others are shorter at most.
         rate_hz: polls a second.
         jitter: standard deviation of the time between two polls, in periods.
         stall_chance: how often a poll is late by far.
@@ -33,6 +35,7 @@ class Habits:
 
     recordings: int
     duration_s: float
+    uneven: float
     rate_hz: float
     jitter: float
     stall_chance: float
@@ -70,6 +73,7 @@ def draw_habits(
     return Habits(
         recordings=count,
         duration_s=each_s,
+        uneven=0.0 if usual or duration_s else UNEVEN,
         rate_hz=rate_hz,
         jitter=float(rng.choice((0.0, 0.02, 0.1, 0.25))),
         stall_chance=float(rng.choice((0.0, 0.001, 0.003))),
@@ -79,8 +83,19 @@ def draw_habits(
     )
 
 
-def polls_s(rng: Generator, habits: Habits, duration_s: float) -> FloatArray:
-    """True times of the readings, from 0 to about `duration_s`, s."""
+def draw_length_s(rng: Generator, habits: Habits) -> float:
+    """How long one recording is, s."""
+    shorter = habits.duration_s * (1.0 - habits.uneven * float(rng.random()))
+    return max(min(SHORTEST_S, habits.duration_s), shorter)
+
+
+def polls_s(rng: Generator, habits: Habits, duration_s: float, before_s: float = 0.0) -> FloatArray:
+    """True times of the polls, from about `-before_s` to about `duration_s`, one of them zero, s."""
+    times_s = _from_zero_s(rng, habits, before_s + duration_s)
+    return times_s - times_s[int(np.searchsorted(times_s, before_s))]
+
+
+def _from_zero_s(rng: Generator, habits: Habits, duration_s: float) -> FloatArray:
     count = int(1.3 * duration_s * habits.rate_hz) + 10
     gaps = np.maximum(1.0 + habits.jitter * rng.standard_normal(count), 0.35) / habits.rate_hz
     late = rng.random(count) < habits.stall_chance

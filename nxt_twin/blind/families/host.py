@@ -10,6 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray, IntArray
+from nxt_twin.blind.families.beginnings import BeginningName
 from nxt_twin.blind.families.habits import Habits
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.numbers import Chain
@@ -30,27 +31,36 @@ class Script:
     Attributes:
         name: of the file.
         program: the name of the kind of program.
-        read_s: true times of the polls, shape (rows,).
-        start_deg: hub angle at the start.
+        begins: the name of the kind of beginning.
+        read_s: true times of the polls, shape (polls,); those before zero are not recorded.
+        start_deg: hub angle at the first poll, where the machine is at rest.
+        ahead_s: how far the program is at the first poll, s.
         make_program: makes the program, which may keep what it has read.
     """
 
     name: str
     program: str
+    begins: BeginningName
     read_s: FloatArray
     start_deg: float
+    ahead_s: float
     make_program: Callable[[], Program]
+
+    @property
+    def program_s(self) -> FloatArray:
+        """The program's own time at each poll, s."""
+        return self.read_s - self.read_s[0] + self.ahead_s
 
 
 @final
 @dataclass(frozen=True)
 class Driven:
-    """Commands and the machine's motion; arrays have shape (rows,).
+    """Commands and the machine's motion; arrays have shape (polls,).
 
     Attributes:
         duty_pct: commanded at each poll.
         mode: likewise.
-        states: hub angle, miscount, volts at each reading, shape (rows, 3).
+        states: hub angle, miscount, volts at each reading, shape (polls, 3).
     """
 
     duty_pct: FloatArray
@@ -66,7 +76,7 @@ def drive(
     Commands that are known beforehand change no more often than `command_every_s`.
     """
     program = script.make_program()
-    table = program.table(script.read_s)
+    table = program.table(script.program_s)
     if table is not None:
         if command_every_s > 0.0:
             turn = np.floor(script.read_s / command_every_s)
@@ -79,15 +89,15 @@ def drive(
 def follow(
     machine: Machine, chain: Chain, script: Script, duty_pct: FloatArray, mode: IntArray
 ) -> FloatArray:
-    """Hub angle, miscount and volts at each reading under commands that are known, shape (rows, 3)."""
+    """Hub angle, miscount and volts at each reading under commands that are known, shape (polls, 3)."""
     read_s = script.read_s
     act_s = acting_s(chain, read_s)
     changed = np.concatenate([[True], (np.diff(duty_pct) != 0.0) | (np.diff(mode) != 0)])
     rows = np.flatnonzero(changed & (act_s < read_s[-1]))
-    edges_s = np.concatenate([[0.0], act_s[rows], [read_s[-1]]])
+    edges_s = np.concatenate([[read_s[0]], act_s[rows], [read_s[-1]]])
     duties, modes = np.concatenate([[0.0], duty_pct[rows]]), np.concatenate([[0], mode[rows]])
     states = np.zeros((read_s.size, 3))
-    states[0] = machine.run(np.zeros(1), 0.0, 0)[0]
+    states[0] = machine.run(read_s[:1], 0.0, 0)[0]
     for piece in range(duties.size):
         low_s, high_s = edges_s[piece], edges_s[piece + 1]
         if high_s <= low_s:
@@ -104,11 +114,11 @@ def acting_s(chain: Chain, read_s: FloatArray) -> FloatArray:
 
 
 def _loop(machine: Machine, chain: Chain, script: Script, program: Program, step_deg: float) -> Driven:
-    read_s = script.read_s
+    read_s, program_s = script.read_s, script.program_s
     act_s = acting_s(chain, read_s)
     duty_pct, states = np.zeros(read_s.size), np.zeros((read_s.size, 3))
-    in_force, next_one, now_s = 0.0, 0, 0.0
-    states[0] = machine.run(np.zeros(1), 0.0, 0)[0]
+    in_force, next_one, now_s = 0.0, 0, float(read_s[0])
+    states[0] = machine.run(read_s[:1], 0.0, 0)[0]
     for row, until_s in enumerate(read_s):
         while next_one < row and act_s[next_one] <= until_s:
             if act_s[next_one] > now_s:
@@ -122,7 +132,7 @@ def _loop(machine: Machine, chain: Chain, script: Script, program: Program, step
         elif row:
             states[row] = machine.run(np.array([now_s]), in_force, 0)[0]
         shown = chain.encoder_deg(*np.rad2deg(states[row : row + 1, :VOLTS].T))[0]
-        duty_pct[row] = program.command(float(until_s), float(np.floor(shown / step_deg) * step_deg))
+        duty_pct[row] = program.command(float(program_s[row]), float(np.floor(shown / step_deg) * step_deg))
     return Driven(duty_pct, np.zeros(read_s.size, dtype=np.int64), states)
 
 
@@ -148,22 +158,22 @@ class Rows:
 
 
 def write_rows(rng: Generator, script: Script, chain: Chain, habits: Habits, driven: Driven) -> Rows:
-    """Make rows of what a machine did: stamps, steps, stale readings, the battery, late rows."""
+    """Make rows of what a machine did from time zero on: stamps, steps, stale readings, the battery, late rows."""
+    first = int(np.searchsorted(script.read_s, 0.0))
     issued_s = script.read_s + chain.lag_s(script.read_s)
-    read_deg = _taken(rng, chain, script.read_s, shown_deg(chain, driven.states))
+    read_deg = _taken(rng, chain, script.read_s, shown_deg(chain, driven.states))[first:]
     late = int(chain.late_rows)
     duty, mode = (np.concatenate([np.zeros(late), one])[: one.size] for one in (driven.duty_pct, driven.mode))
+    every = 0 if chain.battery_once else habits.battery_every
     columns = {
-        "time_s": np.round((1.0 + chain.rate_error) * issued_s, 6),
-        "a_power_pct": duty,
+        "time_s": np.round((1.0 + chain.rate_error) * issued_s[first:], 6),
+        "a_power_pct": duty[first:],
         "a_tacho_deg": np.round(np.floor(read_deg / habits.step_deg) * habits.step_deg, 6),
-        "battery_v": _battery(
-            rng, driven.states[:, VOLTS], 0 if chain.battery_once else habits.battery_every
-        ),
+        "battery_v": _battery(rng, driven.states[first:, VOLTS], every),
     }
-    if np.any(mode):
-        columns["a_mode"] = mode.astype(np.float64)
-    return Rows(Recording(script.name, columns), np.rad2deg(driven.states[:, HUB]), read_deg)
+    if np.any(mode[first:]):
+        columns["a_mode"] = mode[first:].astype(np.float64)
+    return Rows(Recording(script.name, columns), np.rad2deg(driven.states[first:, HUB]), read_deg)
 
 
 def _taken(rng: Generator, chain: Chain, read_s: FloatArray, shown: FloatArray) -> FloatArray:

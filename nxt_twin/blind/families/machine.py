@@ -8,7 +8,7 @@ from nxt_twin.arrays import FloatArray
 
 
 class Machine(ABC):
-    """A motor under way: at rest at time zero, then driven piece by piece."""
+    """A motor under way: at rest when it begins, then driven piece by piece; a recording begins at time zero."""
 
     @abstractmethod
     def run(self, stops_s: FloatArray, duty: float, mode: int) -> FloatArray:

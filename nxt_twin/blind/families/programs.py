@@ -1,4 +1,4 @@
-"""The programs of a host: by hand, in steps, slow, saturated, coasting, or in a loop that the host closes."""
+"""The programs of a host: by hand, in steps, by stairs, in waves, slow, saturated, coasting, or in its own loop."""
 
 from __future__ import annotations
 
@@ -128,6 +128,32 @@ def random_steps(rng: Generator, duration_s: float) -> Program:
     return _driven(knots_s, duty)
 
 
+def one_step(rng: Generator, duration_s: float) -> Program:
+    """One level, held long, then nothing; again at another level where there is time."""
+    knots_s = _knots(rng, duration_s, 1.5, 4.0)
+    duty = rng.uniform(30.0, 100.0, knots_s.size) * rng.choice((-1.0, 1.0), knots_s.size)
+    duty[1::2] = 0.0
+    return _driven(knots_s, duty)
+
+
+def stairs(rng: Generator, duration_s: float) -> Program:
+    """Levels that rise evenly to the highest and fall again, then likewise the other way."""
+    knots_s = _knots(rng, duration_s, 0.5, 0.9)
+    steps, highest = int(rng.integers(4, 10)), float(rng.uniform(60.0, 100.0))
+    place = np.arange(knots_s.size) % (4 * steps)
+    level = np.interp(place, np.array([0, 1, 3, 4]) * steps, [0.0, highest, -highest, 0.0])
+    return _driven(knots_s, level * rng.choice((-1.0, 1.0)))
+
+
+def wave(rng: Generator, duration_s: float) -> Program:
+    """A sine whose frequency rises from below one to several hertz."""
+    knots_s = np.arange(0.0, duration_s + 1.0, 0.02)
+    slowest_hz, fastest_hz = float(rng.uniform(0.2, 0.6)), float(rng.uniform(1.5, 4.0))
+    rise = np.log(fastest_hz / slowest_hz) / knots_s[-1]
+    turns = slowest_hz * np.expm1(rise * knots_s) / rise
+    return _driven(knots_s, rng.uniform(40.0, 100.0) * np.sin(2.0 * np.pi * turns))
+
+
 def slow(rng: Generator, duration_s: float) -> Program:
     """Long ramps through zero that stay below a level."""
     knots_s = _knots(rng, duration_s, 1.2, 4.0)
@@ -174,6 +200,9 @@ def speed_loop(rng: Generator, duration_s: float) -> Program:
 PROGRAMS: Final = {
     "by_hand": by_hand,
     "random_steps": random_steps,
+    "one_step": one_step,
+    "stairs": stairs,
+    "wave": wave,
     "slow": slow,
     "saturated": saturated,
     "coasting": coasting,
@@ -185,7 +214,7 @@ FULL: Final = ("random_steps", "saturated", "by_hand")
 
 
 def draw_programs(rng: Generator, recordings: int, *, coasts: bool) -> tuple[str, ...]:
-    """A different program for each recording, again from the start after seven."""
+    """A different program for each recording, again from the start after ten."""
     first = [str(rng.choice(FULL))] + (["coasting"] if coasts else [])
     if coasts and recordings == 1:
         return ("coasting",)

@@ -52,7 +52,7 @@ def friction_loss(m: Numbers, t: float, theta: float, omega: float, carried: flo
     if m.stiction_excess_nm != 0.0:
         level += m.stiction_excess_nm * math.exp(-((omega / m.stribeck_speed_rad_s) ** 2))
     if m.cold_extra_torque_nm != 0.0:
-        level += m.cold_extra_torque_nm * math.exp(-t / m.warmup_time_s)
+        level += m.cold_extra_torque_nm * math.exp(-max(t, 0.0) / m.warmup_time_s)
     if m.binding_torque_nm != 0.0:
         near = 0.5 + 0.5 * math.cos(m.binding_cycles * theta + m.binding_phase_rad)
         level += m.binding_torque_nm * near * near

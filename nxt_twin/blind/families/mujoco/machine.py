@@ -33,7 +33,7 @@ def ready() -> str:
 class MuJoCo(Machine):
     """A motor at rest at `start_rad`, and whatever is on it at rest with it."""
 
-    def __init__(self, motor: Numbers, start_rad: float) -> None:
+    def __init__(self, motor: Numbers, start_rad: float, begins_s: float = 0.0) -> None:
         import mujoco
 
         self._engine = mujoco
@@ -43,7 +43,7 @@ class MuJoCo(Machine):
         self._turn_to(start_rad)
         self._x = np.zeros(electric.SLOTS)
         self._x[electric.VOLTS] = motor.supply_v
-        self._now_s = 0.0
+        self._now_s = begins_s
         self._varies = motor.coulomb_forward_nm != motor.coulomb_reverse_nm or any(
             getattr(motor, name) for name in VARYING
         )

@@ -26,11 +26,11 @@ APART_S: Final = 1e-9
 class Stiff(Machine):
     """A motor at rest at `start_rad`; its load stands in the middle of its play."""
 
-    def __init__(self, motor: Numbers, start_rad: float) -> None:
+    def __init__(self, motor: Numbers, start_rad: float, begins_s: float = 0.0) -> None:
         self._motor, self._numbers = motor, as_record(motor)
         self._x = np.zeros(own.STATES)
         self._x[[own.THETA, own.THETA_L]] = start_rad
-        self._now_s = 0.0
+        self._now_s = begins_s
         self._held = False
 
     def run(self, stops_s: FloatArray, duty: float, mode: int) -> FloatArray:

@@ -64,7 +64,7 @@ def _level(m: Numbers, t: float, x: FloatArray, carried: float) -> float:
         pace = (omega * omega + 1e-6) / m.stribeck_speed_rad_s**2
         level += m.stiction_excess_nm * math.exp(-(pace**0.65))
     if m.cold_extra_torque_nm != 0.0:
-        level += m.cold_extra_torque_nm * math.exp(-t / m.warmup_time_s)
+        level += m.cold_extra_torque_nm * math.exp(-max(t, 0.0) / m.warmup_time_s)
     if m.binding_torque_nm != 0.0:
         away = math.sin(0.5 * (m.binding_cycles * x[THETA] + m.binding_phase_rad))
         level += m.binding_torque_nm * (7.0 / (1.0 + 6.0 * away * away) - 1.0) / 6.0

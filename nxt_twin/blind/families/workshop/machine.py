@@ -19,11 +19,12 @@ from nxt_twin.blind.families.workshop.base import draw_flaws
 class Workshop(Machine):
     """A motor at rest at `start_rad`; its load stands in the middle of its play."""
 
-    def __init__(self, motor: Numbers, start_rad: float) -> None:
+    def __init__(self, motor: Numbers, start_rad: float, begins_s: float = 0.0) -> None:
         self._motor, self._flaws = as_record(motor), as_record(draw_flaws(motor))
         self._state = np.zeros(steps.STATES)
         self._state[[steps.THETA, steps.THETA_L, steps.ANCHOR]] = start_rad
-        self._now_s = 0.0
+        self._state[steps.MEMORY] = begins_s
+        self._now_s = begins_s
 
     def run(self, stops_s: FloatArray, duty: float, mode: int) -> FloatArray:
         """As `Machine.run`."""

@@ -24,7 +24,7 @@ def sliding(m: Numbers, f: Flaws, t: float, theta: float, omega: float, carried:
         pace = omega / m.stribeck_speed_rad_s
         level += m.stiction_excess_nm / math.cosh(pace)
     if m.cold_extra_torque_nm != 0.0:
-        level += m.cold_extra_torque_nm * math.exp(-t / m.warmup_time_s)
+        level += m.cold_extra_torque_nm * math.exp(-max(t, 0.0) / m.warmup_time_s)
     if m.binding_torque_nm != 0.0:
         near = math.cos(0.5 * (m.binding_cycles * theta + m.binding_phase_rad))
         level += m.binding_torque_nm * near**4
