@@ -96,4 +96,6 @@ def test_a_machine_that_begins_before_a_recording_has_warmed_and_drained_as_told
     cold = replace(PLAIN, cold_extra_torque_nm=0.02, warmup_time_s=0.3)
     before, fresh = machine(cold, 0.0, -2.0), machine(cold, 0.0)
     before.run(np.array([0.0]), 0.0, DRIVE)
-    assert before.run(STOPS_S, 0.6, DRIVE)[-1, 0] == pytest.approx(fresh.run(STOPS_S, 0.6, DRIVE)[-1, 0], rel=1e-3)
+    assert before.run(STOPS_S, 0.6, DRIVE)[-1, 0] == pytest.approx(
+        fresh.run(STOPS_S, 0.6, DRIVE)[-1, 0], rel=1e-3
+    )
