@@ -20,12 +20,10 @@ class Beginning:
     """How one recording begins.
 
     Attributes:
-        name: of the kind.
         ahead_s: how far the program is when the motor first gets a command, s.
         before_s: how long the motor moves before the first row, s.
     """
 
-    name: BeginningName
     ahead_s: float
     before_s: float
 
@@ -37,6 +35,6 @@ def draw_kind(rng: Generator) -> BeginningName:
 
 
 def draw_beginning(rng: Generator, name: BeginningName) -> Beginning:
-    """One recording's beginning; all kinds take as many numbers from `rng`."""
-    ahead_s, before_s = float(rng.uniform(*NEXT_COMMAND_S)), float(rng.uniform(*BEFORE_S))
-    return Beginning(name, 0.0 if name == "off" else ahead_s, before_s if name == "cut" else 0.0)
+    """One recording's beginning."""
+    ahead_s = 0.0 if name == "off" else float(rng.uniform(*NEXT_COMMAND_S))
+    return Beginning(ahead_s, float(rng.uniform(*BEFORE_S)) if name == "cut" else 0.0)

@@ -12,7 +12,7 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.families.beginnings import draw_beginning, draw_kind
+from nxt_twin.blind.families.beginnings import BeginningName, draw_beginning, draw_kind
 from nxt_twin.blind.families.habits import Habits, draw_habits, draw_length_s, polls_s
 from nxt_twin.blind.families.host import Driven, Rows, Script, drive, follow, shown_deg, write_rows
 from nxt_twin.blind.families.machine import Machine
@@ -139,7 +139,8 @@ def make_foreign(
     habits = draw_habits(
         rng, family.steps_deg, longest_s=family.longest_s, duration_s=duration_s, least_recordings=least
     )
-    scripts = draw_scripts(rng, habits, any(effect.coasts for effect in to_hide), family.command_every_s)
+    programs = draw_programs(rng, habits.recordings, coasts=any(effect.coasts for effect in to_hide))
+    scripts = draw_scripts(rng, habits, programs, draw_kind(rng), family.command_every_s)
     hiding = _hide(rng, family, to_hide, size, habits, scripts)
     driven = [_driven(family, hiding, k, script, habits) for k, script in enumerate(scripts)]
     rows = [
@@ -181,10 +182,15 @@ def _truth_of(
     return {"effect_rms_deg": _rms(np.concatenate(shifts)), "recordings": recordings}
 
 
-def draw_scripts(rng: Generator, habits: Habits, coasts: bool, command_every_s: float) -> tuple[Script, ...]:
-    """One recording's script for each recording of a case, `r1.csv` and so on."""
-    programs = draw_programs(rng, habits.recordings, coasts=coasts)
-    far, begins = rng.random() < 0.5, draw_kind(rng)
+def draw_scripts(
+    rng: Generator,
+    habits: Habits,
+    programs: Sequence[str],
+    begins: BeginningName,
+    command_every_s: float,
+) -> tuple[Script, ...]:
+    """A script for each program, of recordings `r1.csv` and so on."""
+    far = rng.random() < 0.5
     scripts = []
     for number, program in enumerate(programs, start=1):
         loops = program.endswith("_loop") and habits.poll_s < command_every_s

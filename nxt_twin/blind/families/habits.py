@@ -85,6 +85,8 @@ def draw_habits(
 
 def draw_length_s(rng: Generator, habits: Habits) -> float:
     """How long one recording is, s."""
+    if habits.uneven == 0.0:
+        return habits.duration_s
     shorter = habits.duration_s * (1.0 - habits.uneven * float(rng.random()))
     return max(min(SHORTEST_S, habits.duration_s), shorter)
 
@@ -92,7 +94,7 @@ def draw_length_s(rng: Generator, habits: Habits) -> float:
 def polls_s(rng: Generator, habits: Habits, duration_s: float, before_s: float = 0.0) -> FloatArray:
     """True times of the polls, from about `-before_s` to about `duration_s`, one of them zero, s."""
     times_s = _from_zero_s(rng, habits, before_s + duration_s)
-    return times_s - times_s[int(np.searchsorted(times_s, before_s))]
+    return np.asarray(times_s - times_s[int(np.searchsorted(times_s, before_s))])
 
 
 def _from_zero_s(rng: Generator, habits: Habits, duration_s: float) -> FloatArray:

@@ -49,7 +49,7 @@ class Script:
     @property
     def program_s(self) -> FloatArray:
         """The program's own time at each poll, s."""
-        return self.read_s - self.read_s[0] + self.ahead_s
+        return np.asarray(self.read_s - self.read_s[0] + self.ahead_s)
 
 
 @final

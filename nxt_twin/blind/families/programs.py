@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Final, final
 
 import numpy as np
@@ -209,15 +210,20 @@ PROGRAMS: Final = {
     "angle_loop": angle_loop,
     "speed_loop": speed_loop,
 }
+FIRST_PROGRAMS: Final = tuple(name for name in PROGRAMS if name not in ("one_step", "stairs", "wave"))
+"""Without the three that came later: sets that were scored before them stay as they were."""
+
 FULL: Final = ("random_steps", "saturated", "by_hand")
 """One of these is in every case: without full power half of the motor's physics does not show."""
 
 
-def draw_programs(rng: Generator, recordings: int, *, coasts: bool) -> tuple[str, ...]:
-    """A different program for each recording, again from the start after ten."""
+def draw_programs(
+    rng: Generator, recordings: int, *, coasts: bool, among: Sequence[str] = tuple(PROGRAMS)
+) -> tuple[str, ...]:
+    """A different program for each recording, and again from the start after all `among`."""
     first = [str(rng.choice(FULL))] + (["coasting"] if coasts else [])
     if coasts and recordings == 1:
         return ("coasting",)
-    others = [name for name in PROGRAMS if name not in first]
+    others = [name for name in among if name not in first]
     order = [*first, *(str(name) for name in rng.permutation(others))]
     return tuple(order[k % len(order)] for k in range(recordings))

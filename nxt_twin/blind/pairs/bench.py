@@ -21,6 +21,7 @@ from nxt_twin.blind.families.host import drive, write_rows
 from nxt_twin.blind.families.motors import draw_baseline
 from nxt_twin.blind.families.motors import draw_motor as draw_numbers
 from nxt_twin.blind.families.numbers import Chain
+from nxt_twin.blind.families.programs import FIRST_PROGRAMS, draw_programs
 from nxt_twin.blind.families.setting import DrawnCase
 from nxt_twin.blind.families.table import BRISTLE, FOREIGN
 from nxt_twin.blind.kinds import Size
@@ -132,9 +133,10 @@ class ForeignBench(Bench):
         """As `Bench.record`."""
         found = []
         every_s = self._family.command_every_s
-        scripts = draw_scripts(rng, self._habits, coasts=False, command_every_s=every_s)
+        programs = draw_programs(rng, self._habits.recordings, coasts=False, among=FIRST_PROGRAMS)
+        scripts = draw_scripts(rng, self._habits, programs, "off", every_s)
         for k, script in enumerate(scripts, start=1):
-            machine = self._family.build(truth.motor, math.radians(script.start_deg))
+            machine = self._family.build(truth.motor, math.radians(script.start_deg), 0.0)
             driven = drive(machine, truth.chain, script, self._habits.step_deg, every_s)
             rows = write_rows(rng, script, truth.chain, self._habits, driven)
             found.append(replace(rows.recording, name=f"{name}-{k}.csv"))
