@@ -43,14 +43,21 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.reliability")
     programs = parser.add_subparsers(dest="program", required=True)
     inputs = programs.add_parser("fuzz", help="hostile inputs for every parser")
-    inputs.add_argument("--count", type=int, default=fuzz.MILLION)
+    inputs.add_argument(
+        "--count", type=int, default=fuzz.MILLION, help="with those of earlier runs of this seed"
+    )
     inputs.add_argument("--only", default="", help="a part of a parser's name")
     soak = programs.add_parser(
         "soak", help="flipped bits, cut links, full disks, two clients, kills, a long session"
     )
     soak.add_argument("parts", nargs="*", help="flips, cuts, disk, clients, kills, session; all without")
     soak.add_argument("--flips", type=int, default=FLIPS)
-    soak.add_argument("--kills", type=int, default=KILLS, help="of record, of live and of recover each")
+    soak.add_argument(
+        "--kills",
+        type=int,
+        default=KILLS,
+        help="of record, of live and of recover each, earlier ones included",
+    )
     soak.add_argument("--only", default="", choices=("", "record", "live", "recover"), help="of kills")
     soak.add_argument("--hours", type=float, default=HOURS, help="of virtual time")
     for each in (inputs, soak):

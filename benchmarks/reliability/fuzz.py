@@ -2,7 +2,8 @@
 
     python -m benchmarks.reliability fuzz [--count N] [--seed N] [--only PART-OF-A-NAME]
 
-What breaks a rule is kept in build/fuzz, named by parser and number.
+The inputs come in pieces. A run that was ended goes on after its last piece; the table adds up the pieces of a seed.
+What breaks a rule is kept in build/fuzz, named by parser, piece and number.
 """
 
 from __future__ import annotations
@@ -14,16 +15,19 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from random import Random
 from typing import Final, final
 
+from benchmarks.reliability import ledger
+from benchmarks.reliability.ledger import Ledger
 from benchmarks.reliability.mutate import mutated
 from benchmarks.reliability.parsers import REFUSALS, Parser, parsers
 from nxt_twin.errors import LONGEST_LINE, NxtTwinError
 
 MILLION: Final = 1_000_000
+PIECE: Final = 50_000
 LONGEST_S: Final = 2.0
 MOST_MB: Final = 300.0
 KEPT: Final = Path("build") / "fuzz"
@@ -48,16 +52,27 @@ class Tally:
     def count(self) -> int:
         return self.read + self.refused + len(self.broken)
 
+    def plus(self, other: Tally) -> Tally:
+        """Both together."""
+        return Tally(
+            self.read + other.read,
+            self.refused + other.refused,
+            max(self.longest_s, other.longest_s),
+            max(self.most_mb, other.most_mb),
+            max(self.longest_line, other.longest_line),
+            self.used_s + other.used_s,
+            self.broken + other.broken,
+        )
 
-def fuzz(count: int, seed: int, only: str = "") -> Iterator[tuple[Parser, Tally]]:
+
+def fuzz(count: int, seed: int | str, only: str = "") -> Iterator[tuple[Parser, Tally]]:
     """Put so many inputs to the parsers, by their shares."""
     for parser in parsers():
         if only.lower() in parser.name.lower():
-            number = max(1, round(count * parser.share))
-            yield parser, _fuzz_one(parser, min(number, parser.most or number), seed)
+            yield parser, _fuzz_one(parser, max(1, round(count * parser.share)), seed)
 
 
-def _fuzz_one(parser: Parser, count: int, seed: int) -> Tally:
+def _fuzz_one(parser: Parser, count: int, seed: int | str) -> Tally:
     tally, random, began_s = Tally(), Random(f"{seed} {parser.name}"), _used_s()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -69,7 +84,7 @@ def _fuzz_one(parser: Parser, count: int, seed: int) -> Tally:
             why = _put(parser, folder, data, tally)
             if why:
                 tally.broken.append(f"{number}: {why}")
-                _keep(f"{parser.name}-{number}", data)
+                _keep(f"{parser.name}-{seed}-{number}", data)
     tally.used_s = _used_s() - began_s
     return tally
 
@@ -145,20 +160,44 @@ def _keep(name: str, data: bytes) -> None:
 
 
 def main(count: int, seed: int, only: str) -> int:
-    """Print a line for each parser; 1 if a rule was broken."""
-    total, broken, used_s = 0, 0, 0.0
+    """Put what is missing of so many inputs, then print a line for each parser; 1 if a rule was broken."""
+    kept = Ledger(ledger.FOLDER / "fuzz.jsonl", f"seed {seed}, {only or 'all'}")
+    while (done := sum(piece["inputs"] for piece in kept.pieces())) < count:
+        number = len(kept.pieces())
+        size = min(PIECE, count - done)
+        tallies = {parser.name: asdict(tally) for parser, tally in fuzz(size, f"{seed}.{number}", only)}
+        kept.add({"inputs": size, "parsers": tallies})
+        print(
+            f"piece {number}: {size} inputs, {sum(len(each['broken']) for each in tallies.values())} broke a rule",
+            flush=True,
+        )
+    tallies = _together(kept)
+    print(*_table(tallies), sep="\n")
+    used_s = sum(each.used_s for each in tallies.values())
+    broken = sum(len(each.broken) for each in tallies.values())
     print(
+        f"{sum(each.count for each in tallies.values())} inputs in {len(kept.pieces())} pieces, {broken} broke a rule; "
+        f"{used_s:.0f} s of processor time, seed {seed}; commits: {kept.commits()}"
+    )
+    return min(broken, 1)
+
+
+def _together(kept: Ledger) -> dict[str, Tally]:
+    sums: dict[str, Tally] = {}
+    for piece in kept.pieces():
+        for name, tally in piece["parsers"].items():
+            sums[name] = sums.get(name, Tally()).plus(Tally(**tally))
+    return sums
+
+
+def _table(tallies: dict[str, Tally]) -> Iterator[str]:
+    yield (
         f"{'parser':24} {'inputs':>8} {'read':>8} {'refused':>8} {'most s':>7} {'most MB':>8} {'line':>5} {'all s':>6} "
         f"{'broken':>7}"
     )
-    for parser, tally in fuzz(count, seed, only):
-        total, broken, used_s = total + tally.count, broken + len(tally.broken), used_s + tally.used_s
-        print(
-            f"{parser.name:24} {tally.count:8} {tally.read:8} {tally.refused:8} {tally.longest_s:7.2f} "
-            f"{tally.most_mb:8.1f} {tally.longest_line:5} {tally.used_s:6.0f} {len(tally.broken):7}",
-            flush=True,
+    for name, tally in tallies.items():
+        yield (
+            f"{name:24} {tally.count:8} {tally.read:8} {tally.refused:8} {tally.longest_s:7.2f} "
+            f"{tally.most_mb:8.1f} {tally.longest_line:5} {tally.used_s:6.0f} {len(tally.broken):7}"
         )
-        for line in tally.broken[:5]:
-            print(f"    {line}")
-    print(f"{total} inputs, {broken} broke a rule; {used_s:.0f} s of processor time, seed {seed}")
-    return min(broken, 1)
+        yield from (f"    {line}" for line in tally.broken[:5])

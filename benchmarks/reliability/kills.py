@@ -4,7 +4,7 @@ The killed process notes each row beside its recording, before and after it hand
 undo these notes. The benchmark compares the rows that `recover` gives with them, one by one.
 
 The brick of record and live is the mock in virtual time. A short session then has a hundred rows, and kills are spread
-over its whole length, its end included.
+over its whole length, its end included. Kills come in pieces, and those of a seed add up over runs.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from typing import Final
 
 import numpy as np
 
+from benchmarks.reliability import ledger
+from benchmarks.reliability.ledger import Ledger
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.record import write_down
@@ -48,6 +50,7 @@ _BEYOND: Final = 1.1
 """Kills come up to so many times a whole run after it began: some find it finished."""
 _EARLY: Final = 0.1
 _TIMED: Final = 5
+_PIECE: Final = 50
 _LOOK_S: Final = 0.001
 _ROWS: Final = 4000
 _COLUMN: Final = "a_tacho_deg"
@@ -56,23 +59,37 @@ Work = Callable[[Path], None]
 
 
 def report(kills: int, seed: int, only: str = "") -> Iterator[str]:
-    """What came of so many kills of each, or of `only` one of them."""
+    """What came of so many kills of each, or of `only` one of them; those of earlier runs count."""
     plants = {"a": plant_from_config(load_plant_config("nxt_motor"), "power_pct")}
     rehearse(plants)
-    for name, work in (("record", _record), ("live", lambda out: _live(out, plants))):
-        if only not in ("", name):
-            continue
-        random, whole_s = Random(f"{seed} {name}"), _timed(work)
-        seen = Counter(_session_killed(work, random, whole_s) for _ in range(kills))
-        yield f"kill -9 of {name}, {kills} times in runs of {whole_s:.2f} s: {_told(seen)}"
-    if only not in ("", "recover"):
-        return
-    random = Random(f"{seed} recover")
+    works = {"record": _record, "live": lambda out: _live(out, plants)}
+    for name in ("record", "live", "recover"):
+        if only in ("", name):
+            yield from _counted(name, kills, seed, works.get(name))
+
+
+def _counted(name: str, kills: int, seed: int, work: Work | None) -> Iterator[str]:
+    """Kill in pieces what is missing of so many; recover where no work is given."""
+    kept = Ledger(ledger.FOLDER / "kills.jsonl", f"seed {seed}, {name}")
+    while (done := sum(piece["kills"] for piece in kept.pieces())) < kills:
+        size, random = min(_PIECE, kills - done), Random(f"{seed} {name} {len(kept.pieces())}")
+        seen = _sessions_killed(work, random, size) if work else _recoveries_killed(random, size)
+        kept.add({"kills": size, "seen": seen})
+        yield f"{name}, piece {len(kept.pieces())}: {_told(seen)}"
+    together = sum((Counter(piece["seen"]) for piece in kept.pieces()), Counter[str]())
+    yield f"kill -9 of {name}, {together.total()} times, seed {seed}: {_told(together)}; commits: {kept.commits()}"
+
+
+def _sessions_killed(work: Work, random: Random, kills: int) -> Counter[str]:
+    whole_s = _timed(work)
+    return Counter(_session_killed(work, random, whole_s) for _ in range(kills))
+
+
+def _recoveries_killed(random: Random, kills: int) -> Counter[str]:
     with tempfile.TemporaryDirectory() as folder:
         stream = _long_stream(Path(folder))
         whole_s = _timed(lambda out: _recover(stream, out))
-        seen = Counter(_recover_killed(stream, random.uniform(0.0, _BEYOND * whole_s)) for _ in range(kills))
-    yield f"kill -9 of recover, {kills} times in runs of {whole_s:.2f} s: {_told(seen)}"
+        return Counter(_recover_killed(stream, random.uniform(0.0, _BEYOND * whole_s)) for _ in range(kills))
 
 
 def _told(seen: Counter[str]) -> str:

@@ -76,22 +76,20 @@ class Parser:
         name: what it reads.
         seeds: valid inputs.
         read: takes a folder of its own and an input.
-        share: of all inputs, so many.
-        most: inputs at most, where each costs a process; 0 for any number.
+        share: of all inputs, so many; few where each costs a process.
     """
 
     name: str
     seeds: tuple[bytes, ...]
     read: Callable[[Path, bytes], object]
     share: float
-    most: int = 0
 
 
 def parsers() -> Sequence[Parser]:
     """All of them; shares add up to about one."""
     tables = _tables()
     return (
-        Parser("telegrams, decoded", _telegrams(), _decode, 0.30),
+        Parser("telegrams, decoded", _telegrams(), _decode, 0.31),
         Parser("telegrams, to the mock", _telegrams(), _Mock().take, 0.15),
         Parser("URLs and addresses", _URLS, _urls, 0.25),
         Parser("positioners", _SPECS, lambda _, data: read_spec(_text(data)), 0.02),
@@ -99,7 +97,7 @@ def parsers() -> Sequence[Parser]:
         Parser("sidecar YAML", _SIDECARS, _sidecar, 0.02),
         Parser("Parquet", (tables["parquet"],), _file("run.parquet", read_recording), 0.02),
         Parser("tables from elsewhere", tuple(tables[name] for name in _ELSEWHERE), _table, 0.03),
-        Parser("MAT in its process", (tables["mat"], tables["packed"]), _table, 0.01, most=500),
+        Parser("MAT in its process", (tables["mat"], tables["packed"]), _table, 0.0005),
         Parser("streams", (_stream(),), _recover, 0.03),
         Parser("mapping YAML", _folder("mappings"), _file("m.yaml", read_mapping), 0.03),
         Parser("plant YAML", (*_folder("plants"), *_PLANTS), _file("p.yaml", _plant), 0.03),
