@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Mapping
 
-from benchmarks.reliability import cuts, flips, full_disk, fuzz, kills, session, two_clients
+from benchmarks.reliability import cuts, flips, full_disk, fuzz, kills, session, stalls, two_clients
 
 FLIPS = 2000
 KILLS = 1000
@@ -34,6 +34,7 @@ def _parts(given: argparse.Namespace) -> Mapping[str, Callable[[], Iterator[str]
         "cuts": cuts.report,
         "disk": full_disk.report,
         "clients": two_clients.report,
+        "stalls": stalls.report,
         "kills": lambda: kills.report(given.kills, given.seed, given.only),
         "session": lambda: session.report(given.hours, given.seed),
     }
@@ -48,9 +49,12 @@ def _arguments() -> argparse.Namespace:
     )
     inputs.add_argument("--only", default="", help="a part of a parser's name")
     soak = programs.add_parser(
-        "soak", help="flipped bits, cut links, full disks, two clients, kills, a long session"
+        "soak",
+        help="flipped bits, cut links, full disks, two clients, a host that stalls, kills, a long session",
     )
-    soak.add_argument("parts", nargs="*", help="flips, cuts, disk, clients, kills, session; all without")
+    soak.add_argument(
+        "parts", nargs="*", help="flips, cuts, disk, clients, stalls, kills, session; all without"
+    )
     soak.add_argument("--flips", type=int, default=FLIPS)
     soak.add_argument(
         "--kills",

@@ -165,12 +165,10 @@ def main(count: int, seed: int, only: str) -> int:
     while (done := sum(piece["inputs"] for piece in kept.pieces())) < count:
         number = len(kept.pieces())
         size = min(PIECE, count - done)
-        tallies = {parser.name: asdict(tally) for parser, tally in fuzz(size, f"{seed}.{number}", only)}
-        kept.add({"inputs": size, "parsers": tallies})
-        print(
-            f"piece {number}: {size} inputs, {sum(len(each['broken']) for each in tallies.values())} broke a rule",
-            flush=True,
-        )
+        found = {parser.name: tally for parser, tally in fuzz(size, f"{seed}.{number}", only)}
+        kept.add({"inputs": size, "parsers": {name: asdict(tally) for name, tally in found.items()}})
+        broken = sum(len(each.broken) for each in found.values())
+        print(f"piece {number}: {size} inputs, {broken} broke a rule", flush=True)
     tallies = _together(kept)
     print(*_table(tallies), sep="\n")
     used_s = sum(each.used_s for each in tallies.values())

@@ -26,7 +26,7 @@ class Ledger:
     run: str
 
     def pieces(self) -> Sequence[dict[str, Any]]:
-        """What was counted so far, in order."""
+        """All pieces of this run, in order."""
         if not self.path.exists():
             return ()
         lines = map(json.loads, self.path.read_text(encoding="utf-8").splitlines())

@@ -18,6 +18,7 @@ from nxt_twin.diagnose.diagnosis import (
     Horizon,
     Leftover,
     Tolerance,
+    Verdict,
 )
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
@@ -30,7 +31,7 @@ from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
-from nxt_twin.diagnose.judging.verdict import is_idle, is_needless, is_patchwork, verdict_of
+from nxt_twin.diagnose.judging.verdict import is_idle, is_needless, is_patchwork, is_stalled, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
@@ -157,7 +158,8 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         patchwork=is_patchwork(evidence.record),
     )
     far = moved_far(problem.plant, evidence.final.plant)
-    sentence = " ".join([*far, sentence, *words.too_small([one.name for one in evidence.needless]), *load])
+    small = words.too_small([one.name for one in evidence.needless])
+    sentence = " ".join([*far, sentence, *small, *load, *_stood_still(evidence, verdict)])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,
@@ -180,6 +182,12 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         nearest=nearest(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
+
+
+def _stood_still(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:
+    """A sentence on stalls where they leave names in doubt."""
+    in_doubt = verdict == "unexplained" and is_stalled(evidence.record)
+    return (words.stood_still(evidence.record.stalled_share),) if in_doubt else ()
 
 
 def _what_is_written(evidence: Evidence) -> tuple[str, ...]:

@@ -1,10 +1,14 @@
 """Each limit of the verdict: on either side of it the answer is another."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import pytest
 
+from nxt_twin.diagnose.engine import _stood_still
 from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, is_idle, is_needless, verdict_of
+from nxt_twin.diagnose.next.next_step import next_experiment
+from nxt_twin.diagnose.telling import words
 
 QUIET = Record(
     named=0,
@@ -178,3 +182,15 @@ def test_stalls_speak_against_several_effects_and_not_against_one_that_leaves_no
 
 def test_three_effects_are_the_most_that_are_likely_to_be_missing_at_once():
     assert LIMITS.most_named == 3
+
+
+def test_stalls_that_leave_names_in_doubt_are_in_the_sentence_and_ask_for_a_quiet_host():
+    stalled = SimpleNamespace(record=replace(FOUND, named=2, stalled_share=0.2), problem=None)
+    assert _stood_still(stalled, "unexplained") == (
+        "The host or the link stood still for 20 % of a recording, so no name is sure.",
+    )
+    told = next_experiment(None, stalled, "unexplained", None, None, None)
+    assert told == words.experiment_for_stalled()
+    steady = SimpleNamespace(record=replace(FOUND, named=2, stalled_share=0.02), problem=None)
+    assert _stood_still(steady, "unexplained") == ()
+    assert _stood_still(stalled, "explained") == ()

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from benchmarks.reliability import cuts, flips, fuzz
+from benchmarks.reliability import cuts, flips, fuzz, ledger
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="uses signals and Linux's files about processes")
 
@@ -44,3 +44,14 @@ def test_a_cut_after_any_byte_is_a_named_failure():
     lines = [line for line in cuts.report(every=8) if "cut after" in line]
     assert [line.split()[0] for line in lines] == ["tcp", "serial", "bluetooth"]
     assert not any("ANSWERED" in line for line in lines)
+
+
+def test_pieces_add_up_over_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(ledger, "FOLDER", tmp_path)
+    monkeypatch.setattr(fuzz, "PIECE", 300)
+    assert fuzz.main(300, 7, "decoded") == 0
+    assert fuzz.main(700, 7, "decoded") == 0
+    *_, last = capsys.readouterr().out.splitlines()
+    assert last.startswith("217 inputs in 3 pieces, 0 broke a rule")
+    assert fuzz.main(300, 8, "decoded") == 0
+    assert "93 inputs in 1 pieces" in capsys.readouterr().out

@@ -10,6 +10,7 @@ from nxt_twin.diagnose.diagnosis import Excitation, Fit, NextExperiment, Verdict
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.run_outs import unfitted_run_outs
+from nxt_twin.diagnose.judging.verdict import is_stalled
 from nxt_twin.diagnose.next.inputs import Pattern, family
 from nxt_twin.diagnose.next.next_experiment import LONGEST_S, Proposal, bounded_reach, most_pct, propose
 from nxt_twin.diagnose.telling import words
@@ -32,6 +33,8 @@ def next_experiment(
 ) -> NextExperiment | None:
     """What to record next, None where nothing is open."""
     problem = evidence.problem
+    if verdict == "unexplained" and is_stalled(evidence.record):
+        return words.experiment_for_stalled()
     pairs = near_rivals(evidence)
     if pairs:
         effect, rival = pairs[0]

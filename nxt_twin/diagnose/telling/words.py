@@ -88,6 +88,11 @@ def too_small(names: Sequence[str]) -> tuple[str, ...]:
     )
 
 
+def stood_still(share: float) -> str:
+    """A sentence on a host or link that stood still for that share of a recording."""
+    return f"The host or the link stood still for {100.0 * share:.0f} % of a recording, so no name is sure."
+
+
 def _opening(named: str) -> str:
     """The names as the beginning of a sentence."""
     return named[:1].upper() + named[1:]
@@ -132,6 +137,14 @@ def experiment_for_unknown() -> NextExperiment:
         why="the rest follows the plant's state, and no known effect has its shape",
         input="one input twice, then at half the size, then from another angle. A repeated error is physics; "
         "its dependence on size and angle says which",
+    )
+
+
+def experiment_for_stalled() -> NextExperiment:
+    """What to record when the host or the link stood still for too long."""
+    return NextExperiment(
+        why="the host or the link stood still for too long to trust the stamps",
+        input="the same program again on a host with nothing else to do",
     )
 
 
