@@ -30,6 +30,7 @@ from nxt_twin.diagnose.judging.horizons import (
 )
 from nxt_twin.diagnose.judging.intervals import covariance_of
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
+from nxt_twin.diagnose.judging.onset import placed
 from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
@@ -70,6 +71,7 @@ class Evidence:
         doubts: how far `final` may err there because fitted readings leave its parameters open, at each horizon, SI.
         record: what the verdict rests on.
         colour: how many readings of `after` count as one, over how many of clean recordings do.
+        onset_told: effects whose onset fitted readings left open, so that held-out ones had to tell it.
         needless: effects that were found, and dropped since no simulation needs them.
     """
 
@@ -93,6 +95,7 @@ class Evidence:
     doubts: tuple[float, ...]
     record: Record
     colour: float
+    onset_told: tuple[Effect, ...] = ()
     needless: tuple[Effect, ...] = ()
 
     @property
@@ -109,6 +112,8 @@ class Evidence:
 def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:
     """Run both structures over everything, and synthetic clean recordings beside them."""
     searched = _no_worse_than_given(simulator, problem, searched)
+    placed_final, told = placed(simulator, problem, searched.final)
+    searched = replace(searched, final=placed_final)
     baseline, final = searched.refit, searched.final
     before, after = (
         residuals(simulator, structure.plant, problem.everything(), final.noise)
@@ -152,6 +157,7 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         colour=float(
             colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
         ),
+        onset_told=told,
     )
 
 

@@ -34,17 +34,23 @@ def at_likeliest_onset(fitter: Fitter, plant: Plant, effect: Effect, noise: Nois
         effect: with an onset.
         noise: under which readings are weighed.
     """
-    symbol = next(parameter.symbol for parameter in effect.parameters if parameter.name == _ONSET)
-    slot = Slot(effect.id, symbol)
+    slot = _slot(effect)
     last = fitter.problem.signals[-1]
     length_s = last.session_s + float(last.time_s[-1] - last.time_s[0])
     reach_s = _SHARE * length_s
     shifts_s = np.linspace(-reach_s, reach_s, _TRIED)
-    tried = [plant, *(_at(plant, slot, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
+    tried = [plant, *(at_onset(plant, effect, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
     tuned = fitter.tuned(noise, DRAFTED.step_for(plant)).everything()
     return tried[int(np.argmin(tuned.costs_of(fitter.simulator, tried)))]
 
 
-def _at(plant: Plant, slot: Slot, onset_s: float) -> Plant:
+def at_onset(plant: Plant, effect: Effect, onset_s: float) -> Plant:
+    """`plant` whose `effect` acts from `onset_s` (s of the session) on, all else as it is."""
+    slot = _slot(effect)
     others = {each.symbol: value for each, value in plant.values.items() if each.owner == slot.owner}
     return plant.with_effect(slot.owner, {**others, slot.symbol: max(onset_s, 0.0)})
+
+
+def _slot(effect: Effect) -> Slot:
+    symbol = next(parameter.symbol for parameter in effect.parameters if parameter.name == _ONSET)
+    return Slot(effect.id, symbol)

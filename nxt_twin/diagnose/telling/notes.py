@@ -11,6 +11,7 @@ from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun, Moved
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
 from nxt_twin.diagnose.telling.words import listed
+from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.plant import Plant
 
@@ -56,6 +57,15 @@ def notes(
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
     return tuple(said)
+
+
+def onsets_told(effects: Sequence[Effect]) -> tuple[str, ...]:
+    """A remark for each effect whose onset only held-out readings show."""
+    return tuple(
+        f"The fitted readings leave open when the {effect.name} came on. The held-out recording shows it: the onset was "
+        "taken from there."
+        for effect in effects
+    )
 
 
 def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
