@@ -44,9 +44,7 @@ def _likelier(simulator: Simulator, problem: Problem, final: Structure, effect: 
     tuned = Fitter(simulator, problem).tuned(final.noise, SETTLED.step_for(final.plant)).everything()
     costs = tuned.costs_of(simulator, every)
     opened = [plant for plant, cost in zip(every, costs, strict=True) if cost - costs[0] <= _OPEN_NATS]
-    errors = [
-        errors_of(simulator, problem, plant, plant, final.noise) for plant in opened[: 1 + _MOST_TRIED]
-    ]
+    errors = [errors_of(simulator, problem, plant, plant, final.noise) for plant in opened[: 1 + _MOST_TRIED]]
     best = least_wrong(errors, problem.tolerance)
     before, after = (float(np.mean(one.rms)) for one in (errors[0], errors[best]))
     return opened[best] if max(after, problem.tolerance) < _CLEARLY * before else None
