@@ -39,7 +39,7 @@ from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.far import moved_far
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
-from nxt_twin.diagnose.telling.notes import notes, onsets_told, on_the_load
+from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.where.mismatch import mismatch_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot

@@ -62,8 +62,8 @@ def notes(
 def onsets_told(effects: Sequence[Effect]) -> tuple[str, ...]:
     """A remark for each effect whose onset only held-out readings show."""
     return tuple(
-        f"The fitted readings leave open when the {effect.name} came on. The held-out recording shows it: the onset was "
-        "taken from there."
+        f"The fitted readings leave open when the {effect.name} came on. The held-out recording shows it: "
+        "the onset was taken from there."
         for effect in effects
     )
 
