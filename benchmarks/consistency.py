@@ -1,73 +1,102 @@
 """Whether what is fitted also simulates: errors in windows of 2 s and over whole runs of what no fit saw.
 
-`python -m benchmarks.consistency 21 8` takes seeds 21 to 28: a motor with play and one with a shaft that twists, each.
-It prints the error of the re-fitted baseline over that of a plain fit of windows by scipy. Beside it stands the error
-of the true structure, fitted from the true parameters, over that of the true parameters themselves.
+`python -m benchmarks.consistency 21 8 bristle,stiff` takes seeds 21 to 28 of these truth families: a motor with play
+and one with a shaft that twists, each. It prints the error of the re-fitted baseline over that of a plain fit of
+windows by scipy. Beside it stand two fits of the true structure. The one from the true parameters is held against the true
+parameters themselves, and the one from the baseline against the fit from the truth.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import final
 
 import numpy as np
 
 from benchmarks.plain_windows import WINDOW_S, fitted_on_windows
 from nxt_twin.blind.case import ConcealedCase
-from nxt_twin.blind.make import make_case
+from nxt_twin.blind.families.family import Order
+from nxt_twin.blind.families.table import BRISTLE, FAMILIES
+from nxt_twin.blind.make import write_case
+from nxt_twin.blind.sets import CasePlan
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.everything import fit_everything
-from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
+from nxt_twin.diagnose.search.drafting import drafted
 from nxt_twin.diagnose.search.searched import best_baseline, settled_baseline
 from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.simulate import Simulator
-from nxt_twin.recording.case import Case
+from nxt_twin.recording.case import read_case
 
 EFFECTS = ("backlash", "shaft_compliance")
 FIRST_SEED, SEEDS = 21, 8
 MOST_OVER_THE_PLAIN_FIT = 1.1
 MOST_OVER_THE_TRUTH = 1.2
 _DURATION_S = 12.0
+_DRAFT_ITERATIONS = 12
 
 
 @final
 @dataclass(frozen=True)
 class Consistency:
-    """Errors over what is held out: given model, plain fit and re-fitted baseline; the truth, and a fit from it."""
+    """Errors over what is held out.
+
+    Of the given model, a plain fit and the re-fitted baseline; of the true parameters, and of fits of the true
+    structure from them and from the baseline. An error below `tolerance`, which does not matter, counts as that.
+    """
+
+    tolerance: float
 
     given: Errors
     plain: Errors
     refit: Errors
     truth: Errors
     from_truth: Errors
+    from_baseline: Errors
 
     def over_the_plain_fit(self, seconds: float) -> float:
         """The re-fitted baseline's error over that of the plain fit."""
-        return self.refit.at(seconds) / self.plain.at(seconds)
+        return self._over(self.refit, self.plain, seconds)
 
     def over_the_truth(self, seconds: float) -> float:
         """The error of what was fitted from the truth over that of the truth."""
-        return self.from_truth.at(seconds) / self.truth.at(seconds)
+        return self._over(self.from_truth, self.truth, seconds)
+
+    def over_the_fit_from_the_truth(self, seconds: float) -> float:
+        """The error of what was fitted from the baseline over that of what was fitted from the truth."""
+        return self._over(self.from_baseline, self.from_truth, seconds)
+
+    def _over(self, one: Errors, other: Errors, seconds: float) -> float:
+        return max(one.at(seconds), self.tolerance) / max(other.at(seconds), self.tolerance)
 
 
-def home(seed: int, *effects: str, duration_s: float = _DURATION_S) -> ConcealedCase:
-    """A motor with `effects` of medium size, by the benchmark's first simulator."""
-    return make_case(seed, effects=effects, size="medium" if effects else None, duration_s=duration_s)
+LIMITS: tuple[tuple[str, float, Callable[[Consistency, float], float]], ...] = (
+    ("the plain fit", MOST_OVER_THE_PLAIN_FIT, Consistency.over_the_plain_fit),
+    ("the truth", MOST_OVER_THE_TRUTH, Consistency.over_the_truth),
+    ("the fit from the truth", MOST_OVER_THE_TRUTH, Consistency.over_the_fit_from_the_truth),
+)
+
+
+def home(seed: int, *effects: str, duration_s: float = _DURATION_S, family: str = BRISTLE) -> ConcealedCase:
+    """A motor of a family with `effects` of medium size, by default of the benchmark's first simulator."""
+    plan = CasePlan(f"{family}-{seed}", seed, effects, "medium" if effects else None)
+    return FAMILIES[family].make(Order(family, plan, "usb", duration_s))
 
 
 def problem_of(made: ConcealedCase) -> Problem:
     """The problem that a diagnosis of the case would work on."""
-    listed = made.content["recordings"]
-    fitted = tuple(one for one in made.recordings if one.name in listed)
-    held_out = tuple(one for one in made.recordings if one.name not in listed)
-    return problem_for(Case(made.name, Path(), made.content["plant"], fitted, held_out, "a"))
+    with TemporaryDirectory() as folder:
+        return problem_for(read_case(write_case(made, Path(folder) / "cases", Path(folder) / "answers")))
 
 
 def plain_fit(simulator: Simulator, problem: Problem) -> Plant:
@@ -80,8 +109,21 @@ def plain_fit(simulator: Simulator, problem: Problem) -> Plant:
     return fitted_on_windows(simulator, problem.plant, problem.signals, shown)
 
 
+def fitted_from(fitter: Fitter, baseline: Structure, effects: Sequence[str]) -> Structure:
+    """The baseline with effects, one after the other, each from the library's best starting values."""
+    found = baseline
+    for name in effects:
+        effect = found.plant.layout.effect(name)
+        starts = [found.plant.with_effect(name, start) for start in starts_of(effect, fitter.problem.scale)]
+        drafts = [drafted(fitter, one, found.noise, iterations=_DRAFT_ITERATIONS) for one in starts]
+        best = min(drafts, key=lambda draft: draft.cost).fitted.plant
+        fitted, _ = fitter.fit(best, found.noise, replace(SETTLED, iterations=25))
+        found = settled(fitter, fitted.plant, found.noise)
+    return fit_everything(fitter, found.plant, found.noise)
+
+
 def consistency(made: ConcealedCase) -> Consistency:
-    """Fit a case in three ways."""
+    """Fit a case in four ways."""
     problem = problem_of(made)
     hidden = {effect["id"]: effect["params"] for effect in made.answer["effects"]}
     truth = plant_from_config({"kind": "dc_motor", **made.answer["base"], "effects": hidden}, "power_pct")
@@ -89,32 +131,39 @@ def consistency(made: ConcealedCase) -> Consistency:
         fitter = Fitter(simulator, problem)
         found = settled(fitter, truth, first_guess(truth, problem.signals, problem.scale.torque))
         final = fit_everything(fitter, found.plant, found.noise)
-        refit = best_baseline(fitter, settled_baseline(fitter), final)
-        plants = (problem.plant, plain_fit(simulator, problem), refit.plant, truth, final.plant)
+        baseline = settled_baseline(fitter)
+        refit = best_baseline(fitter, baseline, final)
+        other = fitted_from(fitter, baseline, tuple(hidden))
+        plants = (problem.plant, plain_fit(simulator, problem), refit.plant, truth, final.plant, other.plant)
         return Consistency(
-            *(errors_of(simulator, problem, plant, final.plant, final.noise) for plant in plants)
+            problem.tolerance,
+            *(errors_of(simulator, problem, plant, final.plant, final.noise) for plant in plants),
         )
 
 
-def report(first: int = FIRST_SEED, count: int = SEEDS) -> Iterator[str]:
-    """A line for each case, and how many keep the limits."""
-    over_plain, over_truth = [], []
-    yield "                              2 s: over the plain fit, over the truth; whole runs: likewise"
-    for seed in range(first, first + count):
-        for effect in EFFECTS:
-            one = consistency(home(seed, effect))
-            figures = [f(s) for s in (WINDOW_S, np.inf) for f in (one.over_the_plain_fit, one.over_the_truth)]
-            over_plain.append(figures[0])
-            over_truth.append(figures[1])
-            yield f"seed {seed:4} {effect:18} " + "  ".join(f"{figure:5.2f}" for figure in figures)
-    for name, values, most in (
-        ("the plain fit", over_plain, MOST_OVER_THE_PLAIN_FIT),
-        ("the truth", over_truth, MOST_OVER_THE_TRUTH),
-    ):
-        kept = sum(value <= most for value in values)
-        yield f"within {most} times {name} in windows of 2 s: {kept} of {len(values)}"
+def report(first: int = FIRST_SEED, count: int = SEEDS, families: str = BRISTLE) -> Iterator[str]:
+    """A line for each case, and how many of each family keep the limits."""
+    yield f"{'':36} " + "  ".join(f"{words:>22}" for words, _, _ in LIMITS) + "   (2 s, whole runs)"
+    found: dict[str, list[Consistency]] = {}
+    for family in families.split(","):
+        for seed in range(first, first + count):
+            for effect in EFFECTS:
+                one = consistency(home(seed, effect, family=family))
+                found.setdefault(family, []).append(one)
+                cells = [f"{over(one, WINDOW_S):10.2f}, {over(one, np.inf):10.2f}" for _, _, over in LIMITS]
+                yield f"{family:9} seed {seed:4} {effect:16} " + "  ".join(cells)
+    for family, own in found.items():
+        for words, most, over in LIMITS:
+            kept = [sum(over(one, seconds) <= most for one in own) for seconds in (WINDOW_S, np.inf)]
+            yield f"{family}: within {most} times {words}: {kept[0]} of {len(own)} at 2 s, {kept[1]} over whole runs"
+
+
+def main(arguments: Sequence[str]) -> None:
+    """First seed, number of seeds, families with commas between."""
+    numbers, families = [int(one) for one in arguments[:2]], arguments[2:]
+    for line in report(*numbers, *families):
+        print(line, flush=True)
 
 
 if __name__ == "__main__":
-    for line in report(*map(int, sys.argv[1:])):
-        print(line, flush=True)
+    main(sys.argv[1:])

@@ -11,7 +11,14 @@ from nxt_twin.blind.by_family import EVERY, Row, family_rows, left_out_rows
 from nxt_twin.blind.peers.localised import OURS
 from nxt_twin.blind.peers.rows import peer_rows
 from nxt_twin.blind.proof import FinishedCase, Proof
-from nxt_twin.blind.told import confusion_rows, deletion_rows, floor_rows, reliability_rows, unknown_rows
+from nxt_twin.blind.told import (
+    calibration_rows,
+    confusion_rows,
+    deletion_rows,
+    floor_rows,
+    reliability_rows,
+    unknown_rows,
+)
 
 
 def tables_of(proof: Proof) -> dict[str, list[Row]]:
@@ -23,6 +30,7 @@ def tables_of(proof: Proof) -> dict[str, list[Row]]:
         "physics of nobody's library": unknown_rows(cases),
         "left out in turn": left_out_rows(cases),
         "reliability": reliability_rows(cases),
+        "calibration, left out in turn": calibration_rows(cases),
         "taken out of the library": deletion_rows(proof.deletions()),
         "floor over the true structure's error": floor_rows(cases),
         "other methods": peer_rows({OURS: cases, **proof.peers()}, proof.cells()),

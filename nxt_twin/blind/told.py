@@ -11,9 +11,11 @@ from typing import Final
 
 from nxt_twin.blind.aims import detectable
 from nxt_twin.blind.by_family import EVERY, Row
+from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import Judged
+from nxt_twin.diagnose.telling.calibration import UNCONSIDERED
 
-BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
+BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.94, 1.0)
 FLOOR_BOUNDS: Final = (0.8, 1.25)
 """A floor is right within these multiples of the error of the true structure."""
 
@@ -79,6 +81,48 @@ def reliability_rows(cases: Sequence[Judged]) -> list[Row]:
             given, hits = mean(pair[0] for pair in inside), mean(float(pair[1]) for pair in inside)
             rows.append((f"{low:g} to {high:g}", str(len(inside)), f"{given:.2f}", f"{hits:.2f}"))
     return rows
+
+
+def calibration_rows(cases: Sequence[Judged]) -> list[Row]:
+    """Each family left out in turn: the chance of something else, learnt on the others, and what it gives here.
+
+    A name's share of belief among what was weighed is multiplied by one less that chance.
+    """
+    rows: list[Row] = [
+        (
+            "left out",
+            "names elsewhere",
+            "chance of something else there",
+            "names here",
+            "mean told",
+            "hit rate",
+        )
+    ]
+    for family in sorted({case.family for case in cases}):
+        others = _shares(case for case in cases if case.family != family)
+        own = _shares(case for case in cases if case.family == family)
+        if others and own:
+            chance = chance_of_something_else(others)
+            told = (1.0 - chance) * mean(share for share, _ in own)
+            hits = str(Share(sum(hit for _, hit in own), len(own)))
+            rows.append((family, str(len(others)), f"{chance:.3f}", str(len(own)), f"{told:.2f}", hits))
+    return rows
+
+
+def chance_of_something_else(shares: Sequence[tuple[float, bool]]) -> float:
+    """How much more often names are wrong than their shares of belief tell, by Laplace's rule."""
+    wrong = sum(share - float(hit) for share, hit in shares)
+    return max(0.0, (wrong + 1.0) / (len(shares) + 2.0))
+
+
+def _shares(cases: Iterable[Judged]) -> list[tuple[float, bool]]:
+    """Each name's share of belief among what was weighed, and whether the named effect is hidden there."""
+    return [
+        (min(1.0, probability / (1.0 - UNCONSIDERED)), one in case.hidden)
+        for case in cases
+        if case.verdict == "explained"
+        for one, probability in case.probability.items()
+    ]
 
 
 def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[Row]:

@@ -16,8 +16,17 @@ from nxt_twin.blind.prove import taken_out
 from nxt_twin.blind.ranges import RANGES
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.tables import as_text
-from nxt_twin.blind.told import confusion_rows, deletion_rows, floor_rows, reliability_rows, unknown_rows
+from nxt_twin.blind.told import (
+    calibration_rows,
+    chance_of_something_else,
+    confusion_rows,
+    deletion_rows,
+    floor_rows,
+    reliability_rows,
+    unknown_rows,
+)
 from nxt_twin.blind.verdict import Judged
+from nxt_twin.diagnose.telling.calibration import told
 
 
 def judged(family="workshop", kind="single", *, exact=True, verdict="explained", probability=0.99, ratio=1.0):
@@ -92,8 +101,24 @@ def test_the_limit_is_set_on_the_other_families():
 
 def test_reliability_holds_the_probability_against_the_hits():
     hit, miss = judged(probability=0.97), judged(kind="unknown", exact=False, probability=0.96)
-    row = row_of(reliability_rows([hit, miss]), "0.95 to 0.99")
+    row = row_of(reliability_rows([hit, miss]), "0.94 to 1")
     assert (row["names"], row["hit rate"]) == ("2", "0.50")
+
+
+def test_the_chance_of_something_else_is_learnt_on_the_other_families():
+    elsewhere = [judged("mujoco", probability=0.95)] * 17
+    wrong = judged("stiff", "unknown", exact=False, probability=0.95)
+    row = row_of(calibration_rows([*elsewhere, wrong]), "stiff")
+    assert (row["names elsewhere"], row["names here"]) == ("17", "1")
+    assert (row["chance of something else there"], row["mean told"]) == ("0.053", "0.95")
+    assert row["hit rate"].startswith("0/1")
+    assert chance_of_something_else([(1.0, True)] * 17 + [(1.0, False)]) == pytest.approx(0.1)
+    assert chance_of_something_else([(0.5, True), (0.5, False)] * 9) == pytest.approx(0.05)
+
+
+def test_a_told_probability_leaves_room_for_what_was_not_weighed():
+    assert told(1.0) == pytest.approx(0.95)
+    assert told(0.6) == pytest.approx(0.57)
 
 
 def test_deletions_are_counted_by_verdict():

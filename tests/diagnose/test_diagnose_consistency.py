@@ -42,6 +42,7 @@ def test_an_effect_that_is_missing_does_not_spoil_the_re_fitted_baseline_nor_a_f
     assert found.over_the_plain_fit(WINDOW_S) <= MOST_OVER_THE_PLAIN_FIT
     assert found.truth.at(WINDOW_S) < 0.1 * found.given.at(WINDOW_S)  # it is the truth
     assert found.over_the_truth(WINDOW_S) <= MOST_OVER_THE_TRUTH
+    assert found.over_the_fit_from_the_truth(WINDOW_S) <= MOST_OVER_THE_TRUTH
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from nxt_twin.diagnose.fitting.fit import Fitted
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging import floors
 from nxt_twin.diagnose.judging.floors import refitted_floors, synthetic
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.simulate import Simulator
@@ -82,3 +83,20 @@ def test_floors_grow_where_a_complete_model_simulates_what_was_fitted_worse_than
         for complete in (False, True)
     )  # the readings of the bench are no plant's, so that the model is far off on them
     assert np.all(np.array(high) > 2.0 * np.array(low))
+
+
+@pytest.mark.parametrize(("off", "grows"), [(0.0, 1.3), (0.1, 6.2)])
+def test_the_dry_friction_of_a_complete_model_may_be_off_by_a_tenth(made, monkeypatch, off, grows):
+    simulator, problem, noise = made
+    noise = replace(noise, disturbance_std=0.0)
+    own = synthetic(simulator, problem.plant, problem.signals[0], noise, np.random.default_rng(1))
+    truth = replace(problem, signals=(own,), held_out=(replace(problem.held_out[0], signals=own),))
+    final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
+    far = Errors((0.5, 2.0, 10.0, np.inf), (1e9,) * 4)
+    assert floors.DRY_FRICTION_OFF == 0.1
+    monkeypatch.setattr(floors, "DRY_FRICTION_OFF", off)
+    low, high = (
+        refitted_floors(simulator, truth, final, [far], np.random.default_rng(0), complete=complete)[1]
+        for complete in (False, True)
+    )
+    assert high / low == pytest.approx(grows, rel=0.3)

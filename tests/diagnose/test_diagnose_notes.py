@@ -21,7 +21,7 @@ def remarks_on_letting_go(notes):
 def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_judged_on_what_was_not_fitted():
     found = diagnosed((), **LETS_GO).diagnosis
     assert found.verdict == "adequate"
-    assert found.fit.improved > 5.0 * found.fit.floor
+    assert found.fit.improved > 1.0  # two tolerances
     (remark,) = remarks_on_letting_go(found.notes)
     assert remark.startswith("In r3.csv the motor runs")
     assert "Record such coast-downs" in remark

@@ -10,10 +10,11 @@ import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.signals import Signals
 
-_WELL_ABOVE_FLOOR = 2.0
+_CLEARLY_MATTERS = 2.0  # times the error that does not matter
 _BRIEF_S = 0.5
 
 
@@ -27,8 +28,9 @@ class RunOut:
 
 
 def unfitted_run_outs(problem: Problem, fit: Fit) -> list[RunOut]:
-    """Those, as far as free runs are off by well more than noise."""
-    if fit.improved <= _WELL_ABOVE_FLOOR * fit.floor:
+    """Those, where free runs are off by well more than what does not matter."""
+    factor = units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
+    if fit.improved <= _CLEARLY_MATTERS * factor * problem.tolerance:
         return []
     fitted = {mode for signals in problem.signals for mode in _modes_s(signals)}
     found = []

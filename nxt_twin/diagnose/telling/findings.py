@@ -13,6 +13,7 @@ from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.rivals import Rival, probability
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling import words
+from nxt_twin.diagnose.telling.calibration import told
 from nxt_twin.diagnose.telling.estimates import estimates
 from nxt_twin.diagnose.telling.payload import as_a_payload
 from nxt_twin.diagnose.where.moment import with_bounds
@@ -33,7 +34,7 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
                 name=effect.name,
                 equation=effect.equation,
                 params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
-                probability=probability(0.0, [rival.doubt_nats for rival in rivals]),
+                probability=told(probability(0.0, [rival.doubt_nats for rival in rivals])),
                 confusable_with=_named_once(
                     (*_confusions(simulator, evidence, effect, rivals), *as_a_payload(evidence, effect))
                 ),
@@ -86,7 +87,8 @@ def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative,
         runs = free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
         behind = [0.0, *(other.doubt_nats for other in rivals if other is not rival)]
         rmse = overall(runs) * evidence.units.reading_factor
-        listed.append(Alternative(rival.effect.id, probability(rival.doubt_nats, behind), rmse))
+        share = probability(rival.doubt_nats, behind)
+        listed.append(Alternative(rival.effect.id, told(share), rmse))
     return tuple(listed)
 
 
