@@ -2,8 +2,8 @@
 
 `python -m benchmarks.consistency 21 8 bristle,stiff` takes seeds 21 to 28 of these truth families: a motor with play
 and one with a shaft that twists, each. It prints the error of the re-fitted baseline over that of a plain fit of
-windows by scipy. Beside it stand two fits of the true structure. The one from the true parameters is held against the true
-parameters themselves, and the one from the baseline against the fit from the truth.
+windows by scipy. Beside it stand two fits of the true structure. The one from the true parameters is held against the
+true parameters themselves, and the one from the baseline against the fit from the truth.
 """
 
 from __future__ import annotations
