@@ -51,7 +51,7 @@ _DRAFT_ITERATIONS = 12
 class Consistency:
     """Errors over what is held out.
 
-    Of the given model, a plain fit and the re-fitted baseline; of the true parameters, and of fits of the true
+    Of the given model, a plain fit and the re-fitted baseline. Of the true parameters, and of fits of the true
     structure from them and from the baseline. An error below `tolerance`, which does not matter, counts as that.
     """
 

@@ -51,8 +51,8 @@ def refitted_floors(
 
     `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one. It
     has the noise's unknown torque, against which dry friction holds. The plant is re-fitted to such
-    recordings, by windows of simulation. The equations of a `complete` model are a little off all the same. Its dry
-    friction is therefore judged off by `DRY_FRICTION_OFF`, and floors grow where it simulates fitted readings worse
+    recordings, by windows of simulation. Even the equations of a `complete` model are a little off. Its dry friction
+    is therefore judged off by `DRY_FRICTION_OFF`, and floors grow where it simulates fitted readings worse
     than synthetic ones. No floor lies above what some plant has `reached` on the real ones.
     """
     made = [
