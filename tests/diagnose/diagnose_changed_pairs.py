@@ -44,6 +44,7 @@ def pair(seed, what):
             surprise_c=0.4,
             surprise_d=0.7,
         ),
+        "load behind play": replace(truth, gap_rad=np.radians(8.0), load_inertia_kg_m2=0.001),
         "band and friction": replace(rubbed, band_stiffness_nm_per_rad=0.02),
     }[what]
     sides = side(rng, "before", truth), side(rng, "after", after)

@@ -33,6 +33,12 @@ def test_more_inertia_is_found_with_its_size_and_the_motor_stays():
     assert "http://" not in page.replace("http://www.w3.org", "")
 
 
+def test_a_load_behind_play_is_told_from_one_that_is_fixed():
+    (change,) = answer(0, "load behind play").changes
+    assert change.of == "backlash"
+    assert change.params["gap_deg"].value == pytest.approx(8.0, rel=0.3)
+
+
 def test_a_rubber_band_and_more_friction_are_told_apart():
     found = {change.of: change for change in answer(0, "band and friction").changes}
     assert found.keys() == {"spring_load", "coulomb_friction_nm"}

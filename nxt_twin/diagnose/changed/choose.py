@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import final
 
 from nxt_twin.diagnose.changed.candidates import candidates_for, promising
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
+from nxt_twin.diagnose.changed.play import PlayTest
 from nxt_twin.diagnose.changed.weighing import LOAD, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.explain import candidates as lacking
+from nxt_twin.physics.effects.transmission import BACKLASH
 from nxt_twin.physics.parameter import Scale
 
 MOST_CHANGES = 3
@@ -20,6 +22,8 @@ _TRIED = 5
 _RIVALS = 3
 _EXCHANGES = 2
 _BETTER_NATS = 1.0
+_BEGINNINGS = 3
+_AS_WELL = 2.0
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
 _WORSE = 1.02  # of the error of windows that only check: what is not worse
 Progress = Callable[[str], None]
@@ -45,10 +49,13 @@ class Chosen:
 class Chooser:
     """One choice between two sides."""
 
-    def __init__(self, fitter: JointFitter, scale: Scale, limit_nats: float, inexact_nats: float) -> None:
+    def __init__(
+        self, fitter: JointFitter, close: JointFitter, scale: Scale, limit_nats: float, inexact_nats: float
+    ) -> None:
         self._fitter, self._scale = fitter, scale
         penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
         self.weighing = Weighing(penalty, limit_nats, inexact_nats)
+        self._play = PlayTest(fitter, close, self.weighing, scale)
         self._signals = fitter.sides[1].jobs[0].signals
         self._lacking: set[str] = set()
 
@@ -59,13 +66,45 @@ class Chooser:
         """
         if max(joint.check_rms) <= self._fitter.tolerance:
             return Chosen(joint, {}, ())
+        best = Chosen(joint, {}, ())
+        for number, step in enumerate(self._steps(joint)):
+            found = self._exchanged(self._pruned(self._grown(step, progress)))
+            found = self._loosened(found)
+            if self.weighing.worth(best.joint, found.joint) > 0.0:
+                best = found
+            if self._is_finished(best.joint) or number + 1 == _BEGINNINGS:
+                break
+        return replace(best, lacking=tuple(sorted(self._lacking)))
+
+    def _is_finished(self, joint: JointFit) -> bool:
+        """Whether the side after is simulated about as well as the side before."""
+        before, after = joint.check_rms
+        return after <= max(_AS_WELL * before, 2.0 * self._fitter.tolerance)
+
+    def _grown(self, joint: JointFit, progress: Progress) -> JointFit:
+        """`joint` with more changes, while each earns its place."""
+        joint = self._closer(joint)
         while joint.model.changes < MOST_CHANGES:
             progress(f"trying what else may have changed; {joint.model.changes} so far")
-            better = self._better(joint)
+            better = next(self._steps(joint), None)
             if better is None:
                 break
-            joint = self._under_load(better)
-        return self._exchanged(self._pruned(joint))
+            joint = self._closer(better)
+        return joint
+
+    def _closer(self, joint: JointFit) -> JointFit:
+        """`joint` with what may hide behind another load: it is not fixed, or the motor yields under it."""
+        if "inertia" in {joint.model.ways[n].slot.symbol for n in joint.model.differs}:
+            joint = self._play.passed(joint) or joint
+        return self._under_load(joint)
+
+    def _loosened(self, found: Chosen) -> Chosen:
+        """With a load behind play where close windows show it and nothing else suffices, else without."""
+        fixed = self._play.without(found.joint)
+        if fixed is not None:
+            return self._exchanged(self._pruned(fixed))
+        loose = None if self._is_finished(found.joint) else self._play.passed(found.joint)
+        return self._exchanged(self._pruned(self._under_load(loose))) if loose else found
 
     def _under_load(self, joint: JointFit) -> JointFit:
         """With what only a heavier load shows, on both sides: otherwise the load makes up for what the motor yields."""
@@ -84,7 +123,8 @@ class Chooser:
         """Put another in the place of each change where that is likelier: the first that helps may be the wrong one."""
         for _ in range(_EXCHANGES):
             joint = chosen.joint
-            rivals = [rival for each in chosen.nats for rival in self._rivals(joint, each)]
+            exchangeable = [each for each in chosen.nats if each != BACKLASH.id]  # closer windows showed it
+            rivals = [rival for each in exchangeable for rival in self._rivals(joint, each)]
             better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in rivals]
             better = [each for each in better if each[0] > _BETTER_NATS]
             better.sort(key=lambda each: -each[0])
@@ -110,19 +150,19 @@ class Chooser:
                 found.append(self._fitter.fit(wider, wider.moved_from(model, bare.x)))
         return [(bare, rival) for rival in found if sum(rival.check_rms) < _WORSE * sum(joint.check_rms)]
 
-    def _better(self, joint: JointFit) -> JointFit | None:
+    def _steps(self, joint: JointFit) -> Iterator[JointFit]:
+        """`joint` with one change more: all that earn their place, the likeliest first."""
         every = candidates_for(self._fitter, joint.model, self._scale)
         found = []
         for each in promising(self._fitter, joint, every, self._scale, _TRIED):
             wider = each.put(joint.model, self._scale)
             found.append(self._fitter.fit(wider, wider.moved_from(joint.model, joint.x)))
+        limit = self.weighing.limit_nats
         found = [
-            tried
-            for tried in found
-            if self.weighing.net(joint, tried) > self.weighing.limit_nats and self._lasts(joint, tried)
+            tried for tried in found if self.weighing.net(joint, tried) > limit and self._lasts(joint, tried)
         ]
         found.sort(key=lambda tried: -self.weighing.worth(joint, tried))
-        return next((tried for tried in found if not self._is_on_both(joint, tried)), None)
+        yield from (tried for tried in found if not self._is_on_both(joint, tried))
 
     def _is_on_both(self, joint: JointFit, tried: JointFit) -> bool:
         """Whether the new effect of `tried` explains more on both sides: then the plant lacks it, and always did."""

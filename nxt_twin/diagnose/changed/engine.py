@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
-import numpy as np
-
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.choose import Chooser, Chosen
 from nxt_twin.diagnose.changed.held_out import Predicted, predicted_after
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats, lacking_nats
+from nxt_twin.diagnose.changed.play import CLOSE_WINDOW_S
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
@@ -27,6 +26,17 @@ LIMIT_NATS = 5.0
 
 _SAFETY = 1.5  # times what repeats seem to differ: they are few
 _INEXACT = 2.0  # times what an effect helps before: another load asks more of what the model lacks
+
+
+@final
+@dataclass(frozen=True)
+class Windows:
+    """Both sides in windows of `length_s`, s, in which all is decided, and in close ones, which show play."""
+
+    sides: tuple[Side, Side]
+    close: tuple[Side, Side]
+    length_s: float
+
 
 Progress = Callable[[str], None]
 
@@ -79,19 +89,23 @@ def compare(
     ]
     _refuse_other_input(problems)
     window_s = min(window_for(every_signal(problem)) for problem in problems)
-    sides = [
-        _side(case, problem, window_s) for case, problem in zip((before, *afters), problems, strict=True)
-    ]
+    cases = (before, *afters)
+    sides, close = (
+        [_side(case, problem, length) for case, problem in zip(cases, problems, strict=True)]
+        for length in (window_s, min(window_s, CLOSE_WINDOW_S))
+    )
     model = all_shared(problems[0].plant, problems[0].scale)
     unread = all_shared(problems[0].plant, problems[0].scale, supply_unread=True)
     with Simulator(problems[0].plant.layout) as simulator:
         found = []
-        for case, problem, side in zip(afters, problems[1:], sides[1:], strict=True):
-            progress(f"comparing {side.name} with {sides[0].name}")
+        for n, case in enumerate(afters, start=1):
+            progress(f"comparing {case.name} with {before.name}")
             own = unread if supply_unread(before) or supply_unread(case) else model
-            found.append(
-                _compared(simulator, own, (problems[0], problem), (sides[0], side), progress, window_s)
+            pair, both = (
+                (problems[0], problems[n]),
+                Windows((sides[0], sides[n]), (close[0], close[n]), window_s),
             )
+            found.append(_compared(simulator, own, pair, both, progress))
         return found
 
 
@@ -118,13 +132,13 @@ def _compared(
     simulator: Simulator,
     model: Model,
     problems: tuple[Problem, Problem],
-    sides: tuple[Side, Side],
+    windows: Windows,
     progress: Progress,
-    window_s: float,
 ) -> Compared:
     before, after = problems
+    sides = windows.sides
     tolerance = max(before.tolerance, after.tolerance)
-    fitter = JointFitter(simulator, sides, tolerance)
+    fitter, close = (JointFitter(simulator, each, tolerance) for each in (sides, windows.close))
     progress("fitting the side before")
     alone = JointFitter(simulator, sides[:1], tolerance)
     first = alone.fit(model, model.start())
@@ -132,11 +146,10 @@ def _compared(
     progress("fitting both sides")
     free = fitter.fit(every, every.moved_from(model, first.x))
     shared = fitter.fit(model, first.x)
-    alarms = [alarm_nats(alone, first), _of_after(simulator, sides[1], free, tolerance)]
-    known = [each for each in alarms if each is not None]
-    limit = max([LIMIT_NATS, *(_SAFETY * each for each in known)])
+    alarm = alarm_nats(alone, first)
+    limit = max(LIMIT_NATS, _SAFETY * (alarm or 0.0))
     inexact = max(0.0, _INEXACT * lacking_nats(alone, first, before.scale) - limit)
-    chooser = Chooser(fitter, before.scale, limit, inexact)
+    chooser = Chooser(fitter, close, before.scale, limit, inexact)
     chosen = chooser.chosen(shared, progress)
     progress("fitting every reading")
     best = chosen.joint
@@ -154,17 +167,6 @@ def _compared(
         chooser.weighing.net(best, free),
         tolerance,
         limit,
-        bool(known),
-        window_s,
+        alarm is not None,
+        windows.length_s,
     )
-
-
-def _of_after(simulator: Simulator, side: Side, free: JointFit, tolerance: float) -> float | None:
-    """The alarms among the repeats of the side after, at what it is by itself."""
-    count = len(free.model.shared)
-    own = replace(free, model=_bare(free.model), x=np.asarray(free.x[:count] + free.x[count:]))
-    return alarm_nats(JointFitter(simulator, (side,), tolerance), own)
-
-
-def _bare(model: Model) -> Model:
-    return replace(model, differs=())

@@ -17,6 +17,9 @@ from nxt_twin.diagnose.fitting.fit import SOFT
 from nxt_twin.physics.simulate import Simulator
 
 _DIFFERENCE = 2e-3
+_WIDE_DIFFERENCE = (
+    0.05  # a load behind play strikes now or a moment later: small steps do not show where it goes
+)
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _LONGEST_STEP = 1.0
 _ROUNDS = 3
@@ -104,11 +107,18 @@ class JointFitter:
         return np.asarray(np.linalg.pinv(hessian, hermitian=True))
 
     def run(self, model: Model, x: FloatArray, side: int, which: Which) -> FloatArray:
-        """What each set predicts for a side's readings of one use, shape (sets, readings)."""
+        """What each set predicts for a side's readings of one use, shape (sets, readings).
+
+        Where an effect remembers, as a load behind play does, each set starts its windows from its own states.
+        """
+        parts = [x[n : n + 1] for n in range(len(x))] if model.remembers else [x]
+        return np.concatenate([self._run(model, part, side, which) for part in parts])
+
+    def _run(self, model: Model, x: FloatArray, side: int, which: Which) -> FloatArray:
+        """All sets from the states that the last one has reached."""
         own = self.sides[side]
         values, active = model.values(x, after=side == 1)
-        plant = model.plant_at(x[-1], after=side == 1)
-        jobs = own.with_states(self.simulator, plant)
+        jobs = own.with_states(self.simulator, model.plant_at(x[-1], after=side == 1))
         found, _ = predictions(self.simulator, values, active, jobs, own.masks(which))
         return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
 
@@ -214,7 +224,7 @@ def _sizes(model: Model) -> FloatArray:
 def _steps(model: Model, x: FloatArray) -> FloatArray:
     """Steps for differences, away from upper bounds."""
     _, high = model.bounds()
-    step = _DIFFERENCE * _sizes(model)
+    step = (_WIDE_DIFFERENCE if model.remembers else _DIFFERENCE) * _sizes(model)
     return np.where(x + step > high, -step, step)
 
 

@@ -93,6 +93,11 @@ class Model:
         return len(self.differs) + len(self.effects)
 
     @property
+    def remembers(self) -> bool:
+        """Whether an effect on the side after has states of its own."""
+        return any(effect.states for effect in self.after.effects)
+
+    @property
     def motor_constants(self) -> int:
         """How many of the motor's own constants differ."""
         return sum(self.ways[n].is_motor_constant for n in self.differs)

@@ -8,8 +8,8 @@ from typing import final
 from nxt_twin.diagnose.changed.joint import JointFit
 
 LOAD = frozenset({"gravity", "inertia", "gravity_load"})
-_LAW_NATS = 3.0
-_MAKE_NATS = 8.0
+_LAW_NATS = 6.0
+_MAKE_NATS = 12.0
 _BODY_NATS = 12.0
 _MOTOR_NATS = 8.0
 _COMPANION_NATS = 1.0
