@@ -11,11 +11,12 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.mock.body.world import World
+from nxt_twin.mock.named import world_file
 from nxt_twin.world.arena import Arena, open_arena
 from nxt_twin.world.assembly import Assembly, Grip, Joint, RigidLink, Shape, lumped
 from nxt_twin.world.bullet import GRAVITY_M_S2 as G
 from nxt_twin.world.bullet import STEP_S, Bullet
-from nxt_twin.world.load import named, setting_of
+from nxt_twin.world.load import setting_of
 from nxt_twin.world.pose import Pose
 
 MOTOR: Final = {
@@ -243,7 +244,7 @@ def _stiff(world: str, **more: Any) -> Arena:  # noqa: ANN401
     """One of the tool's worlds with a battery of 8 V that gives whatever is asked of it."""
     from nxt_twin.mock.body.world import load_world
 
-    file = named(world, "worlds")
+    file = world_file(world)
     given = load_world(file).model_dump(exclude_unset=True)
     cells = {"voltage_v": 8.0, "internal_resistance_ohm": 0.0, "drain_v_per_c": 0.0}
     return open_arena(setting_of(World.model_validate({**given, "battery": cells, **more}), file))

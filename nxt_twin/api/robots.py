@@ -15,6 +15,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.link import Link
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.world import World, load_world
+from nxt_twin.mock.named import world_file
 from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.recording.case import ROBOT_KIND
 from nxt_twin.recording.columns import PORTS, tacho_column
@@ -32,7 +33,7 @@ from nxt_twin.view.dashboard.scene import (
 )
 from nxt_twin.world.arena import Arena, open_arena
 from nxt_twin.world.floor import FloorPicture
-from nxt_twin.world.load import named, setting_of
+from nxt_twin.world.load import setting_of
 from nxt_twin.world.motion import WorldBodies
 from nxt_twin.world.pose import Heading
 
@@ -54,7 +55,7 @@ def usual_robot(url: str) -> str | None:
     world = mock_options(address).get("world") if scheme == "mock" else None
     if world is None:
         return None
-    given = load_world(named(world, "worlds")).robot
+    given = load_world(world_file(world)).robot
     name = given.get("like") if isinstance(given, dict) else given
     known = {file.stem for file in (configs_dir() / "plants").glob("*.yaml")}
     if name not in known or load_plant_config(str(name)).get("kind") != ROBOT_KIND:

@@ -12,6 +12,7 @@ from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import ServeError, WorldError
 from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.named import world_file
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import Failure, MockLink
 from nxt_twin.mock.serve.profile import PROFILES, Profile
@@ -52,7 +53,7 @@ def switch_on(
     """A brick's firmware on its body, one tick old.
 
     Args:
-        world: a world file; without it the brick is as LEGO ships it.
+        world: a world file, or the name of one of the tool's own; without it the brick is as LEGO ships it.
         seed: of the sensors' noise.
         before: the brick as it was when it was switched off; its files and name are kept.
         change: done to the body before.
@@ -63,12 +64,13 @@ def switch_on(
         WorldError: the world file is none.
         PlantError: a motor's plant in it is none.
     """
-    surroundings = World() if world is None else load_world(world)
+    file = None if world is None else world_file(world)
+    surroundings = World() if file is None else load_world(file)
     identity = surroundings.identity()
     if before is not None:
         identity = replace(identity, name=before.radio.brick_name)
     files = () if before is None else before.loader.files
-    body = bodies(surroundings, world, seed, ready=ready)
+    body = bodies(surroundings, file, seed, ready=ready)
     change(body)
     firmware = Firmware(body, identity, files)
     firmware.tick()

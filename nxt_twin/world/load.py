@@ -10,15 +10,14 @@ from pydantic import BaseModel
 
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.errors import WorldError
-from nxt_twin.recording.configs import configs_dir
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.mock.named import YAML, named, world_file
+from nxt_twin.recording.source import quoted
 from nxt_twin.recording.yaml_file import read_model, read_part, read_yaml
 from nxt_twin.recording.yaml_place import Place
 from nxt_twin.world.robot import Robot
 from nxt_twin.world.scene import Scene
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
-_YAML = (".yaml", ".yml")
 _LIKE = "like"
 _ROBOT = "robot"
 
@@ -52,7 +51,7 @@ def load_setting(path: str | Path) -> Setting:
     Raises:
         WorldError: it, or the robot that it names, cannot be read, or there is no robot in it.
     """
-    file = named(path, "worlds")
+    file = world_file(path)
     return setting_of(load_world(file), file)
 
 
@@ -85,7 +84,7 @@ def _robot(given: str | dict[str, Any], place: Place) -> tuple[Robot, Place]:
 def _robot_file(given: str, place: Place, *keys: str) -> Path:
     """The file of a robot that is named at some place of a world file."""
     where = Place(place.file).of((*place.under, *keys))
-    if Path(given).suffix not in _YAML:
+    if Path(given).suffix not in YAML:
         return named(given, "robots", where=where)
     beside = place.file.parent / given
     if not beside.is_file():
@@ -102,19 +101,3 @@ def changed_by(robot: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]
         old = merged.get(key)
         merged[key] = changed_by(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
     return merged
-
-
-def named(given: str | Path, folder: str, *, where: str = "") -> Path:
-    """A file by its path, or by its name in one of the tool's own folders; `where` it was named, for errors.
-
-    Raises:
-        WorldError: there is none of that name.
-    """
-    path = Path(given)
-    if path.suffix in _YAML:
-        return path
-    known = {file.stem: file for file in sorted((configs_dir() / folder).glob("*.yaml"))}
-    if str(given) not in known:
-        mend = f"nearest known: {nearest(str(given), known)}; or name a .yaml file"
-        raise WorldError(f"there is nothing named {quoted(str(given))} in {folder}", where=where, mend=mend)
-    return known[str(given)]

@@ -95,9 +95,21 @@ def test_two_runs_are_alike_to_the_last_bit(ahead):
     assert first == second
 
 
-def test_the_mock_stands_on_a_robot_too():
-    with open_brick(f"mock:?world={PLAYGROUND}", VirtualClock(), OPENERS) as brick:
+@pytest.mark.parametrize("world", ["playground", str(PLAYGROUND)])
+def test_the_mock_stands_on_a_robot_too_by_name_or_file(world):
+    with open_brick(f"mock:?world={world}", VirtualClock(), OPENERS) as brick:
         assert brick.device.info().value.name == "Castor"
+
+
+def test_a_program_on_the_fake_usb_drives_the_robot_of_a_named_world(ahead):
+    program_on_it = ["mock", "--world", "playground", "--usb-fake", ahead()]
+    told = CliRunner().invoke(program(["world", "mock"]), program_on_it)
+    assert (told.exit_code, "found Castor" in told.output) == (0, True)
+
+
+def test_a_misspelt_world_of_a_mock_is_refused_with_the_nearest():
+    with pytest.raises(WorldError, match="nearest known: playground"):
+        open_brick("mock:?world=playgrond", VirtualClock(), OPENERS)
 
 
 def test_nothing_is_concealed_in_a_motor_that_moves_the_robot():

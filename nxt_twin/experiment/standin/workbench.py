@@ -35,6 +35,7 @@ from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.mock.body.world import World, load_world
 from nxt_twin.mock.firmware.firmware import Firmware
+from nxt_twin.mock.named import world_file
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
@@ -87,9 +88,9 @@ def workbench(
         PlantError: a motor's plant in it is none.
         ServeError: there is no such profile.
     """
-    folder = world.parent if isinstance(world, Path) else None
-    around = load_world(world) if isinstance(world, Path) else world or World()
-    body = around.body(seed, folder)
+    file = world_file(world) if isinstance(world, Path) else None
+    around = load_world(file) if file else world or World()
+    body = around.body(seed, file.parent if file else None)
     _stand_anywhere(body, Random(f"hubs {seed}"))  # noqa: S311 - places, not secrets
     change(body)
     firmware = Firmware(body, around.identity())
