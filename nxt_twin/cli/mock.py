@@ -27,7 +27,8 @@ ArgumentOption = Annotated[
     list[str] | None, typer.Option(help="An argument of that program; may be given again.")
 ]
 WorldOption = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="World file, or a built-in world: what surrounds the brick.")
+    Path | None,
+    typer.Option(metavar="FILE", help="World file, or a built-in world: what surrounds the brick."),
 ]
 ConcealOption = Annotated[
     str | None,

@@ -90,7 +90,8 @@ def workbench(
     """
     file = world_file(world) if isinstance(world, Path) else None
     around = load_world(file) if file else world or World()
-    body = around.body(seed, file.parent if file else None)
+    folder = file.parent if file else None
+    body = around.body(seed, folder)
     _stand_anywhere(body, Random(f"hubs {seed}"))  # noqa: S311 - places, not secrets
     change(body)
     firmware = Firmware(body, around.identity())
