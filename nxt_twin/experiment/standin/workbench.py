@@ -88,9 +88,9 @@ def workbench(
         PlantError: a motor's plant in it is none.
         ServeError: there is no such profile.
     """
-    file = world_file(world) if isinstance(world, Path) else None
-    around = load_world(file) if file else world or World()
-    folder = file.parent if file else None
+    given = world_file(world) if isinstance(world, Path) else world
+    folder = given.parent if isinstance(given, Path) else None
+    around = load_world(given) if isinstance(given, Path) else given or World()
     body = around.body(seed, folder)
     _stand_anywhere(body, Random(f"hubs {seed}"))  # noqa: S311 - places, not secrets
     change(body)
