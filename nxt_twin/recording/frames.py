@@ -94,7 +94,7 @@ def _is_cut_off(data: bytes, at: int) -> bool:
     left = len(data) - at
     length = _length_at(data, at)
     if length is not None:
-        return left < _HEAD.size + length
+        return left < _HEAD.size + length and _next_frame(data, at + 1) == len(data)
     begun = data[at : at + _HEAD.size]
     is_head = left < _HEAD.size and begun.startswith(_MARK[:left])
     return is_head or not data[at:].strip(b"\0")

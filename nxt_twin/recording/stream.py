@@ -266,11 +266,11 @@ def _names(found: Sequence[Frame | Damage], stream: Path) -> list[str]:
     try:
         head = json.loads(heads[0])
         names = [str(name) for name in head["columns"]] if head["format"] == _FORMAT else []
-    except (IndexError, ValueError, KeyError, TypeError):
+    except (IndexError, ValueError, KeyError, TypeError, RecursionError):
         names = []
     if not names:
-        what = "its beginning is damaged, or another version wrote it"
-        raise RecordingError(what if found else "nothing in it is whole", where=str(stream))
+        what = "its beginning is damaged, or another version wrote it" if found else "nothing in it is whole"
+        raise RecordingError(what, where=str(stream), mend="the stream is kept")
     check_names(names, stream)
     return names
 

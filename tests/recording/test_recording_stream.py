@@ -6,8 +6,10 @@ import errno
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
+import zlib
 from dataclasses import FrozenInstanceError
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,6 +19,7 @@ import pytest
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.frames import frame
 from nxt_twin.recording.lags import KnownLags, RowLags
 from nxt_twin.recording.stream import RecordingWriter, recover, stream_path
 
@@ -179,6 +182,38 @@ def test_one_flipped_bit_is_told_and_nothing_wrong_comes_back(tmp_path):
         assert ("no row is lost" in recovered.damages[1]) == (counts.size == 20)
         assert damaged.read_bytes() == flipped
         (tmp_path / "damaged.parquet").unlink()
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"\xff\xfe",
+        b"[" * 100_000,
+        b'{"format": "nxt-twin/stream/1", "columns": ["time_s", "\xff"]}',
+        b'{"format": ' + b"9" * 5000,
+        b'{"format": "nxt-twin/stream/1", "columns": 3}',
+    ],
+)
+def test_names_that_are_damaged_are_refused_and_the_stream_is_kept(tmp_path, head):
+    stream = tmp_path / "run.csv.stream"
+    stream.write_bytes(2 * frame(0, head) + frame(1, bytes(16)))
+    with pytest.raises(RecordingError, match=r"its beginning is damaged, .*the stream is kept"):
+        recover(stream)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.csv.stream"]
+
+
+@pytest.mark.parametrize("length", [0, 41, 2**31, 2**32 - 1])
+@pytest.mark.parametrize("checked", [False, True])
+def test_a_damaged_length_takes_one_row_and_no_memory(tmp_path, length, checked):
+    data = bytearray(begun(tmp_path / "run.parquet", 20))
+    head = data.index(b"NXTr", data.index(b"NXTr", 1) + 1) + 7 * (20 + 8 * len(COLUMNS))
+    data[head + 8 : head + 12] = struct.pack("<I", length)
+    if checked:
+        data[head + 16 : head + 20] = struct.pack("<I", zlib.crc32(data[head : head + 16]))
+    (tmp_path / "damaged.csv.stream").write_bytes(data)
+    recovered = recover(tmp_path / "damaged.csv")
+    assert recovered.damages == (f"damaged at byte {head}", "rows lost: 8")
+    assert recovered.recording.rows == 19
 
 
 def test_which_rows_are_lost_is_told(tmp_path):
