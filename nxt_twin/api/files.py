@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.physics.plant import Plant, plant_from_config
-from nxt_twin.recording.case import Case, read_as_case
+from nxt_twin.recording.case import Case, read_as_case, with_own_mapping
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording as _read_table
-from nxt_twin.recording.files import read_sidecar
 from nxt_twin.recording.mapped import read_mapped
 from nxt_twin.recording.mapping import read_mapping
-from nxt_twin.recording.mappings import given_in_sidecar, mappings
 from nxt_twin.recording.recording import InputKind, Recording
 
 Model = Plant | str | Path | Mapping[str, Any]
@@ -40,8 +38,7 @@ def read_recording(path: str | Path, mapping: str | Path | None = None) -> Recor
     table = Path(path)
     if mapping is not None:
         return read_mapped(table, read_mapping(Path(mapping)))
-    stated = given_in_sidecar(read_sidecar(table))
-    found = mappings(stated, table.parent, f"{table.with_suffix('.yaml')}, key mapping")(table.name)
+    table, found = with_own_mapping(table)
     return _read_table(table) if found is None else read_mapped(table, found)
 
 

@@ -15,8 +15,10 @@ from nxt_twin.errors import CaseError
 from nxt_twin.recording.columns import PORTS, Port, goal_column, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
+from nxt_twin.recording.guess.data_set import mapping_of_part, part_of, plant_of_part
 from nxt_twin.recording.mapped import read_all_mapped
-from nxt_twin.recording.mappings import Given, MappingOf, given_in_sidecar, mappings
+from nxt_twin.recording.mapping import Mapping
+from nxt_twin.recording.mappings import Given, MappingOf, given_in_sidecar, mappings, one_mapping
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.yaml_file import read_model
 
@@ -88,12 +90,36 @@ def read_as_case(path: Path, mapping_of: MappingOf | None = None) -> Case:
         return read_case(path if path.is_dir() else path.parent, mapping_of)
     file = path.parent / path.name.partition("#")[0]
     sidecar = read_sidecar(file)
-    plant = _located(sidecar.get("plant", _DEFAULT_PLANT), path.parent)
-    where = f"{file.with_suffix('.yaml')}, key mapping"
-    stated = mapping_of or mappings(given_in_sidecar(sidecar), path.parent, where)
-    recordings = _read(path.parent, path.name, stated)
+    part = part_of(path)
+    default = (part and plant_of_part(part)) or _DEFAULT_PLANT
+    plant = _located(sidecar.get("plant", default), path.parent)
+    recordings = _read(
+        path.parent, f"{file.name}{part.episode}" if part else path.name, mapping_of or _beside(path)
+    )
     port = _port(recordings, plant, None, str(path))
     return Case(path.stem, path.parent, plant, recordings, (), port)
+
+
+def with_own_mapping(path: Path) -> tuple[Path, Mapping | None]:
+    """A table, and the mapping that its sidecar states or that a LeRobot data set has by itself.
+
+    Raises:
+        RecordingError, MappingError: there is one, and it cannot be used.
+    """
+    part = part_of(path)
+    table = path.with_name(f"{part.folder.name}{part.episode}") if part else path
+    return table, _beside(path)(path.name)
+
+
+def _beside(path: Path) -> MappingOf:
+    file = path.parent / path.name.partition("#")[0]
+    given = given_in_sidecar(read_sidecar(file))
+    part = part_of(path) if given is None else None
+    return (
+        one_mapping(mapping_of_part(part))
+        if part
+        else mappings(given, path.parent, f"{file.with_suffix('.yaml')}, key mapping")
+    )
 
 
 def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:

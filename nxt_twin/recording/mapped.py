@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from math import nan, pi
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,8 @@ from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.errors import MappingError, RecordingError
 from nxt_twin.recording.checks import (
     check_finite,
-    check_gaps,
     check_range,
     check_row_count,
-    check_stamps,
     hold,
 )
 from nxt_twin.recording.columns import DRIVE_MODES
@@ -30,18 +28,19 @@ from nxt_twin.recording.mapping import (
     Mapping,
     ModeSource,
     OutputSource,
+    SignSource,
+    SplitColumn,
     TableFormat,
-    TimeSource,
-    TimeUnit,
 )
 from nxt_twin.recording.recording import GOALS, InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.stamps import IN_WORDS, order, time_s
 from nxt_twin.recording.tables.content import TableKind
 from nxt_twin.recording.tables.loose import as_word
 from nxt_twin.recording.tables.open import read_table, table_file
 from nxt_twin.recording.tables.table import CellKind, Choose, Table
+from nxt_twin.recording.turns import at_nearest_turn
 
-_SECONDS: MappingType[TimeUnit, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})
 _DEGREE = pi / 180.0
 _OUTPUT_SI: MappingType[OutputKind, tuple[OutputKind, float]] = MappingProxyType(
     {
@@ -57,6 +56,7 @@ _INPUT_SI: MappingType[InputKind, tuple[InputKind, float]] = MappingProxyType(
     {"goal_position_deg": ("goal_position_rad", _DEGREE)}
 )
 _PART = "#"
+_FLAGS = {"true": "1", "false": "0"}
 
 
 def read_mapped(path: Path, mapping: Mapping) -> Recording:
@@ -89,7 +89,7 @@ def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
     table = read_table(file, _chooser(file, mapping), _kind(mapping.table), _layout(mapping.table))
     if mapping.split is None:
         return _of_one_run(table, file, mapping, path.name)
-    runs = _runs(table, mapping.split.column)
+    runs = _runs(table, mapping.split)
     if part and part not in runs:
         mend = f"nearest known: {nearest(part, runs)}"
         raise MappingError(f"has no {mapping.split.column} {quoted(part)}", where=str(file), mend=mend)
@@ -103,6 +103,8 @@ def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
 
 def _of_one_run(table: Table, path: Path, mapping: Mapping, name: str) -> tuple[Recording, ...]:
     """A run's recording; of an arm's joint, one for each stretch in which the other joints rest."""
+    rows = order(table, mapping.time)
+    table = table if rows is None else _some_rows(table, rows)
     recording = _recording(table, path, mapping, name)
     if not mapping.gravity_of:
         return (recording,)
@@ -131,16 +133,17 @@ def _layout(table: TableFormat) -> dict[str, object]:
 
 
 def _kind(table: TableFormat) -> TableKind | None:
-    return "json" if table.lines == "json" else table.format
+    return table.lines or table.format
 
 
 def _chooser(path: Path, mapping: Mapping) -> Choose:
     """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
-    sources = [(key, getattr(mapping, key)) for key in ("time", "input", "output", "supply", "split")]
-    sources += [("mode", each) for each in mapping.mode]
+    plain = ("time", "input", "output", "supply", "split")
+    sources: list[tuple[str, Any]] = [(key, getattr(mapping, key)) for key in plain]
+    sources += [("input.sign", mapping.input.sign), *(("mode", each) for each in mapping.mode)]
     sources += [("gravity_of", each) for each in mapping.gravity_of.values()]
     wanted = [(key, source.column) for key, source in sources if source and source.column is not None]
-    labels = ("mode", "split", "time") if mapping.time.unit == "iso" else ("mode", "split")
+    labels = ("mode", "split", "input.sign", *(("time",) if mapping.time.unit in IN_WORDS else ()))
 
     def choose(found: Sequence[str]) -> MappingType[str, CellKind]:
         for key, name in wanted:
@@ -156,13 +159,22 @@ def _chooser(path: Path, mapping: Mapping) -> Choose:
     return choose
 
 
-def _runs(table: Table, column: str) -> dict[str, IntArray]:
+def _runs(table: Table, split: SplitColumn) -> dict[str, IntArray]:
     """The rows of each recording, by the value of the column that splits them; in order of appearance."""
     rows: dict[str, list[int]] = {}
-    for row, label in enumerate(_labels(table, column)):
+    labels = _labels(table, split.column)
+    for row, label in enumerate(_numbered(table, split.column, labels) if split.falls else labels):
         if label:
             rows.setdefault(label, []).append(row)
     return {label: np.array(own) for label, own in rows.items()}
+
+
+def _numbered(table: Table, column: str, labels: Sequence[str]) -> list[str]:
+    """The number of the run that each row belongs to, from 1 on: a new one begins where the column falls."""
+    values = table.numbers.get(column)
+    values = np.array([_or_nan(label) for label in labels]) if values is None else values
+    begins = np.concatenate([[True], np.diff(hold(values, values[0])) < 0.0])
+    return [str(number) for number in np.cumsum(begins).tolist()]
 
 
 def _some_rows(table: Table, rows: IntArray) -> Table:
@@ -203,8 +215,8 @@ def _recording(table: Table, path: Path, mapping: Mapping, name: str) -> Recordi
 def _columns(table: Table, path: Path, mapping: Mapping, output: FloatArray) -> dict[str, FloatArray]:
     rows, (_, to_si) = output.size, _OUTPUT_SI[mapping.output.kind]
     columns = {
-        "time_s": _time_s(table, mapping.time, rows),
-        "input": _input(table, mapping.input, path, rows),
+        "time_s": time_s(table, mapping.time, rows),
+        "input": _input(table, mapping, path, rows),
         "output": (_unwrapped(output, mapping.output) * mapping.output.gain + mapping.output.offset) * to_si,
     }
     if mapping.mode:
@@ -215,35 +227,18 @@ def _columns(table: Table, path: Path, mapping: Mapping, output: FloatArray) -> 
     return columns
 
 
-def _time_s(table: Table, source: TimeSource, rows: int) -> FloatArray:
-    if source.column is None:
-        return np.arange(rows, dtype=np.float64) * (source.period_s or 0.0)
-    if source.unit == "iso":
-        stamps = [_since_epoch_s(table, row, source.column) for row in range(rows)]
-        table = Table({source.column: np.array(stamps)}, {}, table.place)
-    check_stamps(table, source.column, or_else="; several runs in a table: write `split: {column: …}`")
-    time_s: FloatArray = table.numbers[source.column] * _SECONDS.get(source.unit, 1.0)
-    check_gaps(table, source.column, time_s)
-    return time_s
-
-
-def _since_epoch_s(table: Table, row: int, column: str) -> float:
-    text = table.words[column][row]
-    try:
-        stamp = datetime.fromisoformat(text)
-    except ValueError:
-        mend = "write another `time: {unit: …}`"
-        raise RecordingError(
-            f"{quoted(text)} is no date", where=table.place(row, column), mend=mend
-        ) from None
-    return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
-
-
-def _input(table: Table, source: InputSource, path: Path, rows: int) -> FloatArray:
+def _input(table: Table, mapping: Mapping, path: Path, rows: int) -> FloatArray:
+    source = mapping.input
     to_si = _INPUT_SI.get(source.kind, (source.kind, 1.0))[1]
     if source.column is None:
         return np.full(rows, (_constant(source, path) * source.gain + source.offset) * to_si)
-    values = (table.numbers[source.column] * source.gain + source.offset) * to_si
+    size = table.numbers[source.column]
+    if source.sign is not None:
+        size = np.abs(size) * _sign(table, source.sign)
+    if source.wraps_at is not None:
+        reading = _unwrapped(table.numbers[mapping.output.column], mapping.output)
+        size = at_nearest_turn(hold(size, size[0]), reading, source.wraps_at)
+    values = (size * source.gain + source.offset) * to_si
     known = values[np.isfinite(values)]
     values = hold(values, float(known[0]) if source.kind in GOALS and known.size else 0.0)
     if source.kind == "power_pct":
@@ -264,6 +259,25 @@ def _constant(source: InputSource, path: Path) -> float:
     return found[0]
 
 
+def _sign(table: Table, source: SignSource) -> FloatArray:
+    """The command's direction in each row; an empty cell changes nothing."""
+    sign_of = {_truth(word): float(sign) for word, sign in source.values.items()}
+    labels = list(map(_truth, _labels(table, source.column)))
+    for row, label in enumerate(labels):
+        if label and label not in sign_of:
+            mend = f"write `input: {{sign: {{values: {{{label}: -1}}}}}}`, or 1, or 0"
+            where = table.place(row, source.column)
+            raise MappingError(f"has no sign for {quoted(label)}", where=where, mend=mend)
+    return hold(np.array([sign_of[label] if label else nan for label in labels]))
+
+
+def _or_nan(label: str) -> float:
+    try:
+        return float(label)
+    except ValueError:
+        return nan
+
+
 def _mode(table: Table, sources: Sequence[ModeSource]) -> FloatArray:
     """From each row on the mode of the first column that is not `drive`, as an index into `DRIVE_MODES`."""
     mode, *others = [_mode_of_one(table, source) for source in sources]
@@ -274,8 +288,8 @@ def _mode(table: Table, sources: Sequence[ModeSource]) -> FloatArray:
 
 def _mode_of_one(table: Table, source: ModeSource) -> FloatArray:
     """The drive mode that one column tells; an empty cell changes nothing."""
-    index_of = {_plain(word): float(DRIVE_MODES.index(mode)) for word, mode in source.values.items()}
-    labels = _labels(table, source.column)
+    index_of = {_truth(word): float(DRIVE_MODES.index(mode)) for word, mode in source.values.items()}
+    labels = list(map(_truth, _labels(table, source.column)))
     for row, label in enumerate(labels):
         if label and label not in index_of:
             mend = f"write `mode: {{values: {{{label}: coast}}}}`, or drive, float, brake"
@@ -299,6 +313,11 @@ def _plain(label: str) -> str:
         return as_word(float(label))
     except ValueError:
         return label.strip().lower()
+
+
+def _truth(label: str) -> str:
+    """A label, with `true` and `false` as the flags 1 and 0."""
+    return _FLAGS.get(_plain(label), _plain(label))
 
 
 def _unwrapped(output: FloatArray, source: OutputSource) -> FloatArray:

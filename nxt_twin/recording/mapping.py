@@ -17,7 +17,7 @@ from nxt_twin.recording.tables.content import TableKind
 from nxt_twin.recording.tables.lines import WHITESPACE
 from nxt_twin.recording.yaml_file import read_model, read_part
 
-TimeUnit = Literal["s", "ms", "us", "ns", "iso"]
+TimeUnit = Literal["s", "ms", "us", "ns", "iso", "clock"]
 LINEAR_OUTPUTS: tuple[OutputKind, ...] = ("position_m", "speed_m_per_s")
 POWER_LIMIT_PCT = 100.0
 
@@ -34,7 +34,9 @@ class TableFormat(BaseModel):
         header: whether a text file names its columns; if not, they are c1, c2, ….
         transposed: whether each line of a text file is a column.
         decimal: the mark between whole and fraction.
+        thousands: the mark between thousands, where there is one.
         lines: what each line of the file is, where it is no row of cells.
+        ragged: what becomes of lines that have another number of cells; without it they are refused.
         skip: how many lines come before the header.
         units_row: whether the line below the header holds units.
         encoding: of a text file.
@@ -47,7 +49,9 @@ class TableFormat(BaseModel):
     header: bool | None = None
     transposed: bool | None = None
     decimal: Literal[".", ","] | None = None
-    lines: Literal["json"] | None = None
+    thousands: Literal[".", ",", " ", "'"] | None = None
+    lines: Literal["json", "labels"] | None = None
+    ragged: Literal["skip"] | None = None
     skip: int | None = Field(default=None, ge=0)
     units_row: bool | None = None
     encoding: Literal["utf-8", "utf-16", "cp1252", "latin-1"] | None = None
@@ -62,26 +66,50 @@ class TableFormat(BaseModel):
 
 @final
 class TimeSource(BaseModel):
-    """A column of stamps in `unit` (`iso`: dates as ISO 8601), or a constant period, s."""
+    """A column of stamps, or a constant period.
+
+    Attributes:
+        column: of the stamps.
+        unit: of the stamps. `iso`: dates as ISO 8601; `clock`: text that holds hh:mm:ss.
+        period_s: the constant period, s.
+        wraps_at: the stamps start anew after so much, in their own unit, and are to be unwrapped.
+        sort: rows are to be put in the order of their stamps.
+    """
 
     model_config = _STRICT
 
     column: str | None = None
     unit: TimeUnit = "s"
     period_s: float | None = Field(default=None, gt=0.0, le=LONGEST_GAP_S)
+    wraps_at: float | None = Field(default=None, gt=0.0)
+    sort: bool = False
 
     @model_validator(mode="after")
     def _column_or_period(self) -> Self:
         if (self.column is None) == (self.period_s is None):
             raise ValueError("name either a column or a period_s")
+        if self.sort and self.wraps_at is not None:
+            raise ValueError("stamps that start anew cannot be sorted: keep wraps_at or sort")
         return self
+
+
+@final
+class SignSource(BaseModel):
+    """A column that tells a command's direction: `values: {0: 1, 1: -1}`."""
+
+    model_config = _STRICT
+
+    column: str
+    values: dict[str, Literal[-1, 0, 1]] = Field(min_length=1)
 
 
 @final
 class InputSource(BaseModel):
     """A column, or a constant value, that is `kind` once multiplied by `gain` and moved by `offset`.
 
-    A value may differ by file: `value: {"*_20_*": 20, "*_40_*": 40}`.
+    A value may differ by file: `value: {"*_20_*": 20, "*_40_*": 40}`. A column without a sign may have one beside it,
+    as drivers with a pin for the direction do. Goals that start anew after so much (`wraps_at`, in the column's unit)
+    are taken in the turn in which the reading is; both columns then need one unit.
     """
 
     model_config = _STRICT
@@ -91,6 +119,8 @@ class InputSource(BaseModel):
     kind: InputKind
     gain: float = 1.0
     offset: float = 0.0
+    sign: SignSource | None = None
+    wraps_at: float | None = Field(default=None, gt=0.0)
 
     @model_validator(mode="after")
     def _column_or_value(self) -> Self:
@@ -175,11 +205,12 @@ class JointSource(BaseModel):
 
 @final
 class SplitColumn(BaseModel):
-    """A column that tells a table's recordings apart, by having one value in each."""
+    """A column that tells a table's recordings apart: by its values, or (`falls`) by falling where one begins."""
 
     model_config = _STRICT
 
     column: str
+    falls: bool = False
 
 
 def _flat(given: Any) -> Any:  # noqa: ANN401  # what a user wrote

@@ -15,8 +15,18 @@ from nxt_twin.errors import MappingError
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.joints import joints_beside
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile, profile_of
-from nxt_twin.recording.guess.roles import Roles, is_of, names, roles_of
-from nxt_twin.recording.guess.scales import input_scale, output_scale, step_of, time_unit, turn_of
+from nxt_twin.recording.guess.roles import (
+    Roles,
+    disorder_of,
+    is_of,
+    is_pulse,
+    is_speed_goal,
+    names,
+    roles_of,
+    wrap_of,
+)
+from nxt_twin.recording.guess.scales import input_scale, output_scale, pulse_line, step_of, time_unit, turn_of
+from nxt_twin.recording.guess.signs import sign_values
 from nxt_twin.recording.guess.vocabulary import MODE_WORDS
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.nested import split_name
@@ -81,11 +91,17 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
         try:
             found.append(guess(profile, roles))
         except MappingError as error:
-            lacking = lacking or error
+            lacking = lacking or (_named_twice(profile) if profile.twice else error)
     others = joints_beside(profile.columns, roles.output)
     if others:
         found.append(Guess("gravity_of", others, _WHY_JOINTS))
     return Guessed(profile, (*found, *_optional(profile, roles)), lacking)
+
+
+def _named_twice(profile: TableProfile) -> MappingError:
+    what = f"has several columns named {quoted(profile.twice[0])}"
+    mend = "rename them, or write `table: {header: false}` and name columns c1, c2, … in a mapping"
+    return MappingError(what, where=str(profile.path), mend=mend)
 
 
 def _check_joint(profile: TableProfile, joint: str) -> None:
@@ -106,6 +122,8 @@ def _optional(profile: TableProfile, roles: Roles) -> Iterator[Guess]:
         several = "; of several columns the first that is not drive decides" if len(modes) > 1 else ""
         why = f"few values; CHECK what each of them means{several}"
         yield Guess("mode", modes if len(modes) > 1 else modes[0], why)
+    if roles.split is None and roles.time is not None and disorder_of(roles.time) == "runs":
+        yield Guess("split", roles.time.keys | {"falls": True}, "the time begins anew with each run")
     if roles.split is not None:
         runs = np.unique(roles.split.known).size
         yield Guess("split", roles.split.keys, f"{runs} runs, one after the other")
@@ -131,18 +149,24 @@ def _table(profile: TableProfile) -> Guess:
     """The format, as far as the content of another file might not tell it."""
     layout = profile.layout
     if layout is None:
-        return Guess("table", {"format": profile.kind}, "by the file's first bytes")
+        found = (
+            "a folder that holds meta/info.json" if profile.kind == "lerobot" else "by the file's first bytes"
+        )
+        return Guess("table", {"format": profile.kind}, found)
     keys: dict[str, Any] = {"format": "csv", "delimiter": layout.delimiter, "header": layout.header}
     optional = {
         "decimal": "," if layout.decimal == "," else None,
         "transposed": layout.transposed or None,
         "skip": layout.skip or None,
+        "ragged": layout.ragged or None,
+        "thousands": layout.thousands or None,
         "units_row": layout.units_row or None,
         "encoding": layout.encoding if layout.encoding in ("utf-16", "cp1252") else None,
     }
     keys |= {key: value for key, value in optional.items() if value is not None}
     head = "the first line names the columns" if layout.header else "the first line holds numbers"
-    return Guess("table", keys, f"the delimiter that cuts all lines into as many numbers; {head}")
+    ragged = "; some lines have another number of cells and are left out; CHECK" if layout.ragged else ""
+    return Guess("table", keys, f"the delimiter that cuts all lines into as many numbers; {head}{ragged}")
 
 
 def _time(profile: TableProfile, roles: Roles) -> Guess:
@@ -152,6 +176,18 @@ def _time(profile: TableProfile, roles: Roles) -> Guess:
         mend = f"write `time: {{period_s: 0.01}}` in a mapping, with the log's own period; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
     unit, why = time_unit(roles.time)
+    disorder = None if roles.split else disorder_of(roles.time)
+    if disorder == "wraps":
+        wrap = wrap_of(roles.time)
+        return Guess(
+            "time", roles.time.keys | {"unit": unit, "wraps_at": wrap}, f"{why}; starts anew at {wrap:g}"
+        )
+    if disorder == "sort":
+        return Guess(
+            "time",
+            roles.time.keys | {"unit": unit, "sort": True},
+            f"{why}; rows are out of order; CHECK",
+        )
     return Guess("time", roles.time.keys | {"unit": unit}, why)
 
 
@@ -162,7 +198,7 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
         known = names(profile.columns)
         mend = f"write `output: {{column: …, kind: position_deg}}` in a mapping; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
-    role, unit, size, why = output_scale(column)
+    role, unit, size, why = output_scale(column, roles.time)
     kind, gain = OUTPUTS[role][unit]
     gain *= size
     step = step_of(column) * abs(gain)
@@ -173,7 +209,8 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     rest = [c for c in profile.columns if c not in taken and _alike(c, column)]
     slope = roles.slopes.get(column.name)
     why += f"; {slope} is its slope" if slope else ""
-    others = f"; others that might be meant: {names(rest)} (--joint)" if rest else ""
+    joints = ", ".join(c.joint or c.name for c in rest[:12])
+    others = f"; others that might be meant: {joints} (--joint)" if rest else ""
     return Guess(
         "output", keys, f"{why}; spans {_short(column.span * gain)} {kind.rpartition('_')[2]}{others}"
     )
@@ -185,9 +222,17 @@ def _alike(one: TableColumn, other: TableColumn) -> bool:
 
 def _input(profile: TableProfile, roles: Roles) -> Guess:
     if roles.input is not None and roles.output is not None:
-        role, unit, size, why = input_scale(roles.input, roles.output)
+        role, unit, size, why = input_scale(roles.input, roles.output, roles.time)
         kind, gain = INPUTS[role][unit]
-        return Guess("input", roles.input.keys | {"kind": kind} | _gain(gain * size), why)
+        keys = roles.input.keys | {"kind": kind} | _gain(gain * size)
+        turn = turn_of(roles.output) if role == "goal" and roles.input.known.min() >= 0.0 else 0.0
+        keys |= {"wraps_at": turn} if roles.input.largest <= turn else {}
+        if is_pulse(roles.input):
+            keys |= _pulse(roles.input, roles.output, roles.time)
+        if roles.sign is not None:
+            keys["sign"] = roles.sign.keys | {"values": sign_values(roles.sign, roles.input, roles.output)}
+            why += f"; {roles.sign.name} tells its direction, by which way the reading goes"
+        return Guess("input", keys, why)
     named = _IN_NAME.search(profile.path.name)
     if named:
         value = float(named[2])
@@ -195,12 +240,24 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
         kind = "voltage_v" if is_volts else "power_pct"
         why = f"the file's name says {quoted(named[0])}; CHECK that it is constant throughout"
         return Guess("input", {"value": _by_file(profile.path, named) or value, "kind": kind}, why)
+    loop = next(filter(is_speed_goal, profile.columns), None)
+    if loop is not None:
+        mend = "write `input: {column: …, kind: power_pct}` with what the loop commands, or log it"
+        what = f"commands a speed, in {quoted(loop.name)}, and no plant follows one"
+        raise MappingError(what, where=str(profile.path), mend=mend)
     known = names([column for column in profile.columns if column not in (roles.time, roles.output)])
     which = "no column that looks like a command, and no constant one in its name"
     rest = f"; its other columns are {known}" if known else ""
     either = "`input: {column: …, kind: power_pct}` or `input: {value: 60, kind: power_pct}`"
     mend = f"write {either} in a mapping{rest}"
     raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+
+
+def _pulse(command: TableColumn, reading: TableColumn, time: TableColumn | None) -> dict[str, float]:
+    """Gain and offset of a hobby servo's pulses: those by which the reading follows, else those of most servos."""
+    role, unit, size, _ = output_scale(reading, time)
+    gain, offset = pulse_line(command, reading, OUTPUTS[role][unit][1] * size if role == "angle" else 0.0)
+    return {"gain": _short(gain), "offset": _short(offset)}
 
 
 def _by_file(path: Path, named: re.Match[str]) -> dict[str, float]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
 from itertools import islice
@@ -17,19 +16,19 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.source import read_head
+from nxt_twin.recording.clock import clock_s, past_midnight
 from nxt_twin.recording.tables.content import TableKind, kind_of, text_layout
-from nxt_twin.recording.tables.lines import TextLayout, iterate_lines
+from nxt_twin.recording.tables.lerobot import is_data_set, joints_of
+from nxt_twin.recording.tables.lines import TextLayout, column_names, first_line, iterate_lines
 from nxt_twin.recording.tables.mat import read_vectors
 from nxt_twin.recording.tables.nested import innermost, split_name
 from nxt_twin.recording.tables.open import read_table, table_file
 from nxt_twin.recording.tables.table import CellKind
 
-ISO = "iso"
+ISO, CLOCK = "iso", "clock"
 _WORDS = re.compile(r"[A-Z]?[a-zäöü°µ]+|[A-Z]+(?![a-zäöü])|\d+|%")
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _TRUTHS = {"true": "1", "false": "0"}
-_LARGEST_INFO_BYTES = 2**20
 _FEW_WORDS = 8
 _LEVELS_UP = 4  # from a LeRobot episode to its data set's meta/info.json
 
@@ -100,6 +99,7 @@ class TableProfile:
         layout: how it is cut into cells, of a text table.
         columns: those of numbers, as many rows each.
         others: the columns that hold none, and the words of those with few different ones.
+        twice: names that several columns bear, none of which is read.
     """
 
     path: Path
@@ -107,6 +107,7 @@ class TableProfile:
     layout: TextLayout | None
     columns: tuple[TableColumn, ...]
     others: Mapping[str, tuple[str, ...]]
+    twice: tuple[str, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -122,22 +123,30 @@ def profile_of(path: Path) -> TableProfile:
     """
     file = table_file(path)
     kind = kind_of(file)
-    layout = text_layout(file, {}) if kind == "csv" else None
-    words = {} if kind == "mat" else _read(file, kind)
-    cells = {name: _as_numbers(own) for name, own in words.items()}
-    dates = {name: _as_dates(words[name]) for name, values in cells.items() if values is None}
-    cells |= read_vectors(file) if kind == "mat" else dates
+    layout, words = _words(file, kind)
+    thousands = layout.thousands if layout else ""
+    cells = {name: _as_numbers(own, thousands) for name, own in words.items()}
+    stamps = {name: _as_stamps(words[name]) for name, values in cells.items() if values is None}
+    cells |= read_vectors(file) if kind == "mat" else {name: own and own[0] for name, own in stamps.items()}
     numbers = {name: values for name, values in cells.items() if values is not None}
     if not numbers:
         mend = "write `table: {delimiter: …, header: …}` in a mapping"
         raise RecordingError("holds no column of numbers", where=str(file), mend=mend)
     rows = Counter(values.size for values in numbers.values() if values.size > 1).most_common(1)
     numbers = {name: values for name, values in numbers.items() if rows and values.size == rows[0][0]}
-    units = _units(file, layout, list(cells)) | {name: ISO for name, own in dates.items() if own is not None}
+    units = _units(file, layout, list(cells)) | {name: own[1] for name, own in stamps.items() if own}
     joints = _joints(file)
     columns = (TableColumn(n, v, units.get(n, _bracketed(n)), joints.get(n, "")) for n, v in numbers.items())
     others = {name: _few(words[name]) for name, values in cells.items() if values is None}
-    return TableProfile(file, kind, layout, tuple(columns), others)
+    return TableProfile(file, kind, layout, tuple(columns), others, _twice(file, layout))
+
+
+def _twice(file: Path, layout: TextLayout | None) -> tuple[str, ...]:
+    """The names that the header of a text table gives to several columns."""
+    if layout is None or layout.transposed:
+        return ()
+    counts = Counter(column_names(first_line(iterate_lines(file, layout), file), layout))
+    return tuple(name for name, count in counts.items() if name and count > 1)
 
 
 def _few(cells: Sequence[str]) -> tuple[str, ...]:
@@ -146,28 +155,51 @@ def _few(cells: Sequence[str]) -> tuple[str, ...]:
     return tuple(found) if len(found) <= _FEW_WORDS else ()
 
 
-def _read(file: Path, kind: TableKind) -> dict[str, tuple[str, ...]]:
+def _words(file: Path, kind: TableKind) -> tuple[TextLayout | None, dict[str, tuple[str, ...]]]:
+    """How a text table is cut into cells, and every column as words; lines that do not fit are left out."""
+    if kind != "csv":
+        return None, {} if kind == "mat" else _read(file, kind, {})
+    layout = text_layout(file, {})
+    try:
+        return layout, _read(file, kind, {})
+    except RecordingError:
+        try:
+            return replace(layout, ragged="skip"), _read(file, kind, {"ragged": "skip"})
+        except RecordingError:
+            pass
+        raise
+
+
+def _read(file: Path, kind: TableKind, given: Mapping[str, object]) -> dict[str, tuple[str, ...]]:
     """Every column as words."""
 
     def choose(names: Sequence[str]) -> dict[str, CellKind]:
-        flat = innermost(names) if kind in ("parquet", "feather") else names
+        flat = _by_index(innermost(names)) if kind in ("parquet", "feather", "lerobot") else names
         return dict.fromkeys((name for name in flat if name and names.count(name) == 1), "label")
 
-    return dict(read_table(file, choose, kind, {}).words)
+    return dict(read_table(file, choose, kind, given).words)
 
 
-def _as_dates(words: Sequence[str]) -> FloatArray | None:
-    """Seconds since 1970; None where some words are no dates."""
+def _by_index(names: Sequence[str]) -> list[str]:
+    """The names without those that name an element by its joint; such an element has a name by its index too."""
+    return [name for name in names if not name.endswith("]") or split_name(name)[1] is not None]
+
+
+def _as_stamps(words: Sequence[str]) -> tuple[FloatArray, str] | None:
+    """Seconds, and whether words are dates or times of day; None where they are neither."""
     try:
-        return np.array([datetime.fromisoformat(word).timestamp() for word in words])
+        return np.array([datetime.fromisoformat(word).timestamp() for word in words]), ISO
     except ValueError:
-        return None
+        seconds = [clock_s(word) for word in words]
+    known = [second for second in seconds if second is not None]
+    return (past_midnight(np.array(known)), CLOCK) if known and len(known) == len(seconds) else None
 
 
-def _as_numbers(words: Sequence[str]) -> FloatArray | None:
+def _as_numbers(words: Sequence[str], thousands: str) -> FloatArray | None:
     """The numbers that words write; None where some are none, or all are empty."""
     try:
-        plain = (_TRUTHS.get(word.lower(), word.replace(",", ".")) or "nan" for word in words)
+        bare = (word.replace(thousands, "") for word in words) if thousands else words
+        plain = (_TRUTHS.get(word.lower(), word.replace(",", ".")) or "nan" for word in bare)
         values = np.array(list(plain), dtype=np.float64)
     except ValueError:
         return None
@@ -190,29 +222,5 @@ def _bracketed(name: str) -> str:
 
 def _joints(file: Path) -> dict[str, str]:
     """The joints' names by column, from a LeRobot data set's description."""
-    for folder in list(file.resolve().parents)[:_LEVELS_UP]:
-        info = folder / "meta" / "info.json"
-        if info.is_file():
-            read_head(
-                info,
-                RecordingError,
-                largest_bytes=_LARGEST_INFO_BYTES,
-                advice="check that it is a description",
-            )
-            try:
-                features = json.loads(info.read_text(encoding="utf-8"))["features"]
-                return {
-                    f"{column}[{index}]": str(joint)
-                    for column in ("observation.state", "action")
-                    for index, joint in enumerate(_listed(features[column]["names"]))
-                }
-            except (ValueError, KeyError, TypeError, RecursionError):
-                return {}
-    return {}
-
-
-def _listed(names: object) -> Sequence[object]:
-    """A list of names, also where it stands under a key."""
-    if isinstance(names, dict):
-        names = next(iter(names.values()))
-    return names if isinstance(names, list) else []
+    folders = [file, *file.resolve().parents][: _LEVELS_UP + 1]
+    return next((joints_of(folder) for folder in folders if is_data_set(folder)), {})

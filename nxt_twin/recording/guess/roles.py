@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 
@@ -18,7 +18,16 @@ _SLOPE = 2.5  # how much it speaks for a reading that another column is its slop
 _COMMANDS = ("power", "voltage", "current", "torque", "force", "command", "goal")
 _MOST_RUNS = 1000
 _MODES = 4
+_NO_GOALS = ("power", "voltage", "current", "torque", "speed")
+_SIGNS = (-1, 0, 1)
 _SUPPLY_V = (2.0, 100.0)
+_NAMED_GROWTH = 0.05  # of the rows, in which a column that is named after time has to grow
+_MOST_FALLS = 0.2
+_MISSING = 0.1  # of the stamps of a column that is named after time; reading it tells in which rows
+_LOW = 0.05  # of the span of stamps, within which a run begins
+_WRAPS = (2.0**16, 2.0**32, 2.0**32 / 1e3, 1e6, 1e9)
+_WHOLE = 0.9  # of such a counter's range, which it falls by
+_PULSES_US = (400.0, 2600.0)
 
 
 @final
@@ -26,7 +35,8 @@ _SUPPLY_V = (2.0, 100.0)
 class Roles:
     """The columns by role; None where none is found.
 
-    `modes` are those that say what the bridge does; `slopes` names, by column, another one that is its slope.
+    `modes` are those that say what the bridge does; `sign` is the direction of a command that has none;
+    `slopes` names, by column, another one that is its slope.
     """
 
     time: TableColumn | None
@@ -35,6 +45,7 @@ class Roles:
     input: TableColumn | None
     supply: TableColumn | None
     modes: tuple[TableColumn, ...]
+    sign: TableColumn | None
     slopes: Mapping[str, str]
 
 
@@ -58,7 +69,8 @@ def roles_of(profile: TableProfile, joint: str | None) -> Roles:
     command = _take(given, lambda column: _as_input(column, output)) if output else None
     left = [column for column in left if column is not command]
     supply = _take(left, _as_supply)
-    return Roles(time, split, output, command, supply, tuple(filter(_is_mode, left)), slopes)
+    sign = _take(left, lambda column: float(is_sign(column) and bool(command and command.known.min() >= 0.0)))
+    return Roles(time, split, output, command, supply, tuple(filter(_is_mode, left)), sign, slopes)
 
 
 def _take(columns: list[TableColumn], rating: Callable[[TableColumn], float]) -> TableColumn | None:
@@ -89,19 +101,47 @@ def _as_split(column: TableColumn) -> float:
     return 1.0 if np.count_nonzero(np.diff(column.values)) < 0.2 * column.values.size else 0.0
 
 
-def _as_time(column: TableColumn, groups: Iterable[slice]) -> float:
+def _as_time(column: TableColumn, groups: Sequence[slice]) -> float:
     steps = np.concatenate([np.diff(column.values[group]) for group in groups])
+    steps = steps[np.isfinite(steps)]
+    missing = np.mean(~np.isfinite(column.values))
     if (
         not steps.size
         or has(column, "angle")
-        or not np.isfinite(column.values).all()
-        or np.any(steps < 0.0)
-        or np.mean(steps > 0.0) < 0.5
+        or missing > (_MISSING if has(column, "time") else 0.0)
+        or np.mean(steps > 0.0) < (_NAMED_GROWTH if has(column, "time") else 0.5)
+        or (np.any(steps < 0.0) and (len(groups) > 1 or disorder_of(column) is None))
     ):
         return 0.0
+    steps = steps[steps >= 0.0]
     evenness = 1.0 - min(float(np.std(steps) / np.mean(steps)), 1.0) + 2.0 * bool(np.all(steps > 0.0))
     named = 5.0 * has(column, "time") + 3.0 * (unit_of(column)[0] == "time") - 4.0 * has(column, "counter")
     return max(2.0 + named + evenness - 2.0 * _is_mere_count(column), 0.0)
+
+
+Disorder = Literal["wraps", "runs", "sort"]
+"""Why stamps fall: their counter starts anew, several runs lie in one table, or rows are out of order."""
+
+
+def disorder_of(column: TableColumn) -> Disorder | None:
+    """Why a column that is named after time falls here and there; None where it grows throughout, or is no time."""
+    falls = np.flatnonzero(np.diff(column.values) < 0.0)
+    if not falls.size or not has(column, "time") or falls.size > _MOST_FALLS * column.values.size:
+        return None
+    if wrap_of(column):
+        return "wraps"
+    low = column.known.min() + _LOW * column.span
+    return "runs" if bool(np.all(column.values[falls + 1] <= low)) else "sort"
+
+
+def wrap_of(column: TableColumn) -> float:
+    """The value at which a board's counter of time starts anew; 0 where the column's falls are none of such."""
+    falls = np.diff(column.known)
+    falls = falls[falls < 0.0]
+    fits = (
+        wrap for wrap in _WRAPS if falls.size and column.largest < wrap and np.all(falls < -_WHOLE * wrap)
+    )
+    return next(fits, 0.0)
 
 
 def _is_mere_count(column: TableColumn) -> bool:
@@ -110,13 +150,21 @@ def _is_mere_count(column: TableColumn) -> bool:
 
 
 def _as_output(column: TableColumn) -> float:
-    if column.span == 0.0 or has(column, "goal") or has(column, "split") or has(column, "supply"):
+    if (
+        column.span == 0.0
+        or is_goal(column)
+        or is_pulse(column)
+        or has(column, "split")
+        or has(column, "supply")
+    ):
         return 0.0
     measures, _ = unit_of(column)
     named = 5.0 * has(column, "angle") + 3.0 * has(column, "speed") - 2.0 * has(column, "derived")
     united = 4.0 * (measures in ("angle", "ticks", "position")) + 3.0 * (measures == "speed")
     other = 6.0 * (measures in ("time", "power", "voltage", "current", "torque", "force"))
-    other += 4.0 * any(has(column, each) for each in _COMMANDS[:-1]) * (not has(column, "angle"))
+    is_angle = has(column, "angle") or measures in ("angle", "ticks")
+    other += 4.0 * any(has(column, each) for each in _COMMANDS[:-1]) * (not is_angle)
+    other += 5.0 * (has(column, "counter") and _is_mere_count(column))
     smooth = float(np.mean(np.abs(np.diff(column.known))) < 0.1 * column.span)
     moving = 0.5 * column.span / (column.span + 100.0)
     return max(2.0 + named + united - other + smooth + moving - 1.5 * _is_stepped(column), 0.0)
@@ -130,6 +178,10 @@ def _is_stepped(column: TableColumn) -> bool:
 
 def _as_input(column: TableColumn, output: TableColumn | None) -> float:
     measures, _ = unit_of(column)
+    if is_sign(column) or is_speed_goal(column):
+        return 0.0
+    if is_pulse(column):
+        return 4.0
     named = 5.0 * any(has(column, each) for each in _COMMANDS) - 3.0 * has(column, "derived")
     united = 3.0 * (measures in ("power", "voltage", "current", "torque", "force"))
     other = 5.0 * (
@@ -141,6 +193,35 @@ def _as_input(column: TableColumn, output: TableColumn | None) -> float:
     constant = 2.0 * (column.span == 0.0)
     drive = 1.0 * any(has(column, each) for each in ("power", "voltage"))
     return max(named + united + beside + bare + drive - other - constant, 0.0)
+
+
+def is_goal(column: TableColumn) -> bool:
+    """Whether it is named like a position that a loop is to reach: `goal_pwm` is a power."""
+    return has(column, "goal") and not any(has(column, each) for each in _NO_GOALS)
+
+
+def is_speed_goal(column: TableColumn) -> bool:
+    """Whether it is the speed that a loop is to hold."""
+    return has(column, "goal") and (has(column, "speed") or unit_of(column)[0] == "speed")
+
+
+def is_sign(column: TableColumn) -> bool:
+    """Whether it tells no more than a direction."""
+    few = np.unique(column.known)
+    return has(column, "sign") and column.is_whole and 1 < few.size <= len(_SIGNS) and column.largest <= 1.0
+
+
+def is_pulse(column: TableColumn) -> bool:
+    """Whether it holds the lengths of a hobby servo's pulses."""
+    low, high = _PULSES_US
+    known = column.known
+    return (
+        has(column, "pulse")
+        and bool(known.size)
+        and low <= known.min()
+        and known.max() <= high
+        and column.span > 0.0
+    )
 
 
 def _is_bare(column: TableColumn) -> bool:

@@ -12,9 +12,10 @@ from typing import Literal
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
-from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
+from nxt_twin.recording.tables.labels import is_labelled
+from nxt_twin.recording.tables.lines import MARKS, WHITESPACE, TextLayout
 
-TableKind = Literal["csv", "json", "parquet", "feather", "mat", "mcap"]
+TableKind = Literal["csv", "json", "labels", "parquet", "feather", "mat", "mcap", "lerobot"]
 
 EMPTY_WORDS = ("", "nan", "NaN", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "-nan")
 """What other programs write into a cell that is empty."""
@@ -37,7 +38,7 @@ _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DELIMITERS = (";", "\t", ",", "|", WHITESPACE)
 _SAMPLE_LINES = 200
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-_COMMA_NUMBER = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+_COMMA_NUMBER = re.compile(r"[+-]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][+-]?\d+)?")
 _FEW_LINES, _MANY_CELLS = 16, 32  # a table that lies on its side has few long lines
 
 
@@ -47,6 +48,8 @@ def kind_of(path: Path) -> TableKind:
     Raises:
         RecordingError: it cannot be opened, or is of a kind that is not read.
     """
+    if path.is_dir():
+        return "lerobot"
     head = read_table_head(path, RecordingError)
     for signature, what, mend in _REFUSED:
         if head.startswith(signature):
@@ -59,7 +62,9 @@ def kind_of(path: Path) -> TableKind:
             return "mat"
         mend = "a table is CSV, JSON, Parquet, Feather, MAT or MCAP"
         raise RecordingError("is a binary file of no known kind", where=str(path), mend=mend)
-    return "json" if head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[") else "csv"
+    if head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
+        return "json"
+    return "labels" if is_labelled(_decoded(head)[0].splitlines()[:_SAMPLE_LINES]) else "csv"
 
 
 def check_stated_kind(path: Path, stated: TableKind) -> None:
@@ -68,6 +73,8 @@ def check_stated_kind(path: Path, stated: TableKind) -> None:
     Raises:
         RecordingError: they do, or the file cannot be opened.
     """
+    if path.is_dir() and stated == "lerobot":
+        return
     head = read_table_head(path, RecordingError)
     found = next((kind for signature, kind in _SIGNATURES if head.startswith(signature)), None)
     if found is None and stated in ("parquet", "feather", "mcap"):
@@ -93,18 +100,23 @@ def text_layout(path: Path, given: Mapping[str, object]) -> TextLayout:
     delimiter = str(given.get("delimiter") or max(rated, key=lambda each: each[0])[1])  # of equals the first
     cells = [_cut(line, delimiter) for line in lines]
     width = _common_width(cells)
-    skip = next((n for n, row in enumerate(cells) if len(row) == width), 0)
-    body = [row for row in cells[skip:] if row]
+    skip = next(
+        (n for n, row in enumerate(cells) if len(row) == width or _is_remark(row, width, delimiter)), 0
+    )
+    body = [row[len(row) == width + 1 and _is_remark(row, width, delimiter) :] for row in cells[skip:] if row]
     lies = len(body) <= _FEW_LINES and width >= _MANY_CELLS and _is_values(body[0][1:])
     transposed = bool(given.get("transposed", lies))
     header = bool(body) and not (_is_value(body[0][0]) if transposed else _is_values(body[0]))
     below = body[1:3]
     units_row = header and len(below) == 2 and not any(map(_is_value, below[0])) and _is_values(below[1])
+    decimal = "," if _has_comma_numbers(body) else "."
     found = TextLayout(
         delimiter=delimiter,
         header=header,
         transposed=transposed,
-        decimal="," if _has_comma_numbers(body) else ".",
+        decimal=decimal,
+        prose=True,
+        thousands="." if decimal == "," and _has_thousands(text, delimiter) else "",
         skip=skip,
         units_row=units_row and not transposed,
         encoding=encoding,
@@ -136,6 +148,11 @@ def _rating(lines: Sequence[str], delimiter: str) -> tuple[float, int]:
     return round(share * len(fitting) / len(cells), 3), 0
 
 
+def _is_remark(row: Sequence[str], width: int, delimiter: str) -> bool:
+    """Whether a line is a header behind a mark that is a word of its own, as numerical programs write it."""
+    return delimiter == WHITESPACE and len(row) == width + 1 and row[0] in MARKS
+
+
 def _common_width(cells: Sequence[Sequence[str]]) -> int:
     widths = Counter(len(row) for row in cells if row)
     return max(widths, key=lambda width: (widths[width], width), default=0)
@@ -159,6 +176,11 @@ def _is_value(cell: str) -> bool:
 def _is_values(row: Sequence[str]) -> bool:
     """Whether a line is a row of a table rather than its header: at least half of its cells are values."""
     return sum(map(_is_value, row)) * 2 >= len(row) and any(cell not in EMPTY_WORDS for cell in row)
+
+
+def _has_thousands(text: str, delimiter: str) -> bool:
+    cells = (cell for line in text.splitlines() if "." in line for cell in _cut(line, delimiter))
+    return any("." in cell and bool(_COMMA_NUMBER.fullmatch(cell)) for cell in cells)
 
 
 def _has_comma_numbers(rows: Sequence[Sequence[str]]) -> bool:

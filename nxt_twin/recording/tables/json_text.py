@@ -75,9 +75,18 @@ def _rows_of(whole: object, path: Path) -> Iterator[Mapping[str, object]]:
                 raise RecordingError(f"its lists differ in length: {sizes}", where=str(path), mend=mend)
             yield from (dict(zip(lists, row, strict=True)) for row in zip(*lists.values(), strict=True))
             return
+        tables = [value for value in whole.values() if isinstance(value, dict) and _holds_lists(value)]
+        if len(tables) == 1:
+            yield from _rows_of(tables[0], path)
+            return
         yield whole
         return
     raise RecordingError("is JSON that holds no table", where=str(path), mend="write a list of rows")
+
+
+def _holds_lists(found: dict[str, object]) -> bool:
+    """Whether an object holds columns."""
+    return sum(isinstance(value, list) for value in found.values()) > 1
 
 
 def _numbered(row: object) -> Mapping[str, object]:

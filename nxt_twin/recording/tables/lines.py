@@ -20,6 +20,8 @@ from nxt_twin.recording.tables.table import Choose, Table
 
 WHITESPACE: Literal["whitespace"] = "whitespace"
 
+MARKS = ("#", "%", "//")
+"""What stands before a header that is a remark, as numerical programs write it."""
 _LEAVE_EMPTY = "leave the cell empty where nothing was sampled"
 
 Line = tuple[int, list[str]]
@@ -41,6 +43,9 @@ class TextLayout:
         units_row: whether the line below the header holds units rather than values.
         encoding: of the text, by Python's name.
         empty: what stands in a cell that is empty.
+        prose: whether lines of words between the rows are left out.
+        ragged: what becomes of lines that have another number of cells; empty: they are refused.
+        thousands: the mark between thousands, if there is one.
     """
 
     delimiter: str = ","
@@ -51,6 +56,9 @@ class TextLayout:
     units_row: bool = False
     encoding: str = "utf-8-sig"
     empty: tuple[str, ...] = ("",)
+    prose: bool = False
+    ragged: str = ""
+    thousands: str = ""
 
     @property
     def head_lines(self) -> int:
@@ -59,11 +67,41 @@ class TextLayout:
 
 
 def iterate_lines(path: Path, layout: TextLayout) -> Generator[Line]:
-    """Yield the number (from 1) and the stripped cells of every line that is not blank, header included.
+    """Yield the number (from 1) and the stripped cells of every line of the table, header included.
+
+    Blank lines are none, nor are those that the layout leaves out.
 
     Raises:
         RecordingError: if the text is not UTF-8 or its quotes never close.
     """
+    width = 0
+    for number, cells in _all_lines(path, layout):
+        if not width:
+            cells = cells[_has_mark(cells, layout) :]
+            width = len(cells)
+        elif len(cells) != width and _is_left_out(cells, layout, width):
+            continue
+        yield number, cells
+
+
+def _has_mark(cells: list[str], layout: TextLayout) -> bool:
+    """Whether the header is a remark, its mark a word of its own."""
+    return layout.header and layout.delimiter == WHITESPACE and len(cells) > 1 and cells[0] in MARKS
+
+
+def _is_left_out(cells: list[str], layout: TextLayout, width: int) -> bool:
+    """Whether a line that has another number of cells is no row."""
+    ends = len(cells) == width + 1 and not cells[-1]
+    return not ends and bool(layout.ragged or (layout.prose and not any(map(_is_counted, cells))))
+
+
+def _is_counted(cell: str) -> bool:
+    """Whether a cell begins as a number does."""
+    return cell.lstrip("+-.")[:1].isdigit()
+
+
+def _all_lines(path: Path, layout: TextLayout) -> Generator[Line]:
+    """Every line that is not blank."""
     try:
         with path.open(encoding=layout.encoding, newline="") as file:
             skipped = sum(1 for _ in islice(file, layout.skip))
@@ -96,7 +134,10 @@ def first_line(lines: Iterator[Line], path: Path) -> Line:
 
 def column_names(first: Line, layout: TextLayout) -> list[str]:
     """The names in the first line, or c1, c2, … where the layout has no header."""
-    return first[1] if layout.header else [f"c{number}" for number in range(1, len(first[1]) + 1)]
+    if not layout.header:
+        return [f"c{number}" for number in range(1, len(first[1]) + 1)]
+    name, *others = first[1]
+    return [name.lstrip("#").strip() or name, *others]
 
 
 def read_lines(path: Path, layout: TextLayout, choose: Choose) -> Table:
@@ -120,7 +161,8 @@ def read_lines(path: Path, layout: TextLayout, choose: Choose) -> Table:
             cells = cells[:-1]  # a delimiter ends the line, as some programs write it
         if len(cells) != len(names):
             what = f"has {len(cells)} cells where there are {len(names)} columns"
-            raise RecordingError(what, where=f"{path}, row {number}", mend="complete or delete the row")
+            mend = "complete or delete the row, or write `table: {ragged: skip}` in a mapping"
+            raise RecordingError(what, where=f"{path}, row {number}", mend=mend)
         for name, values in numbers.items():
             values.append(_number(cells[position[name]], layout, (path, number, name)))
         for name, texts in words.items():
@@ -171,14 +213,23 @@ def _number(text: str, layout: TextLayout, cell: Cell) -> float:
     if text in layout.empty:
         return math.nan
     try:
-        value = math.nan if "_" in text else float(text.replace(layout.decimal, "."))
+        bare = text.replace(layout.thousands, "") if layout.thousands else text
+        value = math.nan if "_" in text else float(bare.replace(layout.decimal, "."))
     except ValueError:
-        is_comma = layout.decimal == "." and "," in text
-        mend = 'write `table: {decimal: ","}` in a mapping' if is_comma else _LEAVE_EMPTY
-        raise RecordingError(f"{quoted(text)} is no number", where=_place(cell), mend=mend) from None
+        raise RecordingError(
+            f"{quoted(text)} is no number", where=_place(cell), mend=_marks(text, layout)
+        ) from None
     if not math.isfinite(value):
         raise RecordingError(f"{quoted(text)} is no finite number", where=_place(cell), mend=_LEAVE_EMPTY)
     return value
+
+
+def _marks(text: str, layout: TextLayout) -> str:
+    """What mends a cell that is no number: the marks in it may be others than the layout's."""
+    decimal, other = layout.decimal, "," if layout.decimal == "." else "."
+    if other in text and (decimal in text or decimal == ","):
+        return f'write `table: {{thousands: "{other}"}}` in a mapping'
+    return f'write `table: {{decimal: "{other}"}}` in a mapping' if other in text else _LEAVE_EMPTY
 
 
 def _place(cell: Cell) -> str:

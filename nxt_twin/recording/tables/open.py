@@ -9,6 +9,8 @@ from types import MappingProxyType
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.tables.content import TableKind, check_stated_kind, kind_of, text_layout
 from nxt_twin.recording.tables.json_text import read_json
+from nxt_twin.recording.tables.labels import read_labels
+from nxt_twin.recording.tables.lerobot import is_data_set, read_lerobot
 from nxt_twin.recording.tables.mat import read_mat
 from nxt_twin.recording.tables.parquet import read_feather, read_parquet
 from nxt_twin.recording.tables.rosbag import read_rosbag
@@ -18,14 +20,15 @@ from nxt_twin.recording.tables.text import read_text
 _READERS: Mapping[TableKind, Callable[[Path, Choose], Table]] = MappingProxyType(
     {
         "json": read_json,
+        "labels": read_labels,
+        "lerobot": read_lerobot,
         "parquet": read_parquet,
         "feather": read_feather,
         "mat": read_mat,
         "mcap": read_rosbag,
     }
 )
-_ENDINGS = ("*.mcap", "data/**/*.parquet")
-"""Where the table lies in a folder that is one recording: a bag, or a LeRobot data set."""
+_BAG = "*.mcap"
 
 
 def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mapping[str, object]) -> Table:
@@ -49,15 +52,14 @@ def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mappin
 
 
 def table_file(path: Path) -> Path:
-    """The file itself, or the one in a folder that is a bag or a LeRobot data set.
+    """The file itself; of a bag, the one in its folder; of a LeRobot data set, the folder.
 
     Raises:
         RecordingError: the folder holds none.
     """
-    if not path.is_dir():
+    if not path.is_dir() or is_data_set(path):
         return path
-    for ending in _ENDINGS:
-        for file in sorted(path.glob(ending)):
-            return file
+    for file in sorted(path.glob(_BAG)):
+        return file
     mend = "name a file in it"
     raise RecordingError("is a folder with neither a bag nor a data set", where=str(path), mend=mend)

@@ -49,7 +49,8 @@ def read_text(path: Path, layout: TextLayout, choose: Choose) -> Table:
         raise RecordingError("is a binary file, not text", where=str(path), mend="export it as CSV UTF-8")
     if layout.transposed:
         return read_transposed(path, layout, choose)
-    table = None if layout.delimiter == WHITESPACE else _read_plain(path, layout, choose)
+    is_plain = layout.delimiter != WHITESPACE and not layout.thousands
+    table = _read_plain(path, layout, choose) if is_plain else None
     return table or read_lines(path, layout, choose)
 
 
