@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 def map(  # noqa: A001  # the command's name
     table: Annotated[
-        Path, typer.Argument(help="The table: text, JSON, Parquet, Feather, MAT, a ROS 2 bag or a LeRobot data set.")
+        Path,
+        typer.Argument(
+            help="The table: text, JSON, Parquet, Feather, MAT, a ROS 2 bag or a LeRobot data set."
+        ),
     ],
     out: Annotated[Path | None, typer.Option(help="Write the mapping here; without: print it.")] = None,
     joint: Annotated[
