@@ -22,8 +22,8 @@ BASES: dict[str, Base] = {base.kind: base for base in (DC_MOTOR, RIGID_BODY, SER
 
 BASE_OWNER = "base"
 DRIVEN_BY = (
-    "a dc_motor takes power_pct, voltage_v or current_a; a servo a goal; a rigid_body torque_nm or force_n; "
-    "take another plant, or write another `input: {kind: …}` in the mapping"
+    "take another plant, or write another `input: {kind: …}` in the mapping. A dc_motor takes power_pct, voltage_v or "
+    "current_a; a servo a goal; a rigid_body torque_nm or force_n"
 )
 
 

@@ -109,7 +109,7 @@ class InputSource(BaseModel):
 
     A value may differ by file: `value: {"*_20_*": 20, "*_40_*": 40}`. A column without a sign may have one beside it,
     as drivers with a pin for the direction do. Goals that start anew after so much (`wraps_at`, in the column's unit)
-    are taken in the turn in which the reading is; both columns then need one unit.
+    are taken in the turn in which the reading is. Both columns then need one unit.
     """
 
     model_config = _STRICT

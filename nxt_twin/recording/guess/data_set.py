@@ -17,7 +17,7 @@ _ARMS = ("so100", "so101", "so_", "lekiwi", "bi_so")
 """How the types of robots begin whose joints are Feetech STS3215."""
 
 
-class Part(NamedTuple):
+class Meant(NamedTuple):
     """What of a data set is meant: `FOLDER#elbow_flex`, `FOLDER#3` or `FOLDER#elbow_flex#3`."""
 
     folder: Path
@@ -25,7 +25,7 @@ class Part(NamedTuple):
     episode: str
 
 
-def part_of(path: Path) -> Part | None:
+def part_of(path: Path) -> Meant | None:
     """What of a data set a path means; None where it means no data set.
 
     Raises:
@@ -46,10 +46,10 @@ def part_of(path: Path) -> Part | None:
                 f"has no joint {quoted(mark)}", where=str(folder), mend=f"its joints are {known}"
             )
     episode = next((f"{_MARK}{mark}" for mark in marks if mark.isdigit()), "")
-    return Part(folder, named[0] if named else None, episode)
+    return Meant(folder, named[0] if named else None, episode)
 
 
-def mapping_of_part(part: Part) -> Mapping:
+def mapping_of_part(part: Meant) -> Mapping:
     """The mapping of a data set's joint; without a name, of the one that moves most.
 
     Raises:
@@ -62,7 +62,7 @@ def mapping_of_part(part: Part) -> Mapping:
     return mapping_of(guessed.keys, str(part.folder))
 
 
-def plant_of_part(part: Part) -> str | None:
+def plant_of_part(part: Meant) -> str | None:
     """The plant of the robot's joints, where its type tells which servos it has."""
     robot = str(info_of(part.folder).get("robot_type", "")).lower()
     return _ARM_SERVOS if robot.startswith(_ARMS) else None
