@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import final
 
 from nxt_twin.blind.families.family import Family
+from nxt_twin.blind.limits_in_turn import Recorded
 from nxt_twin.blind.peers.answers import PEERS
 from nxt_twin.blind.peers.localised import Cells
 from nxt_twin.blind.prove import Clock, Shelf, prove
 from nxt_twin.blind.ranges import RangeCase, SeedRange
 from nxt_twin.blind.score import judged_case
+from nxt_twin.blind.solve import record_file
 from nxt_twin.blind.spread import CaseTask, Outcome, spread
 from nxt_twin.blind.verdict import NO_ANSWER, Judged
+from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.fleet.workers.place import Place
 
 
@@ -82,6 +85,16 @@ class Proof:
     def judged(self) -> list[Judged]:
         """Each finished case, judged."""
         return [self._shelf(one.case).judged(one.case.order.plan.name) for one in self.finished()]
+
+    def recorded(self) -> list[Recorded]:
+        """Each finished case beside which the numbers of its verdict lie."""
+        found = []
+        for one in self.finished():
+            shelf, name = self._shelf(one.case), one.case.order.plan.name
+            if (file := record_file(shelf.file("diagnoses", name))).exists():
+                record = Record(**json.loads(file.read_text(encoding="utf-8")))
+                found.append(Recorded(shelf.judged(name), record))
+        return found
 
     def deletions(self) -> dict[str, list[str]]:
         """The verdicts of cases whose effect was taken out, by effect."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
 
@@ -61,13 +62,25 @@ def _file(folder: Path, case: Path) -> Path:
 
 
 def solve_one(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
-    """Diagnose one case without some effects, and write the diagnosis as JSON to `target`."""
+    """Diagnose one case without some effects, and write the diagnosis as JSON to `target`.
+
+    The numbers that its verdict rests on go beside it (`record_file`): other limits can be tried on them.
+    """
     try:
         answer = diagnose(read_case(folder), seed=seed, without=without)
     except NxtTwinError as error:
         return folder.name, str(error)
+    if answer.record is not None:
+        write_whole(
+            record_file(target), json.dumps(asdict(answer.record), default=lambda number: number.item())
+        )
     write_whole(target, to_json(answer.diagnosis))
     return folder.name, ""
+
+
+def record_file(diagnosis: Path) -> Path:
+    """Where the record of a verdict lies, beside its diagnosis."""
+    return diagnosis.with_suffix(".record.json")
 
 
 def reach_one(folder: Path, target: Path, answer_file: Path) -> Outcome:

@@ -8,6 +8,7 @@ from statistics import mean
 from typing import Any
 
 from nxt_twin.blind.by_family import EVERY, Row, family_rows, left_out_rows
+from nxt_twin.blind.limits_in_turn import limits_in_turn_rows
 from nxt_twin.blind.peers.localised import OURS
 from nxt_twin.blind.peers.rows import peer_rows
 from nxt_twin.blind.proof import FinishedCase, Proof
@@ -29,6 +30,7 @@ def tables_of(proof: Proof) -> dict[str, list[Row]]:
         "confusions of detectable single effects": confusion_rows(cases),
         "physics of nobody's library": unknown_rows(cases),
         "left out in turn": left_out_rows(cases),
+        "the verdict's limits, left out in turn": limits_in_turn_rows(proof.recorded()),
         "reliability": reliability_rows(cases),
         "calibration, left out in turn": calibration_rows(cases),
         "taken out of the library": deletion_rows(proof.deletions()),
@@ -40,10 +42,16 @@ def tables_of(proof: Proof) -> dict[str, list[Row]]:
 
 
 def status_of(proof: Proof) -> str:
-    """How far the range is, and which engine answered, in one line each."""
+    """How far the range is, how much is left, and which engine answered, in one line each."""
     finished = proof.finished()
     engines = Counter(one.engine for one in finished)
     lines = [f"{proof.chosen.name}: {len(finished)} of {len(proof.cases)} cases are finished"]
+    left = len(proof.cases) - len(finished)
+    if left and finished:
+        each_s = mean(sum(one.seconds.values()) for one in finished)
+        lines.append(
+            f"{left} cases are left: {left * each_s / 60.0:.0f} min of processor time at {each_s:.1f} s a case"
+        )
     lines += [f"engine {name}: {count} cases" for name, count in engines.most_common()]
     if len(engines) > 1:
         lines.append("several engines answered: a new folder is needed for one engine's figures")

@@ -201,6 +201,12 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
     )
 
 
+def is_exact(case: Judged, verdict: str) -> bool:
+    """Whether the case would be exact under another verdict, with the names as they are."""
+    fits = verdict == _RIGHT_VERDICT[case.kind]
+    return fits and (case.kind == "unknown" or set(case.named) == set(case.hidden))
+
+
 def _compares(given: Given, effect: Mapping[str, Any]) -> bool:
     return effect["id"] in given.params and effect["main"] in given.params[effect["id"]]
 

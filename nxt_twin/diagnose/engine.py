@@ -31,7 +31,14 @@ from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
-from nxt_twin.diagnose.judging.verdict import is_idle, is_needless, is_patchwork, is_stalled, verdict_of
+from nxt_twin.diagnose.judging.verdict import (
+    Record,
+    is_idle,
+    is_needless,
+    is_patchwork,
+    is_stalled,
+    verdict_of,
+)
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.search.explain import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
@@ -54,10 +61,11 @@ _FLOORS = 1  # random numbers of their own, so that no other figure depends on t
 @final
 @dataclass(frozen=True)
 class Answer:
-    """A diagnosis, and the improved plant that belongs to it."""
+    """A diagnosis, the improved plant that belongs to it, and the numbers that the verdict on a motor rests on."""
 
     diagnosis: Diagnosis
     plant: Plant
+    record: Record | None = None
 
 
 def diagnose(
@@ -91,7 +99,7 @@ def diagnose(
         if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-        return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written)
+        return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
 
 def _misled(evidence: Evidence) -> bool:

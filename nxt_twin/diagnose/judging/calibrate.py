@@ -64,27 +64,32 @@ def clean_cases(linear: Linear, rng: Generator) -> FloatArray:
 
 
 def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray) -> BoolArray:
-    """In which of the clean cases an effect would be named, shape (cases,).
+    """In which of the clean cases an effect would be named, shape (cases,)."""
+    return null_gains(simulator, linear, trials, clean) > LIMITS.gain_nats
+
+
+def null_gains(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray) -> FloatArray:
+    """The largest gain of an effect on each of the clean cases, less its penalty, nats, shape (cases,).
 
     Each trial's signature is scaled to fit a clean case's fitted readings best (a score test with the re-fit
-    projected out). As in the search, fitted and check readings must both accept it.
+    projected out). A gain that check readings do not bear out counts as none (-inf).
     """
     fitted = ~linear.checks
     innovations = linear.left_of(clean, fitted)
-    alarmed = np.zeros(len(clean), dtype=bool)
+    largest = np.full(len(clean), -np.inf)
     readings = math.log(max(int(fitted.sum()), 2))
     for part in batches(len(trials), linear.innovations.size):
         found = signatures(simulator, linear, linear.structure.plant, trials[part])
         left = linear.left_of(found, fitted)
         strength = np.maximum(np.sum(found[:, fitted] * left[:, fitted], axis=1), 1e-12)
         share = innovations[:, fitted] @ found[:, fitted].T / strength
-        gain = 0.5 * share**2 * strength
         check = share * (innovations[:, ~fitted] @ left[:, ~fitted].T)
         check -= 0.5 * share**2 * np.sum(left[:, ~fitted] ** 2, axis=1)
         further = [max(len(t.effect.parameters) - len(t.effect.supersedes), 1) for t in trials[part]]
-        penalty = 0.5 * readings * np.array(further)
-        alarmed |= ((gain - penalty > LIMITS.gain_nats) & (check > LIMITS.check_nats)).any(axis=1)
-    return alarmed
+        gain = 0.5 * share**2 * strength - 0.5 * readings * np.array(further)
+        borne_out = np.where(check > LIMITS.check_nats, gain, -np.inf)
+        largest = np.maximum(largest, borne_out.max(axis=1, initial=-np.inf))
+    return largest
 
 
 def leftover_threshold(clean_nats: FloatArray, least: float) -> float:
