@@ -1,4 +1,4 @@
-"""What an effect gains where none is missing: from noise alone, and on clean motors whose equations are a little off.
+"""Gains of effects where none is missing: by noise alone, and on clean motors whose equations are a little off.
 
 `python -m benchmarks.null 60 2` takes seeds 60 and 61 of each truth family. Noise alone: synthetic recordings of the
 final model (a parametric bootstrap), and the largest gain of any effect that check readings bear out. Clean motors:

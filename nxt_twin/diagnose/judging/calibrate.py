@@ -68,7 +68,9 @@ def alarms(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean:
     return null_gains(simulator, linear, trials, clean) > LIMITS.gain_nats
 
 
-def null_gains(simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray) -> FloatArray:
+def null_gains(
+    simulator: Simulator, linear: Linear, trials: Sequence[Trial], clean: FloatArray
+) -> FloatArray:
     """The largest gain of an effect on each of the clean cases, less its penalty, nats, shape (cases,).
 
     Each trial's signature is scaled to fit a clean case's fitted readings best (a score test with the re-fit
