@@ -42,21 +42,21 @@ def make(family: str) -> None:
 
 
 def one() -> None:
-    """Compile what runs set by set, and the truths of synthetic cases."""
+    """Compile the motor's kernel with all that a session and its diagnosis need, and the truths of synthetic cases."""
+    run(MOTOR, FEWEST)
     run(MOTOR, 1)
     Stepper([MOTOR]).step(np.ones(1), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
-    for plant in (BODY, SERVO, CART):
-        run(plant, 1)
+    rehearse({"a": MOTOR}, adopting=True)
     for family in FAMILIES:
         make(family)
 
 
 def other() -> None:
-    """Compile what runs sets abreast, and what a session and its diagnosis need."""
-    run(MOTOR, FEWEST)
-    rehearse({"a": MOTOR}, adopting=True)
+    """Compile the other plants' kernels: no kernel is compiled by both halves."""
     for plant in (BODY, CART):
         run(plant, FEWEST)
+        run(plant, 1)
+    run(SERVO, 1)
 
 
 if __name__ == "__main__":

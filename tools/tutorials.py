@@ -10,7 +10,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
@@ -54,13 +54,27 @@ def matches(expected: str, said: str) -> bool:
     return bool(re.fullmatch(pattern, "\n".join(line.strip() for line in said.strip().splitlines())))
 
 
-def played(page: str, folder: Path, instead: Mapping[str, str]) -> Iterator[str]:
+Ran = Callable[[str, Path], subprocess.CompletedProcess[str]]
+"""Runs a command in a folder."""
+
+
+def in_a_shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command as a reader does, with this interpreter's programs first in the path."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return subprocess.run(
+        command, shell=True, cwd=folder, env={**os.environ, "PATH": path}, text=True, check=False,
+        stdin=subprocess.DEVNULL, capture_output=True, timeout=_LONGEST_S,
+    )  # fmt: skip
+
+
+def played(page: str, folder: Path, instead: Mapping[str, str], run: Ran = in_a_shell) -> Iterator[str]:
     """Run a page's steps in a folder, and yield a complaint for each command that fails or says something else.
 
     Args:
         page: The page's text.
         folder: Where files and commands go.
         instead: Words of the commands and what stands in their place, such as ``usb:`` and ``mock:``.
+        run: Runs each command.
     """
     for step in steps(page):
         if step.file:
@@ -69,16 +83,8 @@ def played(page: str, folder: Path, instead: Mapping[str, str]) -> Iterator[str]
         command = step.text
         for word, other in instead.items():
             command = command.replace(word, other)
-        done = _run(command, folder)
+        done = run(command, folder)
         if done.returncode != 0:
             yield f"$ {command}\nleaves with {done.returncode}: {done.stdout}{done.stderr}"
         elif not matches(step.output, done.stdout):
             yield f"$ {command}\nis to say\n{step.output}\nand says\n{done.stdout}{done.stderr}"
-
-
-def _run(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    return subprocess.run(
-        command, shell=True, cwd=folder, env={**os.environ, "PATH": path}, text=True, check=False,
-        stdin=subprocess.DEVNULL, capture_output=True, timeout=_LONGEST_S,
-    )  # fmt: skip

@@ -47,8 +47,8 @@ def find_missing_physics(
     >>> import nxt_twin as nt
     >>> import numpy as np
     >>> rng = np.random.default_rng(1)
-    >>> time_s = np.arange(0.0, 8.0, 0.01)
-    >>> power = np.repeat(rng.integers(-80, 80, 20), 40)
+    >>> time_s = np.arange(0.0, 4.0, 0.01)
+    >>> power = np.repeat(rng.integers(-80, 80, 10), 40)
     >>> truth = nt.load_plant("nxt_motor").adding("constant_load", load_torque_nm=0.05)
     >>> run = nt.simulate(truth, nt.Recording("run", {"time_s": time_s, "a_power_pct": power}))
     >>> run = nt.Recording("run", {**run.columns, "a_tacho_deg": np.floor(run.columns["a_tacho_deg"])})

@@ -120,7 +120,8 @@ def _draw_cloud(axes: Axes, abscissa: _Abscissa, torque: FloatArray, colour: str
     patch = PathPatch(
         dots, edgecolor=palette.MEASURED, facecolor="none", linewidth=1.7, capstyle="round", alpha=0.55
     )
-    axes.add_patch(patch)
+    axes.add_artist(patch)
+    axes.update_datalim(points)  # a patch is searched for bends, dot by dot
     middle = trend(along, torque)
     axes.fill_between(middle.at, middle.low, middle.high, color=colour, alpha=0.16, linewidth=0, zorder=3)
     axes.plot(middle.at, middle.median, color=colour, linewidth=1.8, zorder=4)

@@ -82,7 +82,7 @@ def test_cover_counts_exact_cases_only():
 
 
 def test_the_true_structure_beats_the_baseline_where_something_is_hidden(tmp_path):
-    case = make_case(11, effects=("stiction",), size="large", recordings=3, duration_s=15.0)
+    case = make_case(11, effects=("stiction",), size="large", recordings=3, duration_s=8.0)
     folder = write_case(case, tmp_path / "cases", tmp_path / "answers")
     found = reach(read_case(folder), case.answer)
     assert found is not None

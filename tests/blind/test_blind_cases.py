@@ -14,6 +14,7 @@ from nxt_twin.errors import CaseError
 from nxt_twin.recording.case import read_case
 
 QUICK = {"duration_s": 2.5, "recordings": 2}
+BRIEF = {"duration_s": 2.0, "recordings": 2}
 CONTRACT_PARAMETERS = {
     "coulomb_friction": ["coulomb_friction_nm"],
     "viscous_friction": ["viscous_friction_nm_s_per_rad"],
@@ -70,7 +71,7 @@ def test_every_documented_motor_effect_can_be_hidden():
 @pytest.mark.parametrize("effect", CONTRACT_PARAMETERS)
 def test_answer_names_the_documented_parameters_and_larger_is_more_visible(effect):
     small, large = (
-        make_case(12, effects=(effect,), size=size, **QUICK).answer for size in ("small", "large")
+        make_case(12, effects=(effect,), size=size, **BRIEF).answer for size in ("small", "large")
     )
     hidden = large["effects"][0]
     assert hidden["id"] == effect

@@ -19,7 +19,7 @@ def concealed(
     seed: int,
     size: str = "medium",
     link: str = "usb",
-    seconds: float = 8.0,
+    seconds: float = 6.0,
 ) -> Case:
     """A motor with `effects` concealed in it, recorded three times for `seconds`."""
     made = make_case(seed, effects=effects, size=size if effects else None, link=link, duration_s=seconds)

@@ -20,7 +20,7 @@ def named_or_confused(diagnosis):
         ("command_delay", {"seed": 12}),
         ("stiction", {"seed": 13}),
         ("coulomb_friction", {"seed": 14}),
-        ("shaft_compliance", {"seed": 16}),
+        ("shaft_compliance", {"seed": 16, "seconds": 8.0}),
     ],
 )
 def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, made):

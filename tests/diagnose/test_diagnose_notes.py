@@ -28,7 +28,7 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
 
 
 def test_what_to_record_next_is_then_a_program_that_lets_it_go():
-    found = diagnosed(("shaft_compliance",), seed=151, seconds=12.0).diagnosis
+    found = diagnosed(("shaft_compliance",), seed=151, seconds=8.0).diagnosis
     assert found.verdict == "explained"
     proposed = found.next_experiment
     assert "coast down without current" in proposed.input

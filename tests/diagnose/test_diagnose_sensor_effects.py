@@ -3,7 +3,7 @@
 import pytest
 from diagnose_sensor_cases import sensor_diagnosis
 
-EVERY = {"ultrasonic_sensor": 2, "light_sensor": 2, "touch_sensor": 1}
+EVERY = {"ultrasonic_sensor": 2, "light_sensor": 4, "touch_sensor": 1}
 
 CONCEALED = (
     ("ultrasonic_sensor", "ultrasonic_blind_zone", {"blind_distance_mm": 6.0}),

@@ -1,6 +1,17 @@
-"""The tutorials do what they say: each command is run in an empty folder, and its output is compared."""
+"""The tutorials do what they say: each command is run in an empty folder, and its output is compared.
+
+What the program does is done in this process. Other commands get a shell.
+"""
+
+import contextlib
+import io
+import shlex
+import subprocess
+import sys
 
 import pytest
+
+from nxt_twin.cli import main
 
 PAGES = {
     "first-brick": {"usb:": "mock:"},
@@ -10,8 +21,30 @@ PAGES = {
 }
 
 
+@pytest.fixture
+def here(monkeypatch):
+    """Runs `nxt-twin` in this process, whose imports and compiled kernels serve every command."""
+    import tutorials
+
+    def run(command, folder):
+        words = shlex.split(command)
+        if words[0] != "nxt-twin":
+            return tutorials.in_a_shell(command, folder)
+        out, err, status = io.StringIO(), io.StringIO(), 0
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr(sys, "argv", words)
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                main()
+            except SystemExit as leaving:
+                status = leaving.code or 0
+        return subprocess.CompletedProcess(command, status, out.getvalue(), err.getvalue())
+
+    return run
+
+
 @pytest.mark.parametrize("name", PAGES)
-def test_every_command_of_the_tutorial_says_what_the_page_says(name, root, tmp_path, monkeypatch):
+def test_every_command_of_the_tutorial_says_what_the_page_says(name, root, tmp_path, monkeypatch, here):
     import tutorials
 
     if name == "robot-world":
@@ -19,7 +52,7 @@ def test_every_command_of_the_tutorial_says_what_the_page_says(name, root, tmp_p
     monkeypatch.setenv("PYTHONPATH", str(root))
     page = (root / "docs" / "tutorials" / f"{name}.md").read_text(encoding="utf-8")
     assert len([step for step in tutorials.steps(page) if not step.file]) >= 2
-    assert list(tutorials.played(page, tmp_path, PAGES[name])) == []
+    assert list(tutorials.played(page, tmp_path, PAGES[name], here)) == []
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ def test_what_is_adopted_of_one_motor_leaves_the_others_in_peace(tmp_path):
     rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": -0.045}}))
     outcome = run(
         rig,
-        18.0,
+        15.0,
         ports=("a", "b", "c"),
         sensors={1: "touch", 3: "light", 4: "ultrasonic"},
         candidates=DEFAULT_CANDIDATES,

@@ -40,7 +40,7 @@ print(",".join(sorted(set(late))))
 """
 
 
-@pytest.mark.parametrize(("rehearsed", "seconds"), [(True, 26.0), (False, 2.0)])
+@pytest.mark.parametrize(("rehearsed", "seconds"), [(True, 20.0), (False, 2.0)])
 def test_a_session_that_was_rehearsed_compiles_nothing(tmp_path, rehearsed, seconds):
     """One that was not, however short, shows that the watch sees what is compiled."""
     program = WATCHED.format(folder=str(tmp_path), rehearsed=rehearsed, seconds=seconds)

@@ -347,6 +347,7 @@ def test_no_curve_is_drawn_across_a_stretch_that_was_not_held_out():
     assert pieces(drawn(broken)) == pieces(drawn(run)) + 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_departure_is_shaded_only_where_it_leaves_most_of_the_run_alone():
     run = samples.explained(runs=1, samples=600).held_out[0]
     mismatch = samples.explained(runs=1, samples=600).mismatch
