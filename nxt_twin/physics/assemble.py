@@ -176,7 +176,7 @@ def _imports(plan: Layout) -> Iterator[str]:
         yield f"import {module}"
     yield ""
     for helper in _helpers(plan):
-        yield f"register_jitable({helper.__module__}.{helper.__name__})"
+        yield f"register_jitable(forceinline=True)({helper.__module__}.{helper.__name__})"
     for function in _FRAME:
         yield f"_{function.__name__} = _framed({function.__module__}.{function.__name__})"
     yield f"_drive = njit({plan.base.drive.__module__}.{plan.base.drive.__name__})"
@@ -188,7 +188,7 @@ def _imports(plan: Layout) -> Iterator[str]:
         yield f"_drawn_by_others = njit({others.__module__}.{others.__name__})"
     for effect in plan.effects:
         for stage, term in effect.terms.items():
-            yield f"_{effect.id}_{stage} = njit({term.__module__}.{term.__name__})"
+            yield f"_{effect.id}_{stage} = njit({term.__module__}.{term.__name__}, forceinline=True)"
 
 
 def _unpack(plan: Layout) -> Iterator[str]:

@@ -20,6 +20,7 @@ _LN2_HIGH = math.ldexp(
 )  # so short that its products with exponents are exact
 _LN2_LOW = math.log(2.0) - _LN2_HIGH
 _MOST = 700.0
+_LEAST = 1e-300
 _MANTISSA_BITS = 52
 _BIAS = 1023
 _SIGN_BIT = 63
@@ -74,5 +75,9 @@ def logarithm(x: float) -> float:
 
 
 def power(x: float, exponent: float) -> float:
-    """The power of x ≥ 0 with that exponent, to a relative 1e-9 where the result is from 1e-3 to 1e3."""
-    return exponential(exponent * logarithm(x)) if x > 0.0 else 0.0
+    """The power of x ≥ 0 with a positive exponent, to a relative 1e-9 where the result is from 1e-3 to 1e3.
+
+    The logarithm is taken whether or not x is zero: a branch around it keeps lanes from going abreast.
+    """
+    some = 1.0 if x > 0.0 else 0.0
+    return some * exponential(exponent * logarithm(max(x, _LEAST)))

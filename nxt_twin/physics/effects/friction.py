@@ -8,9 +8,6 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import exponential, power
 from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
 
-_FADED = 16.0
-"""The exponent at which what is left of stiction's peak, a ten-millionth, is none."""
-
 
 def _coulomb(level: float, coulomb: float) -> float:
     return level + coulomb
@@ -167,13 +164,8 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
 def _stribeck(
     level: float, speed: float, breakaway: float, stribeck_speed: float, stribeck_exponent: float
 ) -> float:
-    ratio = abs(speed) / stribeck_speed
-    least = ratio * math.sqrt(ratio) if stribeck_exponent >= 1.5 else ratio
-    if (
-        least > _FADED and stribeck_exponent >= 1.0
-    ):  # before the power, which takes longer than all the rest of a step
-        return level
-    return level + max(0.0, breakaway - level) * exponential(-power(ratio, stribeck_exponent))
+    faded = exponential(-power(abs(speed) / stribeck_speed, stribeck_exponent))  # without a branch: lanes go abreast
+    return level + max(0.0, breakaway - level) * faded
 
 
 STICTION = Effect(
