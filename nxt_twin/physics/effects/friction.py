@@ -164,7 +164,9 @@ ASYMMETRIC_VISCOUS_FRICTION = Effect(
 def _stribeck(
     level: float, speed: float, breakaway: float, stribeck_speed: float, stribeck_exponent: float
 ) -> float:
-    faded = exponential(-power(abs(speed) / stribeck_speed, stribeck_exponent))  # without a branch: lanes go abreast
+    faded = exponential(
+        -power(abs(speed) / stribeck_speed, stribeck_exponent)
+    )  # without a branch: lanes go abreast
     return level + max(0.0, breakaway - level) * faded
 
 
