@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import exponential, power
 from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
