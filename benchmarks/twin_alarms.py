@@ -2,21 +2,26 @@
 
 The motors come from the benchmark's own simulator, which shares no formula with the twin. The twin knows
 their true parameters. A random torque acts, and the links' stamps are off. `python -m benchmarks.twin_alarms
-HOURS [SEED]` counts that number of hours over each link, which is longer than `make bench` has time for.
+HOURS [SEED]` counts that number of hours over each link, which is longer than `make bench` has time for. It keeps each
+minute. A run that was ended goes on after its last one, and the minutes of a seed add up.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import Final
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final, final
 
 import numpy as np
 from numpy.random import Generator
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from benchmarks import ledger
+from benchmarks.ledger import Ledger
 from benchmarks.twin_feed import Fed, feed_all, plant_of
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.answer import true_parameters
@@ -47,23 +52,61 @@ TORQUE_MEMORY_S: Final = 0.05
 
 def report() -> Iterator[str]:
     """Lines for `make bench`."""
-    return counted(SHORT_H, FIRST_SEED)
+    with TemporaryDirectory() as folder:
+        yield from counted(SHORT_H, FIRST_SEED, Ledger(Path(folder) / "alarms.jsonl", ""))
 
 
-def counted(hours: float, first_seed: int) -> Iterator[str]:
-    """Watch so many hours over each link, three new motors a minute; lines now and then, and at the end."""
+def counted(hours: float, first_seed: int, kept: Ledger) -> Iterator[str]:
+    """Watch what is missing of so many hours over each link, three new motors a minute; lines now and then."""
     minutes = round(hours * 3600.0 / DURATION_S)
-    seen: dict[LinkName, list[Fed]] = {link: [] for link in LINKS}
-    for number, seed in enumerate(range(first_seed, first_seed + minutes), start=1):
-        for link, motors in watched(seed).items():
-            seen[link] += motors
+    for number in range(len(kept.pieces()), minutes):
+        found = watched(first_seed + number)
+        kept.add({link: [asdict(_minute(fed)) for fed in motors] for link, motors in found.items()})
+        for link, motors in found.items():
             events = (event for fed in motors for event in fed.of("divergence"))
-            yield from (f"{link}, seed {seed}: {event.words}" for event in events)
-        if number % _SAID_EVERY == 0 or number == minutes:
-            yield from (_line(link, found) for link, found in seen.items())
-            both = [fed for found in seen.values() for fed in found]
-            yield _line("both", both)
-            yield _stated(both)
+            yield from (f"{link}, seed {first_seed + number}: {event.words}" for event in events)
+        if (number + 1) % _SAID_EVERY == 0:
+            yield from _lines(kept)
+    yield from _lines(kept)
+    yield f"commits: {kept.commits()}"
+
+
+def _lines(kept: Ledger) -> Iterator[str]:
+    seen = {link: [Minute(**each) for piece in kept.pieces() for each in piece[link]] for link in LINKS}
+    yield from (_line(link, found) for link, found in seen.items())
+    both = [minute for found in seen.values() for minute in found]
+    yield _line("both", both)
+    yield _stated(both)
+
+
+@final
+@dataclass(frozen=True)
+class Minute:
+    """Alarms and evidence of one motor in one minute over one link.
+
+    Attributes:
+        alarms: divergences that were called.
+        blocked: times that it was said to be blocked.
+        most_nats, least_nothing: as of `Fed`.
+        square: mean normalised squared innovation.
+    """
+
+    alarms: int
+    blocked: int
+    most_nats: float
+    least_nothing: float
+    square: float
+
+
+def _minute(fed: Fed) -> Minute:
+    square = float(np.mean(fed.squares))
+    return Minute(
+        len(fed.of("divergence")),
+        len(fed.of("stall")),
+        float(fed.most_nats),
+        float(fed.least_nothing),
+        square,
+    )
 
 
 def watched(seed: int) -> dict[LinkName, list[Fed]]:
@@ -110,27 +153,29 @@ def at_most_per_hour(alarms: int, hours: float) -> float:
     return float(chi2.ppf(0.95, 2 * (alarms + 1))) / 2.0 / hours
 
 
-def _stated(found: list[Fed]) -> str:
-    hours = len(found) * DURATION_S / 3600.0
-    bound = at_most_per_hour(sum(len(fed.of("divergence")) for fed in found), hours)
+def _stated(found: Sequence[Minute]) -> str:
+    bound = at_most_per_hour(sum(each.alarms for each in found), _hours(found))
     enough = "counted" if bound <= FALSE_ALARMS_PER_HOUR else "not shown by so few hours, or not so"
     return f"stated: at most {FALSE_ALARMS_PER_HOUR:g} an hour: {enough}"
 
 
-def _line(name: str, found: list[Fed]) -> str:
-    hours = len(found) * DURATION_S / 3600.0
-    alarms = sum(len(fed.of("divergence")) for fed in found)
-    blocked = sum(len(fed.of("stall")) for fed in found)
-    square = float(np.mean([np.mean(fed.squares) for fed in found]))
-    peaks = np.sort([fed.most_nats for fed in found])
-    doubted = min(fed.least_nothing for fed in found)
+def _hours(found: Sequence[Minute]) -> float:
+    return len(found) * DURATION_S / 3600.0
+
+
+def _line(name: str, found: Sequence[Minute]) -> str:
+    alarms = sum(each.alarms for each in found)
+    peaks = np.sort([each.most_nats for each in found])
     return (
-        f"{name}: {alarms} alarms in {hours:.2f} motor hours, at most {at_most_per_hour(alarms, hours):.2g} an hour "
-        f"(95 %); most evidence of a minute: median {np.median(peaks):.1f}, highest {peaks[-1]:.1f} nats; the model's "
-        f"least probability {doubted:.2g}; mean normalised square {square:.2f}; said to be blocked: {blocked}"
+        f"{name}: {alarms} alarms in {_hours(found):.2f} motor hours, at most "
+        f"{at_most_per_hour(alarms, _hours(found)):.2g} an hour (95 %); most evidence of a minute: median "
+        f"{np.median(peaks):.1f}, highest {peaks[-1]:.1f} nats; the model's least probability "
+        f"{min(each.least_nothing for each in found):.2g}; mean normalised square "
+        f"{np.mean([each.square for each in found]):.2f}; said to be blocked: {sum(each.blocked for each in found)}"
     )
 
 
 if __name__ == "__main__":
-    for line in counted(float(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else FIRST_SEED):
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else FIRST_SEED
+    for line in counted(float(sys.argv[1]), seed, Ledger(ledger.FOLDER / "alarms.jsonl", f"seed {seed}")):
         print(line, flush=True)

@@ -20,8 +20,8 @@ from pathlib import Path
 from random import Random
 from typing import Final, final
 
-from benchmarks.reliability import ledger
-from benchmarks.reliability.ledger import Ledger
+from benchmarks import ledger
+from benchmarks.ledger import Ledger
 from benchmarks.reliability.mutate import mutated
 from benchmarks.reliability.parsers import REFUSALS, Parser, parsers
 from nxt_twin.errors import LONGEST_LINE, NxtTwinError

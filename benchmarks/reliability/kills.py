@@ -24,8 +24,8 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.reliability import ledger
-from benchmarks.reliability.ledger import Ledger
+from benchmarks import ledger
+from benchmarks.ledger import Ledger
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.record import write_down

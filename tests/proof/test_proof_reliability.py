@@ -6,7 +6,8 @@ import os
 
 import pytest
 
-from benchmarks.reliability import cuts, flips, fuzz, ledger
+from benchmarks import ledger
+from benchmarks.reliability import cuts, flips, fuzz
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="uses signals and Linux's files about processes")
 

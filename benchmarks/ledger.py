@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
 
-FOLDER: Final = Path("build") / "reliability"
+FOLDER: Final = Path("build") / "counted"
 
 
 @final
