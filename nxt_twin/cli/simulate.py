@@ -66,12 +66,14 @@ def _source(path: Path, mapping_of: MappingOf | None) -> Recording:
 
 def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[SimulatedChannel, ...]:
     from nxt_twin.api.prediction import SimulatedChannel, predictions
-    from nxt_twin.diagnose.robot.simulate import expected_pose, is_robot_model
     from nxt_twin.diagnose.sensor.runs import KINDS
+    from nxt_twin.recording.case import ROBOT_KIND
     from nxt_twin.recording.configs import load_plant_config
 
     config = load_plant_config(model)
-    if is_robot_model(config):
+    if config.get("kind") == ROBOT_KIND:
+        from nxt_twin.diagnose.robot.simulate import expected_pose  # a motor's prediction needs none of it
+
         return tuple(
             SimulatedChannel(one.channel, one.values, one.unit, one.rmse, one.readings)
             for one in expected_pose(config, source, restart_every)

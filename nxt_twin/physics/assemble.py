@@ -12,8 +12,8 @@ import itertools
 from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 
+from nxt_twin.physics import abreast as rewriting
 from nxt_twin.physics import frame
-from nxt_twin.physics.abreast import FEWEST, LANES, MOST, abreast
 from nxt_twin.physics.effect import Stage
 from nxt_twin.physics.layout import Layout
 from nxt_twin.physics.stages import STAGES
@@ -60,6 +60,18 @@ TRACE = ("angle", "speed", "current", "duty", "disturbance", "drive_torque")
 
 def source(plan: Layout) -> str:
     """The kernel's source text for `plan`."""
+    return _source(plan, rewriting.abreast)
+
+
+def outline(plan: Layout) -> str:
+    """A text that differs wherever `source` would: it holds the code that rewrites a run, in place of what that writes.
+
+    Rewriting takes longer than all the rest of a start, and a compiled kernel needs no more than its name.
+    """
+    return _source(plan, lambda _: inspect.getsource(rewriting))
+
+
+def _source(plan: Layout, rewritten: Callable[[str], str]) -> str:
     step = _step(plan)
     states = [f"{effect.id}__{state}" for effect in plan.effects for state in effect.states]
     beginning = FRAME.format(
@@ -74,7 +86,12 @@ def source(plan: Layout) -> str:
     )
     run = _run(plan, step, states)
     many = MANY.format(
-        compiled=COMPILED, run=run.strip(), abreast=abreast(run), lanes=LANES, most=MOST, fewest=FEWEST
+        compiled=COMPILED,
+        run=run.strip(),
+        abreast=rewritten(run),
+        lanes=rewriting.LANES,
+        most=rewriting.MOST,
+        fewest=rewriting.FEWEST,
     )
     stepping = STEPPING.format(
         unpack=_indent(_unpack(plan), 8),

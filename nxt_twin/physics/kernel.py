@@ -14,7 +14,7 @@ from typing import final
 
 import platformdirs
 
-from nxt_twin.physics.assemble import fingerprint, source, turning_source
+from nxt_twin.physics.assemble import fingerprint, outline, source, turning_source
 from nxt_twin.physics.layout import Layout
 
 CACHE_VARIABLE = "NXT_TWIN_CACHE"
@@ -37,19 +37,20 @@ def kernel(plan: Layout) -> Kernel:
 
     The folder is `$NXT_TWIN_CACHE`, else the user's cache folder; where neither can be written, a temporary one.
     """
-    return Kernel(_compiled(plan, plan.base.kind, source(plan)))
+    return Kernel(_compiled(plan, plan.base.kind, outline(plan), source))
 
 
 @cache
 def turning(plan: Layout) -> Callable[..., None]:
     """The compiled drive of joints by plants of `plan`, kept as a `kernel` is."""
-    drive: Callable[..., None] = _compiled(plan, f"{plan.base.kind}_joint", turning_source(plan)).turn_many
+    kind = f"{plan.base.kind}_joint"
+    drive: Callable[..., None] = _compiled(plan, kind, turning_source(plan), turning_source).turn_many
     return drive
 
 
 def is_compiled(plan: Layout) -> bool:
     """Whether an earlier process compiled the kernel of `plan` on this machine and the cache still has it."""
-    name = _name(plan, plan.base.kind, source(plan))
+    name = _name(plan, plan.base.kind, outline(plan))
     elsewhere = os.environ.get("NUMBA_CACHE_DIR")
     return any((Path(elsewhere) if elsewhere else _folder()).rglob(f"{name}.*.nbi"))
 
@@ -58,11 +59,12 @@ def _name(plan: Layout, kind: str, text: str) -> str:
     return f"{kind}_{plan.frame}_{fingerprint(plan, text)}"
 
 
-def _compiled(plan: Layout, kind: str, text: str) -> ModuleType:
-    name = _name(plan, kind, text)
+def _compiled(plan: Layout, kind: str, told: str, write: Callable[[Layout], str]) -> ModuleType:
+    """The module of what `write` writes for `plan`; `told` is a text that differs where that differs."""
+    name = _name(plan, kind, told)
     path = _folder() / f"{name}.py"
     if not path.exists():
-        _write_whole(path, text)
+        _write_whole(path, write(plan))
     spec = importlib.util.spec_from_file_location(f"nxt_twin_kernel_{name}", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"no loader for {path}")

@@ -12,7 +12,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.checks import check_finite, check_row_count, check_stamps, checked_columns, hold
 from nxt_twin.recording.columns import CATALOGUE, MAPPED_COLUMNS, TIME, check_names
-from nxt_twin.recording.tables.floats import floats
+from nxt_twin.recording.tables.floats import arrow_numbers, arrow_words, floats
 from nxt_twin.recording.tables.table import Table
 
 _LARGEST_EXACT_INTEGER = 2.0**53
@@ -83,8 +83,7 @@ def _cells(name: str, values: FloatArray) -> pa.Array:
     filled = np.where(empty, 0.0, values)
     column = CATALOGUE.get(name)
     if column is not None and column.words:
-        words = np.array(column.words, dtype=object)[filled.astype(np.int64)]
-        return pa.array(words, type=pa.string(), mask=empty)
+        return arrow_words(column.words, filled.astype(np.int64), empty)
     if np.all(filled == np.rint(filled)) and np.all(np.abs(filled) <= _LARGEST_EXACT_INTEGER):
-        return pa.array(filled.astype(np.int64), mask=empty)
-    return pa.array(values, mask=empty)
+        return arrow_numbers(filled.astype(np.int64), empty)
+    return arrow_numbers(values, empty)

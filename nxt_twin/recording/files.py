@@ -11,7 +11,6 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.csv
-import pyarrow.parquet
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.arrow import table_of
@@ -106,7 +105,9 @@ def write_recording(recording: Recording, path: Path, *, anew: bool = False) -> 
         if suffix == ".csv":
             _write_csv(table, partial)
         else:
-            pyarrow.parquet.write_table(table, partial)
+            from pyarrow import parquet  # slow, and a text table needs none of it
+
+            parquet.write_table(table, partial)
         if anew:
             _sync(partial)
             _put_anew(partial, path)

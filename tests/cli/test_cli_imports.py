@@ -65,7 +65,10 @@ def test_help_on_a_command_needs_neither_numbers_nor_the_compiler(verb, names):
 def test_a_prediction_needs_no_data_frames(tmp_path):
     table = pa.table({"time_s": [0.0, 0.5, 1.0], "a_power_pct": [50, 50, None]})
     pyarrow.parquet.write_table(table, tmp_path / "run.parquet")
-    found, said = imported_by_program("simulate", "nxt_motor", str(tmp_path / "run.parquet"))
+    predicted = str(tmp_path / "predicted.csv")
+    found, said = imported_by_program(
+        "simulate", "nxt_motor", str(tmp_path / "run.parquet"), "--out", predicted
+    )
     assert "a_tacho_deg: predicted" in said
     assert not found & (PICTURES | {"pandas"})
 

@@ -1,5 +1,6 @@
 """Where compiled kernels are kept; each test compiles one entry point, of few effects, in a folder of its own."""
 
+import inspect
 import os
 from dataclasses import replace
 
@@ -7,6 +8,8 @@ import numpy as np
 import pytest
 from physics_samples import NXT
 
+from nxt_twin.physics import abreast
+from nxt_twin.physics.assemble import outline
 from nxt_twin.physics.base.dc_motor import DC_MOTOR
 from nxt_twin.physics.base.rigid_body import RIGID_BODY
 from nxt_twin.physics.effects import BUILT_IN
@@ -78,6 +81,28 @@ def test_the_same_physics_shares_one_source_and_other_physics_does_not(tmp_path,
         "rigid_body_linear",
         "rigid_body_rotary",
     ]
+
+
+def test_a_kernel_that_the_cache_holds_is_not_written_again(tmp_path, monkeypatch):
+    monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path))
+    plan = Layout(DC_MOTOR, "motor")
+    kernel.__wrapped__(plan)
+    monkeypatch.setattr("nxt_twin.physics.kernel.source", lambda _: pytest.fail("written again"))
+    kernel.__wrapped__(plan)
+
+
+@pytest.mark.parametrize(("of", "changed"), [("abreast.LANES", 4), ("assemble.SETTLING", 7)])
+def test_a_change_of_what_writes_a_kernel_changes_its_name(of, changed, tmp_path, monkeypatch):
+    monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path))
+    plan = Layout(DC_MOTOR, "motor")
+    kernel.__wrapped__(plan)
+    monkeypatch.setattr(f"nxt_twin.physics.{of}", changed)
+    kernel.__wrapped__(plan)
+    assert len(list(tmp_path.glob("*.py"))) == 2
+
+
+def test_the_code_that_rewrites_runs_is_part_of_a_kernels_name():
+    assert inspect.getsource(abreast) in outline(Layout(DC_MOTOR, "motor"))
 
 
 def test_plants_at_rest_load_no_kernel(tmp_path, monkeypatch):

@@ -13,7 +13,6 @@ from nxt_twin.diagnose.robot.runs import wheels_of
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.robot.drive import drive_from_config
 from nxt_twin.physics.robot.odometry import measured_path
-from nxt_twin.recording.case import ROBOT_KIND
 from nxt_twin.recording.columns import POSE_HEADING, POSE_X, POSE_Y
 from nxt_twin.recording.recording import Recording
 
@@ -37,11 +36,6 @@ class ExpectedColumn:
     unit: str
     rmse: float | None
     readings: int
-
-
-def is_robot_model(config: Mapping[str, Any]) -> bool:
-    """Whether these keys are a robot's."""
-    return config.get("kind") == ROBOT_KIND
 
 
 def expected_pose(

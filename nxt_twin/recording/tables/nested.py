@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import pyarrow as pa
-import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 MOST_ELEMENTS = 256
@@ -56,6 +55,8 @@ def arrow_column(table: pa.Table, name: str) -> pa.ChunkedArray:
     """One of a table's columns by a name that `arrow_names` gave."""
     if name in table.column_names:
         return table[name]
+    import pyarrow.compute as pc  # slow, and plain columns need none of it
+
     stem, index = split_name(name)
     if index is not None:
         return pc.list_element(table[stem], index)
@@ -76,6 +77,8 @@ def _elements(column: pa.ChunkedArray) -> int:
     if pa.types.is_fixed_size_list(kind):
         size = int(kind.list_size)
     elif pa.types.is_list(kind) or pa.types.is_large_list(kind):
+        import pyarrow.compute as pc
+
         size = int(pc.min(pc.list_value_length(column)).as_py() or 0)
     else:
         return 0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
@@ -17,6 +17,9 @@ from nxt_twin.recording.tables.loose import as_word
 from nxt_twin.recording.tables.nested import arrow_column, arrow_names, arrow_stem
 from nxt_twin.recording.tables.table import CellKind, Choose, Table, check_unfolded
 
+if TYPE_CHECKING:
+    from pyarrow import parquet
+
 
 def read_parquet(path: Path, choose: Choose) -> Table:
     """Read the chosen columns of a Parquet file; nulls and NaN alike are empty cells.
@@ -25,15 +28,17 @@ def read_parquet(path: Path, choose: Choose) -> Table:
         RecordingError: if the file is no Parquet file, unfolds to too much, or holds text where a number is
             due. `choose` may raise its own.
     """
+    from pyarrow import parquet  # slow, and a text table needs none of it
+
     read_table_head(path, RecordingError)
     try:
-        with pyarrow.parquet.ParquetFile(path) as file:
+        with parquet.ParquetFile(path) as file:
             wanted = choose(arrow_names(_first_rows(file)))
             stems = list(dict.fromkeys(arrow_stem(name, file.schema_arrow.names) for name in wanted))
             check_unfolded(_cells(file.metadata, stems), path)
         words = [name for name, kind in wanted.items() if kind == "word"]
         # Each word once: a file may say one that is as long as itself in every row.
-        with pyarrow.parquet.ParquetFile(path, read_dictionary=words) as file:
+        with parquet.ParquetFile(path, read_dictionary=words) as file:
             columns = file.read(columns=stems)
     except (pa.ArrowException, OSError, ValueError) as failure:
         mend = "check that the file is whole; a text table is named .csv"
@@ -94,14 +99,14 @@ def arrow_table(columns: pa.Table, wanted: Mapping[str, CellKind], path: Path) -
     )
 
 
-def _first_rows(file: pyarrow.parquet.ParquetFile) -> pa.Table:
+def _first_rows(file: parquet.ParquetFile) -> pa.Table:
     """One row, which tells how long the lists are."""
     for batch in file.iter_batches(batch_size=1):
         return pa.Table.from_batches([batch])
     return file.schema_arrow.empty_table()
 
 
-def _cells(metadata: pyarrow.parquet.FileMetaData, wanted: Sequence[str]) -> int:
+def _cells(metadata: parquet.FileMetaData, wanted: Sequence[str]) -> int:
     """To how many cells the chosen columns unfold; of a column's bytes eight are one."""
     groups = [metadata.row_group(index) for index in range(metadata.num_row_groups)]
     chunks = [group.column(index) for group in groups for index in range(group.num_columns)]
