@@ -61,6 +61,7 @@ class Judged:
         family: which simulator made its truth.
         probability: given for each name; one where a diagnosis gives none.
         floors: what a correct model would reach, as the diagnosis says, by the length of the simulated windows, s.
+        reached: the improved model's error, likewise.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Judged:
     family: str = HOME
     probability: Mapping[str, float] = field(default_factory=dict)
     floors: Mapping[float, float] = field(default_factory=dict)
+    reached: Mapping[float, float] = field(default_factory=dict)
 
 
 def read_sealed(answer_file: Path, case_folder: Path) -> dict[str, Any]:
@@ -118,6 +120,7 @@ class Given:
         place: where it says that the baseline fails.
         probability: of each name.
         floors: by the length of the simulated windows, s.
+        reached: the improved model's error, likewise.
     """
 
     verdict: str
@@ -129,6 +132,7 @@ class Given:
     place: OnsetPlace
     probability: Mapping[str, float] = field(default_factory=dict)
     floors: Mapping[float, float] = field(default_factory=dict)
+    reached: Mapping[float, float] = field(default_factory=dict)
 
 
 NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
@@ -157,14 +161,16 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             improved=None if improved is None else float(improved),
             place=parse_place(diagnosis.get("mismatch", {})),
             probability={one["id"]: float(one.get("probability", 1.0)) for one in effects},
-            floors={
-                seconds_of(one["seconds"]): float(one["floor"])
-                for one in diagnosis["fit"].get("horizons", [])
-            },
+            floors=_by_horizon(diagnosis["fit"], "floor"),
+            reached=_by_horizon(diagnosis["fit"], "improved"),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         mend = "see docs/formats.md#diagnosis-json"
         raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend=mend) from None
+
+
+def _by_horizon(fit: Mapping[str, Any], key: str) -> dict[float, float]:
+    return {seconds_of(one["seconds"]): float(one[key]) for one in fit.get("horizons", [])}
 
 
 def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -> Judged:
@@ -198,6 +204,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         family=str(answer.get("family", HOME)),
         probability=given.probability,
         floors=given.floors,
+        reached=given.reached,
     )
 
 

@@ -189,7 +189,8 @@ def test_physics_of_nobodys_library_is_counted_by_its_kind():
 
 def test_floors_are_held_against_the_true_structure_where_the_library_holds_it():
     low = replace(judged("stiff"), floors={2.0: 0.5})
-    rows = floor_rows([judged(), low, judged(kind="unknown")])
+    met = replace(judged(), reached={2.0: 0.9})
+    rows = floor_rows([met, low, judged(kind="unknown")])
     row = row_of(rows, EVERY)
     assert (row["windows"], row["cases"], row["median"], row["within 0.8 to 1.25"]) == (
         "2 s",
@@ -197,3 +198,4 @@ def test_floors_are_held_against_the_true_structure_where_the_library_holds_it()
         "0.70",
         "0.50",
     )
+    assert row["is the error reached"] == "0.50"
