@@ -141,14 +141,18 @@ def floor_rows(cases: Sequence[Judged]) -> list[Row]:
     """The floor over the error of the true structure re-fitted, by family and horizon."""
     low, high = FLOOR_BOUNDS
     within = f"within {low:g} to {high:g}"
-    rows: list[Row] = [("family", "windows", "cases", "10 %", "median", "90 %", within, "is the error reached")]
+    rows: list[Row] = [
+        ("family", "windows", "cases", "10 %", "median", "90 %", within, "is the error reached")
+    ]
     for family in (*sorted({case.family for case in cases}), EVERY):
         own = [case for case in cases if family in (case.family, EVERY)]
         for seconds in sorted({seconds for case in own for seconds in case.floors}):
             known = [case for case in own if _floor_ratio(case, seconds) is not None]
             ratios = [ratio for case in known if (ratio := _floor_ratio(case, seconds)) is not None]
             if ratios:
-                met = mean(float(case.floors[seconds] >= case.reached.get(seconds, math.inf)) for case in known)
+                met = mean(
+                    float(case.floors[seconds] >= case.reached.get(seconds, math.inf)) for case in known
+                )
                 tenths = quantiles(ratios, n=10, method="inclusive") if len(ratios) > 1 else 9 * ratios
                 figures = [f"{value:.2f}" for value in (tenths[0], median(ratios), tenths[8])]
                 share = mean(float(low <= ratio <= high) for ratio in ratios)
