@@ -21,7 +21,7 @@ from nxt_twin.blind.sensors.cases import (
     SENSOR_SIZES,
     SENSOR_SURPRISES,
     SensorCase,
-    SensorKind,
+    SensorPlantKind,
     SensorSize,
     make_sensor_case,
 )
@@ -30,7 +30,7 @@ from nxt_twin.diagnose.sensor.engine import diagnose_sensor
 from nxt_twin.recording.case import Case
 
 OUTCOMES = ("exact", "missed", "extra", "wrong")
-REPEATS: dict[SensorKind, int] = {"ultrasonic_sensor": 2, "light_sensor": 3, "touch_sensor": 10}
+REPEATS: dict[SensorPlantKind, int] = {"ultrasonic_sensor": 2, "light_sensor": 3, "touch_sensor": 10}
 CLEAN = 15
 UNKNOWN = 5
 """In a set that is scored: of each effect in each size, clean cases of each sensor, of each unknown effect."""
@@ -42,7 +42,7 @@ class Wanted(NamedTuple):
     """A case to be made."""
 
     group: str
-    kind: SensorKind
+    kind: SensorPlantKind
     effects: tuple[str, ...]
     size: SensorSize
     seed: int
@@ -70,7 +70,7 @@ def main() -> None:
     parser.add_argument("--set", type=int, help="make and score a whole set from this number")
     parser.add_argument("--kind", choices=list(SENSOR_EFFECTS))
     chosen = parser.parse_args()
-    kinds: list[SensorKind] = [chosen.kind] if chosen.kind else list(SENSOR_EFFECTS)
+    kinds: list[SensorPlantKind] = [chosen.kind] if chosen.kind else list(SENSOR_EFFECTS)
     tolds: dict[str, list[Told]] = {}
     for case in _scored(chosen.set) if chosen.set else _tried(chosen.first_seed, chosen.seeds):
         if case.kind in kinds:
@@ -139,7 +139,7 @@ def table(tolds: Mapping[str, Sequence[Told]]) -> Iterator[str]:
         yield f"{group:32s} {shares[0]!s:20s} {shares[1]!s:20s} {shares[2]!s:20s} {rest}"
 
 
-def plan(kind: SensorKind) -> Iterator[tuple[str, tuple[str, ...], SensorSize]]:
+def plan(kind: SensorPlantKind) -> Iterator[tuple[str, tuple[str, ...], SensorSize]]:
     """Each effect in each size, clean cases, pairs, and what no library holds."""
     effects = tuple(SENSOR_EFFECTS[kind])
     yield from ((f"single {size}", (effect,), size) for size in SENSOR_SIZES for effect in effects)

@@ -27,7 +27,7 @@ from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.logbook import columns_of
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Event, Tick
-from nxt_twin.twin.sensor_twin import SensorKind
+from nxt_twin.twin.sensor_twin import PortSensor
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
 
@@ -104,7 +104,7 @@ def _count(truth: BrickTwin, port: Port, power: int, now_s: float, after_s: floa
 
 def _soak() -> Iterator[str]:
     clock = VirtualClock()
-    sensors: dict[int, SensorKind] = {1: "touch", 2: "sound", 3: "light", 4: "ultrasonic"}
+    sensors: dict[int, PortSensor] = {1: "touch", 2: "sound", 3: "light", 4: "ultrasonic"}
     link = open_mock_link(clock, profile="bluetooth", late=LinkTimeoutError, lost=LinkLostError)
     session = Session(
         Parts(

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Final, ParamSpec, TypeVar, final
 
-Given = ParamSpec("Given")
+Arguments = ParamSpec("Arguments")
 ResultT = TypeVar("ResultT")
 
 _VARIABLES: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -53,7 +53,7 @@ class InPlace(Executor):
     """Does each task at once, in the thread that submits it; what a task raises, `submit` raises."""
 
     def submit(
-        self, fn: Callable[Given, ResultT], /, *args: Given.args, **kwargs: Given.kwargs
+        self, fn: Callable[Arguments, ResultT], /, *args: Arguments.args, **kwargs: Arguments.kwargs
     ) -> Future[ResultT]:
         """The result of `fn`, which has ended."""
         done: Future[ResultT] = Future()

@@ -33,7 +33,7 @@ from nxt_twin.twin.adopt import Adopter, AtOnce
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.polling import Plan
-from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
+from nxt_twin.twin.sensor_twin import PortSensor, SensorTwin
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
 from nxt_twin.twin.sinks import Memory, Several
@@ -44,7 +44,7 @@ from nxt_twin.view.dashboard.drawing.layout import FOCUS
 from nxt_twin.view.live_report import Keeper, LinkedDiagnosis, write_live_report
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
-SENSORS: dict[int, SensorKind] = {1: "touch", 3: "light", 4: "ultrasonic"}
+SENSORS: dict[int, PortSensor] = {1: "touch", 3: "light", 4: "ultrasonic"}
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 SIZE = {"width": 1500, "height": 900}
 FOCUS_SIZE = {"width": 920, "height": 560}

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from nxt_twin.api.files import Model, read_case
+from nxt_twin.api.files import ModelSource, read_case
 from nxt_twin.diagnose.changed.answer import Changes
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.dispatch import changed_any, changed_since
@@ -25,7 +25,7 @@ Data = Case | Recording | Sequence[Recording] | str | Path
 
 
 def find_missing_physics(
-    data: Data, plant: Model | None = None, *, port: Port | None = None, seed: int = 0
+    data: Data, plant: ModelSource | None = None, *, port: Port | None = None, seed: int = 0
 ) -> Diagnosis | Changes:
     """Find the physics that a model leaves out: the command `nxt-twin diagnose` as a function.
 
@@ -70,7 +70,7 @@ def find_missing_physics(
 
 
 def find_changes(
-    before: Data, after: Data, plant: Model | None = None, *, port: Port | None = None
+    before: Data, after: Data, plant: ModelSource | None = None, *, port: Port | None = None
 ) -> Changes:
     """Say which parameters or effects differ between recordings: the command `nxt-twin changed` as a function.
 
@@ -98,7 +98,7 @@ def find_changes(
     return changed_any(_case(before, plant, port), [_case(after, plant, port)])[0]
 
 
-def fit(data: Data, plant: Model | None = None, *, port: Port | None = None) -> Plant:
+def fit(data: Data, plant: ModelSource | None = None, *, port: Port | None = None) -> Plant:
     """Fit a plant's parameters to the recordings that are not held out, and look for no effect.
 
     Args:
@@ -127,7 +127,7 @@ def fit(data: Data, plant: Model | None = None, *, port: Port | None = None) -> 
     return fit_as_it_stands(case).plant
 
 
-def _case(data: Data, plant: Model | None, port: Port | None) -> Case:
+def _case(data: Data, plant: ModelSource | None, port: Port | None) -> Case:
     model: str | dict[str, Any] | None = None
     if plant is not None:
         config = plant.to_config() if isinstance(plant, Plant) else plant

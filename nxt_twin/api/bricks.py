@@ -17,14 +17,14 @@ from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.open import open_brick as _open
 from nxt_twin.mock.run import serve
 from nxt_twin.mock.thread import served_in_thread
-from nxt_twin.recording.columns import PORTS, Port, Slot
+from nxt_twin.recording.columns import PORTS, Port, SensorSlot
 from nxt_twin.recording.programs import load_program
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import ProgramDriver
 from nxt_twin.twin.logbook import Logbook, columns_of
 from nxt_twin.twin.polling import Plan
-from nxt_twin.twin.sensor_twin import SensorKind
+from nxt_twin.twin.sensor_twin import PortSensor
 from nxt_twin.twin.settings import pace_of
 
 
@@ -56,7 +56,7 @@ def record(
     *,
     program: str | None = None,
     ports: tuple[Port, ...] = ("a",),
-    sensors: Mapping[Slot, SensorKind] | None = None,
+    sensors: Mapping[SensorSlot, PortSensor] | None = None,
     seconds: float | None = None,
 ) -> Recording:
     """Record a brick into a file. With a program, its motors turn at once and without a question.

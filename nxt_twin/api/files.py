@@ -14,7 +14,7 @@ from nxt_twin.recording.mapped import read_mapped
 from nxt_twin.recording.mapping import read_mapping
 from nxt_twin.recording.recording import InputKind, Recording
 
-Model = Plant | str | Path | Mapping[str, Any]
+ModelSource = Plant | str | Path | Mapping[str, Any]
 """A plant, or what `load_plant` makes one of."""
 
 
@@ -58,7 +58,7 @@ def read_case(path: str | Path) -> Case:
     return read_as_case(Path(path))
 
 
-def load_plant(model: Model, input_kind: InputKind = "power_pct") -> Plant:
+def load_plant(model: ModelSource, input_kind: InputKind = "power_pct") -> Plant:
     """Load a plant by its name, its file or its keys (docs/formats.md#plant-files).
 
     Args:

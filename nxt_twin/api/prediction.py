@@ -8,7 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
-from nxt_twin.api.files import Model, load_plant
+from nxt_twin.api.files import ModelSource, load_plant
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
@@ -44,7 +44,7 @@ class SimulatedChannel:
     readings: int
 
 
-def simulate(plant: Model, recording: Recording, *, restart_every_s: float | None = None) -> Recording:
+def simulate(plant: ModelSource, recording: Recording, *, restart_every_s: float | None = None) -> Recording:
     """Predict a recording's outputs from its inputs and its first row alone, starting at rest.
 
     Args:
@@ -70,7 +70,7 @@ def simulate(plant: Model, recording: Recording, *, restart_every_s: float | Non
 
 
 def predictions(
-    plant: Model, recording: Recording, restart_every_s: float | None = None
+    plant: ModelSource, recording: Recording, restart_every_s: float | None = None
 ) -> tuple[SimulatedChannel, ...]:
     """The prediction for each port that is driven, or for a mapped recording's output, with its error.
 
@@ -82,7 +82,7 @@ def predictions(
 
 
 def _predicted(
-    plant: Model, recording: Recording, port: str | None, every_s: float | None
+    plant: ModelSource, recording: Recording, port: str | None, every_s: float | None
 ) -> SimulatedChannel:
     signals = signals_of(recording, port, fewest_readings=0, follows_goal=_is_servo(plant))
     start, values = _run(_followed(plant, recording, port, signals.input_kind), signals, every_s)
@@ -95,21 +95,21 @@ def _predicted(
     return SimulatedChannel(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
 
 
-def _followed(model: Model, recording: Recording, port: str | None, kind: InputKind) -> Plant:
+def _followed(model: ModelSource, recording: Recording, port: str | None, kind: InputKind) -> Plant:
     """The plant, with the firmware's regulator where that drives the motor."""
     config = _config(model)
     followed = follower(config, [recording], port)
     return load_plant(model if followed is config else followed, kind)
 
 
-def _config(model: Model) -> Mapping[str, Any]:
+def _config(model: ModelSource) -> Mapping[str, Any]:
     """The keys of a plant."""
     if isinstance(model, Plant):
         return model.to_config()
     return model if isinstance(model, Mapping) else load_plant_config(model)
 
 
-def _is_servo(model: Model) -> bool:
+def _is_servo(model: ModelSource) -> bool:
     return _config(model).get("kind") == SERVO.kind
 
 

@@ -8,7 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
-from nxt_twin.api.files import Model, load_plant
+from nxt_twin.api.files import ModelSource, load_plant
 from nxt_twin.arrays import FloatArray
 from nxt_twin.brick.clock import PacedClock, SystemClock
 from nxt_twin.brick.links.recorded import RecordedBrick
@@ -48,7 +48,7 @@ class Replayed:
         return f"<Replayed {self.channel}: {self.time_s.size} readings; {said}>"
 
 
-def replay(plant: Model, recording: Recording) -> dict[str, Replayed]:
+def replay(plant: ModelSource, recording: Recording) -> dict[str, Replayed]:
     """Play a brick's recording to the live twin: the filters and the monitor of `nxt-twin live`, in virtual time.
 
     Args:

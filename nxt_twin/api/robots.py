@@ -25,7 +25,7 @@ from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
 from nxt_twin.view.dashboard.scene import (
     DrawnShape,
-    Frame,
+    SceneFrame,
     Scenery,
     WorldMessage,
     WorldMoment,
@@ -85,7 +85,7 @@ class WatchedRobot:
         self._seen: deque[RobotReading] = deque(maxlen=_KEPT)
         self._steps = 0
         self._bodies: WorldBodies | None = None
-        self._moment: tuple[tuple[Frame, ...], tuple[Frame, ...]] = ((), ())
+        self._moment: tuple[tuple[SceneFrame, ...], tuple[SceneFrame, ...]] = ((), ())
         self._shown_s = 0.0
         self._show: Callable[[WorldMessage], None] | None = None
 

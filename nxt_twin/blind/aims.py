@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import mean, median
 from typing import Final, final
 
-from nxt_twin.blind.verdict import Judged, Kind
+from nxt_twin.blind.verdict import CaseKind, Judged
 
 DETECTABLE_NATS: Final = 10.0
 """A case counts as detectable where the true structure itself, fitted from its true sizes, beats the re-fitted
@@ -80,7 +80,7 @@ def as_text(aims: Sequence[Aim]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _of(cases: Sequence[Judged], kind: Kind) -> list[Judged]:
+def _of(cases: Sequence[Judged], kind: CaseKind) -> list[Judged]:
     return [case for case in cases if case.kind == kind]
 
 

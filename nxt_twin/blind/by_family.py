@@ -13,7 +13,7 @@ from nxt_twin.blind.verdict import Judged
 LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94)
 EVERY: Final = "all"
 
-Row = tuple[str, ...]
+TableRow = tuple[str, ...]
 Measured = tuple[float, int]
 """A figure, and how many cases it rests on."""
 
@@ -104,7 +104,7 @@ ASKED: Final = (
 """Ratios are of the error on what no fit saw over that of the true structure re-fitted."""
 
 
-def family_rows(cases: Sequence[Judged]) -> list[Row]:
+def family_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each aim, for each family and all together; what falls short is marked."""
     names = [*sorted({case.family for case in cases}), EVERY]
     own = {name: [case for case in cases if name in (case.family, EVERY)] for name in names}
@@ -112,7 +112,7 @@ def family_rows(cases: Sequence[Judged]) -> list[Row]:
     return [("", *names, "aim"), ("cases", *(str(len(own[name])) for name in names), ""), *rows]
 
 
-def left_out_rows(cases: Sequence[Judged]) -> list[Row]:
+def left_out_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each family left out in turn: the least probability of a name, set on the others, and what it gives on it.
 
     A name less probable than the limit is not given: the case comes back unexplained.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from statistics import mean
 from typing import Final, final
 
-from nxt_twin.blind.by_family import Row
+from nxt_twin.blind.by_family import TableRow
 from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import Judged, is_exact
 from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, verdict_of
@@ -29,9 +29,9 @@ class Recorded:
         return is_exact(self.case, verdict_of(self.record, limits))
 
 
-def limits_in_turn_rows(cases: Sequence[Recorded]) -> list[Row]:
+def limits_in_turn_rows(cases: Sequence[Recorded]) -> list[TableRow]:
     """Each family left out: the limits that the others would move, and right answers here before and after."""
-    rows: list[Row] = [("left out", "limits moved elsewhere", "right as they are", "right with those")]
+    rows: list[TableRow] = [("left out", "limits moved elsewhere", "right as they are", "right with those")]
     for family in sorted({one.case.family for one in cases}):
         own = [one for one in cases if one.case.family == family]
         others = [one for one in cases if one.case.family != family]

@@ -12,12 +12,12 @@ from typing import final
 from nxt_twin.blind.families.family import Family
 from nxt_twin.blind.limits_in_turn import Recorded
 from nxt_twin.blind.peers.answers import PEERS
-from nxt_twin.blind.peers.localised import Cells
-from nxt_twin.blind.prove import Clock, Shelf, prove
+from nxt_twin.blind.peers.localised import ChosenCells
+from nxt_twin.blind.prove import ReadClock, Shelf, prove
 from nxt_twin.blind.ranges import RangeCase, SeedRange
 from nxt_twin.blind.score import judged_case
 from nxt_twin.blind.solve import record_file
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.blind.verdict import NO_ANSWER, Judged
 from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.fleet.workers.place import Place
@@ -68,8 +68,8 @@ class Proof:
         return [case for case in self.cases if not self._file(case).exists()]
 
     def run(
-        self, place: Place, clock: Clock, goes_on: Callable[[], bool], *, peers: bool
-    ) -> Iterator[Outcome]:
+        self, place: Place, clock: ReadClock, goes_on: Callable[[], bool], *, peers: bool
+    ) -> Iterator[NameAndFailure]:
         """Do the cases that wait, as long as it `goes_on`; cases that have begun are ended. Yields their outcomes."""
         yield from spread(self._tasks(clock, goes_on, peers=peers), place)
 
@@ -121,12 +121,12 @@ class Proof:
             found[peer.name] = [case for case in answered if case.verdict != NO_ANSWER]
         return found
 
-    def cells(self) -> list[Cells]:
+    def cells(self) -> list[ChosenCells]:
         """Where each method sees a model that is wrong, of each finished case of which a regression tells the truth."""
         files = [self._shelf(one.case).file("localised", one.case.order.plan.name) for one in self.finished()]
         return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.exists()]
 
-    def _tasks(self, clock: Clock, goes_on: Callable[[], bool], *, peers: bool) -> Iterator[CaseTask]:
+    def _tasks(self, clock: ReadClock, goes_on: Callable[[], bool], *, peers: bool) -> Iterator[CaseTask]:
         first = self.chosen.seeds[0]
         for case in self.waiting():
             if not goes_on():

@@ -16,14 +16,14 @@ from nxt_twin.blind.peers.localised import OURS, localise_one
 from nxt_twin.blind.ranges import RangeCase
 from nxt_twin.blind.score import judged_case
 from nxt_twin.blind.solve import reach_one, solve_one
-from nxt_twin.blind.spread import Outcome
+from nxt_twin.blind.spread import NameAndFailure
 from nxt_twin.blind.verdict import Judged
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.fleet.version import engine_version
 
-Clock = Callable[[], float]
+ReadClock = Callable[[], float]
 """Processor time of the process that asks, s."""
-Step = tuple[str, Callable[[], Outcome]]
+Step = tuple[str, Callable[[], NameAndFailure]]
 
 _CONTAINED_IN: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
@@ -58,7 +58,7 @@ class Shelf:
         """The folder of one kind of file."""
         return self.root / part
 
-    def localise(self, case: str) -> Outcome:
+    def localise(self, case: str) -> NameAndFailure:
         """Say of each method in which regimes of the case it sees a model that is wrong."""
         answers = {OURS: self.of("diagnoses"), **folders_of_peers(self.of("peers"))}
         return localise_one(
@@ -83,7 +83,7 @@ def is_deleted(case: Judged) -> bool:
     return case.kind == "single" and case.sizes[0] != "small" and detectable(case)
 
 
-def prove(case: RangeCase, shelf: Shelf, clock: Clock, deletes: bool, peers: bool) -> Outcome:
+def prove(case: RangeCase, shelf: Shelf, clock: ReadClock, deletes: bool, peers: bool) -> NameAndFailure:
     """Make the case, diagnose it, fit its truth, and let others answer; `finished` says that all was tried.
 
     A step that fails leaves no file: the case has no answer there, and the proof goes on. A case that cannot be made
@@ -123,7 +123,7 @@ def _steps(case: RangeCase, shelf: Shelf, *, deletes: bool, peers: bool) -> Iter
         yield "localise", lambda: shelf.localise(name)
 
 
-def _why(work: Callable[[], Outcome]) -> str:
+def _why(work: Callable[[], NameAndFailure]) -> str:
     """Why a step failed, whatever it raised; empty where it did not."""
     try:
         return work()[1]

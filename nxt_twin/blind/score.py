@@ -30,7 +30,7 @@ RMS_BINS_DEG: Final = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0, math.inf)
 
 @final
 @dataclass(frozen=True)
-class Row:
+class ScoreRow:
     """One line of the table: a group of cases and what became of them.
 
     Attributes:
@@ -61,10 +61,10 @@ class Row:
 class ScoreTable:
     """All rows, and the cases behind them."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ScoreRow, ...]
     cases: tuple[Judged, ...]
 
-    def row(self, group: str) -> Row:
+    def row(self, group: str) -> ScoreRow:
         """The line of one group."""
         return next(row for row in self.rows if row.group == group)
 
@@ -196,11 +196,11 @@ def _by_family(cases: Sequence[Judged]) -> list[tuple[str, list[Judged]]]:
     return groups
 
 
-def _row(group: str, cases: Sequence[Judged]) -> Row:
+def _row(group: str, cases: Sequence[Judged]) -> ScoreRow:
     def share(holds: Callable[[Judged], bool]) -> Share:
         return Share(sum(holds(case) for case in cases), len(cases))
 
-    return Row(
+    return ScoreRow(
         group=group,
         exact=share(lambda case: case.exact),
         holds=share(lambda case: case.holds),
@@ -223,7 +223,7 @@ def _median(values: Iterable[float]) -> float | None:
     return median(held) if held else None
 
 
-def _row_dict(row: Row) -> dict[str, Any]:
+def _row_dict(row: ScoreRow) -> dict[str, Any]:
     shares = {"exact": row.exact, "holds": row.holds, "called_adequate": row.missed, "misnamed": row.misnamed}
     return {
         "group": row.group,
@@ -239,7 +239,7 @@ def _row_dict(row: Row) -> dict[str, Any]:
     }
 
 
-def _row_cells(row: Row) -> tuple[str, ...]:
+def _row_cells(row: ScoreRow) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "" if value is None else format(value, form)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from nxt_twin.blind.reach import reach
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.diagnose.engine import diagnose
@@ -31,7 +31,7 @@ def solve_all(
     seed: int,
     place: Place,
     without: Mapping[str, frozenset[str]] = MappingProxyType({}),
-) -> Iterator[Outcome]:
+) -> Iterator[NameAndFailure]:
     """Diagnose each case into `out`; those that have their JSON already are passed over.
 
     `without` holds, by a case's name, ids of effects that its diagnosis may not try.
@@ -47,7 +47,7 @@ def solve_all(
     yield from spread((CaseTask(task[0].name, solve_one, task) for task in tasks), place)
 
 
-def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, place: Place) -> Iterator[Outcome]:
+def reach_all(folders: Sequence[Path], answers: Path, out: Path, *, place: Place) -> Iterator[NameAndFailure]:
     """Write what the true structure reaches on each case into `out`; what is there is passed over."""
     out.mkdir(parents=True, exist_ok=True)
     waiting = [folder for folder in folders if not _file(out, folder).exists()]
@@ -61,7 +61,7 @@ def _file(folder: Path, case: Path) -> Path:
     return folder / f"{case.name}.json"
 
 
-def solve_one(folder: Path, target: Path, seed: int, without: frozenset[str]) -> Outcome:
+def solve_one(folder: Path, target: Path, seed: int, without: frozenset[str]) -> NameAndFailure:
     """Diagnose one case without some effects, and write the diagnosis as JSON to `target`.
 
     The numbers that its verdict rests on go beside it (`record_file`): other limits can be tried on them.
@@ -83,7 +83,7 @@ def record_file(diagnosis: Path) -> Path:
     return diagnosis.with_suffix(".record.json")
 
 
-def reach_one(folder: Path, target: Path, answer_file: Path) -> Outcome:
+def reach_one(folder: Path, target: Path, answer_file: Path) -> NameAndFailure:
     """Fit the sealed answer's structure to one case, and write what it reaches to `target`."""
     try:
         found = reach(read_case(folder), read_sealed(answer_file, folder))

@@ -10,14 +10,14 @@ from typing import Any, Protocol, final
 from nxt_twin.fleet.workers.each import each
 from nxt_twin.fleet.workers.place import Place
 
-Outcome = tuple[str, str]
+NameAndFailure = tuple[str, str]
 """A case's name, and why it failed: empty where it did not."""
 
 
 class CaseWork(Protocol):
     """A function of a module that does something with a case; its first argument names the case."""
 
-    def __call__(self, *task: Any) -> Outcome:  # noqa: ANN401 - each has tasks of its own
+    def __call__(self, *task: Any) -> NameAndFailure:  # noqa: ANN401 - each has tasks of its own
         """Do it, and say how it ended."""
         ...
 
@@ -32,7 +32,7 @@ class CaseTask:
     arguments: tuple[Any, ...]
 
 
-def spread(tasks: Iterable[CaseTask], place: Place) -> Iterator[Outcome]:
+def spread(tasks: Iterable[CaseTask], place: Place) -> Iterator[NameAndFailure]:
     """Do each task, and yield its outcome as it ends; one that raises, or kills its workers, fails alone.
 
     Raises:
@@ -47,5 +47,5 @@ def spread(tasks: Iterable[CaseTask], place: Place) -> Iterator[Outcome]:
             )
 
 
-def _done(task: CaseTask) -> Outcome:
+def _done(task: CaseTask) -> NameAndFailure:
     return task.work(*task.arguments)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from statistics import mean
 from typing import Any
 
-from nxt_twin.blind.by_family import EVERY, Row, family_rows, left_out_rows
+from nxt_twin.blind.by_family import EVERY, TableRow, family_rows, left_out_rows
 from nxt_twin.blind.limits_in_turn import limits_in_turn_rows
 from nxt_twin.blind.peers.localised import OURS
 from nxt_twin.blind.peers.rows import peer_rows
@@ -22,7 +22,7 @@ from nxt_twin.blind.told import (
 )
 
 
-def tables_of(proof: Proof) -> dict[str, list[Row]]:
+def tables_of(proof: Proof) -> dict[str, list[TableRow]]:
     """Each table by its title, of the cases that are finished."""
     cases, finished = proof.judged(), proof.finished()
     return {
@@ -58,10 +58,10 @@ def status_of(proof: Proof) -> str:
     return "\n".join(lines)
 
 
-def time_rows(finished: Sequence[FinishedCase]) -> list[Row]:
+def time_rows(finished: Sequence[FinishedCase]) -> list[TableRow]:
     """Processor time of each step, by family: the mean over the cases that took it, s."""
     steps = list(dict.fromkeys(step for one in finished for step in one.seconds))
-    rows: list[Row] = [("family", "cases", *(f"{step}, s" for step in steps), "together, s a case")]
+    rows: list[TableRow] = [("family", "cases", *(f"{step}, s" for step in steps), "together, s a case")]
     for family in (*sorted({one.case.order.family for one in finished}), EVERY):
         own = [one.seconds for one in finished if family in (one.case.order.family, EVERY)]
         means = [[seconds[step] for seconds in own if step in seconds] for step in steps]
@@ -71,14 +71,14 @@ def time_rows(finished: Sequence[FinishedCase]) -> list[Row]:
     return rows
 
 
-def as_text(rows: Sequence[Row]) -> str:
+def as_text(rows: Sequence[TableRow]) -> str:
     """Rows in fixed-width columns."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
 
-def as_values(rows: Sequence[Row]) -> list[dict[str, Any]]:
+def as_values(rows: Sequence[TableRow]) -> list[dict[str, Any]]:
     """Rows as JSON values."""
     return [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
 

@@ -10,7 +10,7 @@ from statistics import mean, median, quantiles
 from typing import Final
 
 from nxt_twin.blind.aims import detectable
-from nxt_twin.blind.by_family import EVERY, Row
+from nxt_twin.blind.by_family import EVERY, TableRow
 from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import Judged
 from nxt_twin.diagnose.telling.calibration import UNCONSIDERED
@@ -20,10 +20,10 @@ FLOOR_BOUNDS: Final = (0.8, 1.25)
 """A floor is right within these multiples of the error of the true structure."""
 
 
-def confusion_rows(cases: Sequence[Judged]) -> list[Row]:
+def confusion_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each hidden effect that is detectable alone: what became of it, and what was named in its place."""
     seen = [case for case in cases if case.kind == "single" and detectable(case)]
-    rows: list[Row] = [
+    rows: list[TableRow] = [
         ("hidden", "cases", "exact", "set holds", "adequate", "unexplained", "named otherwise")
     ]
     for effect in sorted({case.hidden[0] for case in seen}):
@@ -42,10 +42,10 @@ def confusion_rows(cases: Sequence[Judged]) -> list[Row]:
     return rows
 
 
-def unknown_rows(cases: Sequence[Judged]) -> list[Row]:
+def unknown_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each physics of nobody's library: how often it was refused, called nothing, and named as something else."""
     strange = [case for case in cases if case.kind == "unknown"]
-    rows: list[Row] = [("hidden", "cases", "refused", "adequate", "misnamed", "named")]
+    rows: list[TableRow] = [("hidden", "cases", "refused", "adequate", "misnamed", "named")]
     for effect in (*sorted({case.hidden[0] for case in strange}), EVERY):
         own = [case for case in strange if effect in (case.hidden[0], EVERY)]
         rows.append(
@@ -66,7 +66,7 @@ def _names(cases: Iterable[Judged]) -> str:
     return ", ".join(f"{names} {count}" for names, count in counts.most_common()) or "-"
 
 
-def reliability_rows(cases: Sequence[Judged]) -> list[Row]:
+def reliability_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Names by the probability given for them, beside how often they were hidden there."""
     told = [
         (probability, one in case.hidden)
@@ -74,7 +74,7 @@ def reliability_rows(cases: Sequence[Judged]) -> list[Row]:
         if case.verdict == "explained"
         for one, probability in case.probability.items()
     ]
-    rows: list[Row] = [("probability given", "names", "mean", "hit rate")]
+    rows: list[TableRow] = [("probability given", "names", "mean", "hit rate")]
     for low, high in pairwise(BINS):
         inside = [pair for pair in told if low <= pair[0] < high or (high == 1.0 and pair[0] == 1.0)]
         if inside:
@@ -83,12 +83,12 @@ def reliability_rows(cases: Sequence[Judged]) -> list[Row]:
     return rows
 
 
-def calibration_rows(cases: Sequence[Judged]) -> list[Row]:
+def calibration_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each family left out in turn: the chance of something else, learnt on the others, and what it gives here.
 
     A name's share of belief among what was weighed is multiplied by one less that chance.
     """
-    rows: list[Row] = [
+    rows: list[TableRow] = [
         (
             "left out",
             "names elsewhere",
@@ -125,9 +125,9 @@ def _shares(cases: Iterable[Judged]) -> list[tuple[float, bool]]:
     ]
 
 
-def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[Row]:
+def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[TableRow]:
     """Cases whose effect was taken out of the library: by effect, what became of them."""
-    rows: list[Row] = [("taken out", "cases", "unexplained", "another name", "adequate")]
+    rows: list[TableRow] = [("taken out", "cases", "unexplained", "another name", "adequate")]
     for effect, each in [
         *sorted(verdicts.items()),
         (EVERY, [one for every in verdicts.values() for one in every]),
@@ -137,11 +137,11 @@ def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[Row]:
     return rows
 
 
-def floor_rows(cases: Sequence[Judged]) -> list[Row]:
+def floor_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """The floor over the error of the true structure re-fitted, by family and horizon."""
     low, high = FLOOR_BOUNDS
     within = f"within {low:g} to {high:g}"
-    rows: list[Row] = [
+    rows: list[TableRow] = [
         ("family", "windows", "cases", "10 %", "median", "90 %", within, "is the error reached")
     ]
     for family in (*sorted({case.family for case in cases}), EVERY):

@@ -15,13 +15,13 @@ from nxt_twin.blind.reached import Reach, seconds_of
 from nxt_twin.blind.share import NORMAL_95
 from nxt_twin.errors import CaseError
 
-Kind = Literal["clean", "single", "pair", "triple", "unknown"]
+CaseKind = Literal["clean", "single", "pair", "triple", "unknown"]
 
 NO_ANSWER: Final = "none"
 HOME: Final = "bristle"
 """The family of an answer that names none."""
-_KINDS: Final[dict[int, Kind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
-_RIGHT_VERDICT: Final[dict[Kind, str]] = {
+_KINDS: Final[dict[int, CaseKind]] = {0: "clean", 1: "single", 2: "pair", 3: "triple"}
+_RIGHT_VERDICT: Final[dict[CaseKind, str]] = {
     "clean": "adequate",
     "single": "explained",
     "pair": "explained",
@@ -65,7 +65,7 @@ class Judged:
     """
 
     name: str
-    kind: Kind
+    kind: CaseKind
     hidden: tuple[str, ...]
     sizes: tuple[str, ...]
     effect_rms_deg: float
@@ -177,7 +177,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
     """Compare what was given with the answer, and with what the true structure reaches."""
     effects = answer["effects"]
     hidden = frozenset(effect["id"] for effect in effects)
-    kind: Kind = _KINDS[len(hidden)] if all(effect["known"] for effect in effects) else "unknown"
+    kind: CaseKind = _KINDS[len(hidden)] if all(effect["known"] for effect in effects) else "unknown"
     named = frozenset(given.params)
     considered = named.union(*given.alike.values())
     ratios = {one["id"]: _ratios(answer, given, one) for one in effects if _compares(given, one)}

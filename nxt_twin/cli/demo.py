@@ -9,7 +9,7 @@ import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
-from nxt_twin.cli.showing import View
+from nxt_twin.cli.showing import ViewChoice
 
 
 def demo(
@@ -23,7 +23,7 @@ def demo(
         str | None,
         typer.Option(help="The effect to conceal, by id, or 'nothing'; without: drawn.", metavar="ID"),
     ] = None,
-    view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
+    view: Annotated[ViewChoice, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     json: JsonOption = None,
 ) -> None:
     """Watch the whole loop without hardware.

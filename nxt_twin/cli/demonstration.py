@@ -17,7 +17,7 @@ import yaml
 from nxt_twin.blind.secret import Secret, concealed, drawable, read_secret
 from nxt_twin.cli.holding import LIVE_SCHEMA, hold
 from nxt_twin.cli.output import emit_json
-from nxt_twin.cli.showing import Showing, View
+from nxt_twin.cli.showing import Showing, ViewChoice
 from nxt_twin.cli.watching import get_ready
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.errors import NxtTwinError
@@ -54,7 +54,7 @@ class DemoArguments:
     seed: int
     seconds: float
     conceal: str | None
-    view: View
+    view: ViewChoice
     json: str | None
 
 
@@ -106,7 +106,7 @@ def _held(
     return hold(url, options, seconds, showing, also=[ending])
 
 
-def _showing(url: str, out: Path, view: View) -> Showing:
+def _showing(url: str, out: Path, view: ViewChoice) -> Showing:
     return Showing(
         title=url,
         schema=LIVE_SCHEMA,

@@ -11,7 +11,7 @@ import typer
 from nxt_twin.cli.output import fail, progress
 
 if TYPE_CHECKING:
-    from nxt_twin.blind.spread import Outcome
+    from nxt_twin.blind.spread import NameAndFailure
 
 
 def _log(words: str, number: int, total: int) -> None:
@@ -21,13 +21,13 @@ def _log(words: str, number: int, total: int) -> None:
         print(words, file=sys.stderr, flush=True)
 
 
-def follow(title: str, outcomes: Iterable[Outcome], total: int) -> None:
+def follow(title: str, outcomes: Iterable[NameAndFailure], total: int) -> None:
     """Show how far it is; leave with status 1 at the end if a case failed."""
     if followed(title, outcomes, total):
         raise typer.Exit(1)
 
 
-def followed(title: str, outcomes: Iterable[Outcome], total: int) -> bool:
+def followed(title: str, outcomes: Iterable[NameAndFailure], total: int) -> bool:
     """Show how far it is; whether a case failed, each of which has a line on standard error."""
     failed = False
     with progress(title) as tell:

@@ -25,9 +25,9 @@ from nxt_twin.experiment.identify import carry_out, conclude
 from nxt_twin.experiment.outline import axes_of, outline
 from nxt_twin.experiment.plan import Experiment, MotorIdentification, own_experiments, read_experiment
 from nxt_twin.experiment.positioner.open import assigned, close_positioners, open_positioners
-from nxt_twin.experiment.positioner.positioner import Axis
+from nxt_twin.experiment.positioner.positioner import PositionerAxis
 from nxt_twin.experiment.positioner.spec import PositionerSpec, read_spec
-from nxt_twin.experiment.run_sweep import Apparatus, Progress
+from nxt_twin.experiment.run_sweep import Apparatus, SweepProgress
 from nxt_twin.experiment.standin.movers import standin_positioners
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
 from nxt_twin.recording.columns import PORTS, Port
@@ -99,7 +99,7 @@ def list_experiments(json: str | None) -> None:
             print(f"{name:18} {why}")
 
 
-def _movers(texts: Sequence[str], wanted: Experiment) -> Mapping[Axis, PositionerSpec]:
+def _movers(texts: Sequence[str], wanted: Experiment) -> Mapping[PositionerAxis, PositionerSpec]:
     """What moves each axis.
 
     Raises:
@@ -114,7 +114,7 @@ def _movers(texts: Sequence[str], wanted: Experiment) -> Mapping[Axis, Positione
 def _on_mock(
     wanted: Experiment,
     bench: Workbench,
-    movers: Mapping[Axis, PositionerSpec],
+    movers: Mapping[PositionerAxis, PositionerSpec],
     folder: RunFolder,
     screen: _Screen,
 ) -> None:
@@ -124,7 +124,11 @@ def _on_mock(
 
 
 def _on_brick(
-    wanted: Experiment, url: str, movers: Mapping[Axis, PositionerSpec], folder: RunFolder, screen: _Screen
+    wanted: Experiment,
+    url: str,
+    movers: Mapping[PositionerAxis, PositionerSpec],
+    folder: RunFolder,
+    screen: _Screen,
 ) -> None:
     clock = SystemClock()
     with tidy_end(), opened(url, clock) as brick:
@@ -136,7 +140,7 @@ def _on_brick(
             close_positioners(positioners)
 
 
-def _turned(wanted: Experiment, movers: Mapping[Axis, PositionerSpec]) -> tuple[Port, ...]:
+def _turned(wanted: Experiment, movers: Mapping[PositionerAxis, PositionerSpec]) -> tuple[Port, ...]:
     """The brick's motors that are going to turn: the one that is tried, and those of rails."""
     own = (wanted.port,) if isinstance(wanted, MotorIdentification) else ()
     return own + tuple(port for port in PORTS for spec in movers.values() if port == spec.address)
@@ -182,7 +186,7 @@ class _Screen:
         self._over = sys.stderr.isatty()
         self._last = ""
 
-    def tell(self, now: Progress) -> None:
+    def tell(self, now: SweepProgress) -> None:
         """Show how far it is."""
         if self._over:
             sys.stderr.write(f"\r\x1b[2K{now.done} of {now.total}: {now.words}")

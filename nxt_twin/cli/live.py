@@ -9,7 +9,7 @@ import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
-from nxt_twin.cli.showing import Showing, View
+from nxt_twin.cli.showing import Showing, ViewChoice
 
 if TYPE_CHECKING:
     from nxt_twin.api.robots import WatchedRobot
@@ -58,7 +58,7 @@ def live(
     robot: RobotOption = None,
     out: Annotated[Path | None, typer.Option(help="Record the session: .csv or .parquet.")] = None,
     model_out: Annotated[Path | None, typer.Option(help="Write the adopted plant as YAML.")] = None,
-    view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
+    view: Annotated[ViewChoice, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
     report: ReportOption = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before motors turn.")] = False,

@@ -9,7 +9,7 @@ import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.output import JsonOption
-from nxt_twin.cli.showing import Showing, View
+from nxt_twin.cli.showing import Showing, ViewChoice
 
 _SCHEMA = "nxt-twin/replay/1"
 
@@ -31,7 +31,7 @@ def replay(
     adopt: Annotated[
         bool, typer.Option("--adopt", help="Diagnose a divergence and adopt the improved model.")
     ] = False,
-    view: Annotated[View, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
+    view: Annotated[ViewChoice, typer.Option(help="Dashboard: a window, in the browser, or none.")] = "none",
     save: Annotated[Path | None, typer.Option(help="Keep the dashboard's data: .rrd.")] = None,
     model_out: Annotated[
         Path | None, typer.Option(help="Write the adopted plant of each motor as YAML.")

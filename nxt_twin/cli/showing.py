@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, final
 
-View = Literal["spawn", "web", "none"]
+ViewChoice = Literal["spawn", "web", "none"]
 
 
 @final
@@ -29,7 +29,7 @@ class Showing:
 
     title: str
     schema: str
-    view: View = "none"
+    view: ViewChoice = "none"
     save: Path | None = None
     report: Path | None = None
     model_out: Path | None = None

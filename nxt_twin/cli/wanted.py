@@ -15,11 +15,11 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.discovery import default_ways, search
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.cli.output import fail
-from nxt_twin.recording.columns import PORTS, Port, Slot
+from nxt_twin.recording.columns import PORTS, Port, SensorSlot
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.
-    from nxt_twin.twin.sensor_twin import SensorKind
+    from nxt_twin.twin.sensor_twin import PortSensor
 
 NOTHING: Final = "none"
 _KINDS: Final = ("touch", "sound", "light", "ultrasonic")
@@ -45,19 +45,19 @@ def wanted_ports(text: str) -> tuple[Port, ...]:
     return cast("tuple[Port, ...]", tuple(ports))
 
 
-def wanted_sensors(text: str) -> Mapping[Slot, SensorKind]:
+def wanted_sensors(text: str) -> Mapping[SensorSlot, PortSensor]:
     """The sensors that a text such as ``1:touch,4:ultrasonic`` names; none for ``none``.
 
     Raises:
         typer.BadParameter: it is not of that form.
     """
-    slots: dict[Slot, SensorKind] = {}
+    slots: dict[SensorSlot, PortSensor] = {}
     for part in [] if text in ("", NOTHING) else text.split(","):
         slot, _, kind = part.strip().partition(":")
         if slot not in _SLOTS or kind not in _KINDS:
             what = f"'{part}' is not SLOT:KIND, such as 1:touch; kinds are {', '.join(_KINDS)}"
             raise typer.BadParameter(what, param_hint="--sensors")
-        slots[cast("Slot", int(slot))] = cast("SensorKind", kind)
+        slots[cast("SensorSlot", int(slot))] = cast("PortSensor", kind)
     return slots
 
 

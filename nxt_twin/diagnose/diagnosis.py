@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final, Literal, final
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.robot_path import RobotPath
@@ -18,7 +19,6 @@ _PICTURES: Final = "nxt_twin.view.figures"
 """What draws a diagnosis, named rather than imported: this room knows nothing of those above it."""
 
 Verdict = Literal["adequate", "explained", "unexplained"]
-Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
 Source = Literal["actuator", "battery", "transmission", "encoder", "clock_or_link"]
 
 

@@ -40,7 +40,7 @@ from nxt_twin.diagnose.judging.verdict import (
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
-from nxt_twin.diagnose.search.explain import Progress
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect

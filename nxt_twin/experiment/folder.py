@@ -22,7 +22,7 @@ from nxt_twin.recording.recording import Recording
 EXPERIMENT_FILE: Final = "experiment.yaml"
 _PART: Final = ".part"
 
-Row = Mapping[str, float | str | None]
+IndexRow = Mapping[str, float | str | None]
 
 
 @final
@@ -123,7 +123,7 @@ class RowWriter:
     ) -> None:
         self._file.close()
 
-    def append(self, row: Row) -> None:
+    def append(self, row: IndexRow) -> None:
         """Write one row; columns that it leaves out are empty cells."""
         self._file.write(",".join(_cell(row.get(name)) for name in self._columns) + "\n")
         self._file.flush()

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from nxt_twin.experiment.plan import Experiment, MotorIdentification
-from nxt_twin.experiment.positioner.positioner import UNITS, WIDEST, Axis, within
+from nxt_twin.experiment.positioner.positioner import UNITS, WIDEST, PositionerAxis, within
 from nxt_twin.experiment.positioner.spec import PositionerSpec
 from nxt_twin.experiment.sweep import Sweep, sweep_of
 
 
-def axes_of(experiment: Experiment) -> tuple[Axis, ...]:
+def axes_of(experiment: Experiment) -> tuple[PositionerAxis, ...]:
     """The axes that the experiment moves, in order."""
     return () if isinstance(experiment, MotorIdentification) else sweep_of(experiment).axes
 
 
-def outline(experiment: Experiment, movers: Mapping[Axis, PositionerSpec]) -> Iterator[str]:
+def outline(experiment: Experiment, movers: Mapping[PositionerAxis, PositionerSpec]) -> Iterator[str]:
     """One line for each thing that is going to be done.
 
     Args:
@@ -46,7 +46,7 @@ def _motor(experiment: MotorIdentification) -> Iterator[str]:
     yield f"takes {seconds:.0f} s; the motor turns freely: nothing may be in its way"
 
 
-def _sweep(sweep: Sweep, movers: Mapping[Axis, PositionerSpec]) -> Iterator[str]:
+def _sweep(sweep: Sweep, movers: Mapping[PositionerAxis, PositionerSpec]) -> Iterator[str]:
     for index, axis in enumerate(sweep.axes):
         values = [place[index] for part in sweep.parts for place in part.places]
         for value in (min(values), max(values)):

@@ -9,12 +9,12 @@ import yaml
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from nxt_twin.errors import ProgramError
-from nxt_twin.recording.columns import Port, Slot
+from nxt_twin.recording.columns import Port, SensorSlot
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.program import Run
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.yaml_file import read_part, read_yaml
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,40}$"
@@ -95,7 +95,7 @@ class _BeforeATarget(BaseModel):
     kind: str
     name: str
     why: str = ""
-    slot: Slot = 4
+    slot: SensorSlot = 4
     distance_mm: Range
     samples: Samples = 1
     pace: UltrasonicPace = Waits()
@@ -139,7 +139,7 @@ class GradientSweep(BaseModel):
     kind: Literal["gradient_sweep"]
     name: str
     why: str = ""
-    slot: Slot = 3
+    slot: SensorSlot = 3
     position_mm: Range
     lightings: Annotated[tuple[Annotated[str, Field(pattern=_NAME)], ...], Field(min_length=1)] = ("room",)
     lamp: bool = True
@@ -164,7 +164,7 @@ class TouchCycles(BaseModel):
     kind: Literal["touch_cycles"]
     name: str
     why: str = ""
-    slot: Slot = 1
+    slot: SensorSlot = 1
     axis: Literal["force_g", "compression_mm"] = "force_g"
     push: Range
     cycles: int = Field(default=8, ge=1, le=1000)
@@ -198,8 +198,8 @@ class TwoSensors(BaseModel):
     kind: Literal["two_sensors"]
     name: str
     why: str = ""
-    slot: Slot = 4
-    other_slot: Slot = 1
+    slot: SensorSlot = 4
+    other_slot: SensorSlot = 1
     position_mm: Range
     samples: Samples = 16
     pace: UltrasonicPace = Waits()
@@ -318,7 +318,7 @@ def read_experiment(name_or_path: str | Path) -> Experiment:
     if not isinstance(kind, str) or kind not in _KINDS:
         what = f"{quoted(kind)} is no kind of experiment" if kind else "has no kind"
         raise ProgramError(what, where=f"{path}, key kind", mend=f"one of {', '.join(_KINDS)}")
-    return read_part(document, _KINDS[kind], ProgramError, where=Place(path))
+    return read_part(document, _KINDS[kind], ProgramError, where=YamlPlace(path))
 
 
 def dump_experiment(experiment: Experiment) -> str:

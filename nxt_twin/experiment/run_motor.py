@@ -10,7 +10,7 @@ from nxt_twin.brick.errors import BrickError
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RowWriter, RunFolder
 from nxt_twin.experiment.plan import Load, MotorIdentification
-from nxt_twin.experiment.run_sweep import Apparatus, Progress
+from nxt_twin.experiment.run_sweep import Apparatus, SweepProgress
 from nxt_twin.recording.columns import BATTERY, TIME, mode_column, power_column, tacho_column
 from nxt_twin.recording.program import Command, Run, commands
 from nxt_twin.twin.dating import Dating
@@ -43,7 +43,7 @@ def run_motor(experiment: MotorIdentification, folder: RunFolder, around: Appara
             around.ask(f"{_request(load)} [Enter when done] ")
         for run in experiment.runs:
             if run in missing:
-                around.tell(Progress(done, total, recording_name(load, run)))
+                around.tell(SweepProgress(done, total, recording_name(load, run)))
                 _record(experiment, load, run, folder, around)
             done += 1
 

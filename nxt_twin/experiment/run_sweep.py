@@ -12,8 +12,8 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.errors import ExperimentError
 from nxt_twin.experiment.folder import RowWriter, RunFolder
 from nxt_twin.experiment.positioner.by_hand import Ask
-from nxt_twin.experiment.positioner.positioner import Axis, Positioner, within
-from nxt_twin.experiment.sweep import Place, Sweep, SweepPart
+from nxt_twin.experiment.positioner.positioner import Positioner, PositionerAxis, within
+from nxt_twin.experiment.sweep import Sweep, SweepPart, SweepPoint
 from nxt_twin.recording.columns import TIME
 from nxt_twin.twin.settings import Pace
 
@@ -23,7 +23,7 @@ _GAP_S: Final = 1.0
 
 @final
 @dataclass(frozen=True)
-class Progress:
+class SweepProgress:
     """How far an experiment is.
 
     Attributes:
@@ -36,7 +36,7 @@ class Progress:
     words: str
 
 
-Tell = Callable[[Progress], None]
+TellProgress = Callable[[SweepProgress], None]
 
 
 @final
@@ -55,9 +55,9 @@ class Apparatus:
 
     brick: Brick
     clock: Clock
-    positioners: Mapping[Axis, Positioner]
+    positioners: Mapping[PositionerAxis, Positioner]
     ask: Ask
-    tell: Tell = lambda _: None
+    tell: TellProgress = lambda _: None
     pace: Pace = field(default_factory=Pace)
 
 
@@ -84,7 +84,7 @@ def run_sweep(sweep: Sweep, folder: RunFolder, around: Apparatus) -> None:
             positioner.stop()
 
 
-def _check(sweep: Sweep, positioners: Mapping[Axis, Positioner]) -> None:
+def _check(sweep: Sweep, positioners: Mapping[PositionerAxis, Positioner]) -> None:
     for axis in sweep.axes:
         if axis not in positioners:
             raise ExperimentError(f"nothing moves {axis}", where="positioners", mend=f"add one for {axis}")
@@ -119,13 +119,13 @@ def _run_part(
             if number < visited:
                 continue
             words = ", ".join(f"{axis} {value:g}" for axis, value in zip(sweep.axes, place, strict=True))
-            around.tell(Progress(before + number, sweep.places, f"{part.name}: {words}"))
+            around.tell(SweepProgress(before + number, sweep.places, f"{part.name}: {words}"))
             readings = _read_place(place, sweep, around, read, writer, zero_s)
         writer.finish()
 
 
 def _read_place(
-    place: Place,
+    place: SweepPoint,
     sweep: Sweep,
     around: Apparatus,
     read: Callable[[], float],

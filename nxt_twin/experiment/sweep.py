@@ -14,11 +14,11 @@ from nxt_twin.experiment.plan import (
     TwoSensors,
     Waits,
 )
-from nxt_twin.experiment.positioner.positioner import Axis
-from nxt_twin.recording.columns import Slot, light_column, touch_column, ultrasonic_column
+from nxt_twin.experiment.positioner.positioner import PositionerAxis
+from nxt_twin.recording.columns import SensorSlot, light_column, touch_column, ultrasonic_column
 
-SensorKind = Literal["ultrasonic", "light", "light_unlit", "touch"]
-Place = tuple[float, ...]
+SweptSensor = Literal["ultrasonic", "light", "light_unlit", "touch"]
+SweepPoint = tuple[float, ...]
 """A value for each of a sweep's axes."""
 
 
@@ -37,7 +37,7 @@ class SweepPart:
     """
 
     name: str
-    places: tuple[Place, ...]
+    places: tuple[SweepPoint, ...]
     request: str = ""
     until_silent: bool = False
     in_one_go: bool = False
@@ -59,13 +59,13 @@ class Sweep:
         other_slot: the port of a second ultrasonic sensor, if any.
     """
 
-    sensor: SensorKind
-    slot: Slot
-    axes: tuple[Axis, ...]
+    sensor: SweptSensor
+    slot: SensorSlot
+    axes: tuple[PositionerAxis, ...]
     parts: tuple[SweepPart, ...]
     samples: int
     pace: Waits
-    other_slot: Slot | None = None
+    other_slot: SensorSlot | None = None
 
     @property
     def column(self) -> str:
@@ -113,7 +113,7 @@ def sweep_of(experiment: SensorExperiment) -> Sweep:
                 )
                 for distance in experiment.distance_mm.values()
             )
-            axes: tuple[Axis, ...] = ("distance_mm", "angle_deg")
+            axes: tuple[PositionerAxis, ...] = ("distance_mm", "angle_deg")
             return Sweep("ultrasonic", experiment.slot, axes, parts, experiment.samples, experiment.pace)
         case GradientSweep():
             return _gradient(experiment)
@@ -136,7 +136,7 @@ def _gradient(experiment: GradientSweep) -> Sweep:
         SweepPart(f"light-{name}", places, request=f"Please set the room light '{name}'." if several else "")
         for name in experiment.lightings
     )
-    sensor: SensorKind = "light" if experiment.lamp else "light_unlit"
+    sensor: SweptSensor = "light" if experiment.lamp else "light_unlit"
     return Sweep(sensor, experiment.slot, ("position_mm",), parts, experiment.samples, experiment.pace)
 
 

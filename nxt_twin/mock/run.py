@@ -15,7 +15,7 @@ from nxt_twin.mock.serve.endpoint import Endpoint
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import Profile
 from nxt_twin.mock.serve.tcp import TcpEndpoint
-from nxt_twin.mock.start import Bodies, Change, bare_body, profile_named, switch_on
+from nxt_twin.mock.start import Bodies, BodyChange, bare_body, profile_named, switch_on
 
 
 @final
@@ -42,7 +42,7 @@ def serve(
     world: Path | None = None,
     seed: int = 0,
     profile: str | Profile = "none",
-    change: Change = lambda _: None,
+    change: BodyChange = lambda _: None,
     bodies: Bodies = bare_body,
     stop: Callable[[], bool] = lambda: False,
 ) -> None:

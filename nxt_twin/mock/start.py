@@ -14,10 +14,10 @@ from nxt_twin.mock.errors import ServeError, WorldError
 from nxt_twin.mock.firmware.firmware import Firmware
 from nxt_twin.mock.named import world_file
 from nxt_twin.mock.serve.host import Host
-from nxt_twin.mock.serve.link import Failure, MockLink
+from nxt_twin.mock.serve.link import MakeFailure, MockLink
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 
-Change = Callable[[Body], None]
+BodyChange = Callable[[Body], None]
 """What is done to a brick's body before it is switched on."""
 
 
@@ -45,7 +45,7 @@ def switch_on(
     world: Path | None = None,
     seed: int = 0,
     before: Firmware | None = None,
-    change: Change = lambda _: None,
+    change: BodyChange = lambda _: None,
     *,
     bodies: Bodies = bare_body,
     ready: bool = True,
@@ -96,11 +96,11 @@ def open_mock_link(
     world: Path | None = None,
     seed: int = 0,
     profile: str = "none",
-    change: Change = lambda _: None,
+    change: BodyChange = lambda _: None,
     bodies: Bodies = bare_body,
     ready: bool = True,
-    late: Failure = TimeoutError,
-    lost: Failure = ConnectionError,
+    late: MakeFailure = TimeoutError,
+    lost: MakeFailure = ConnectionError,
 ) -> MockLink:
     """A link to a brick that is switched on for it, in this process; what `mock:` means.
 

@@ -13,13 +13,13 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 
 _SQRT_TAU = math.sqrt(2.0 * math.pi)
 
-Commands = tuple[FloatArray, FloatArray, IntArray, FloatArray]
+CommandArrays = tuple[FloatArray, FloatArray, IntArray, FloatArray]
 """Times (s), values, drive modes and supply voltages (V) of the commands, shape (commands,) each."""
 
 Others = tuple[FloatArray, FloatArray]
 """Times (s), shape (loads,), from which the other motors load the supply so, shape (loads, 2)."""
 
-Clock = tuple[float, float, float, float]
+StepClock = tuple[float, float, float, float]
 """Delay of the commands (s), the clock's pace, the longest step (s), and the leak of the unknown torque (1/s)."""
 
 Spans = tuple[FloatArray, IntArray, IntArray]
@@ -38,7 +38,9 @@ def room(time_s: FloatArray, command_time_s: FloatArray, others_time_s: FloatArr
     return np.empty((most, 8)), np.empty((most, 2), np.int64), np.empty(rows + 1, np.int64)
 
 
-def schedule(target_s: FloatArray, commands: Commands, others: Others, clock: Clock, into: Spans) -> None:
+def schedule(
+    target_s: FloatArray, commands: CommandArrays, others: Others, clock: StepClock, into: Spans
+) -> None:
     """Part the time between rows where a command or another motor's load changes, and into steps.
 
     Args:

@@ -18,11 +18,11 @@ from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.guess.data_set import mapping_of_part, part_of, plant_of_part
 from nxt_twin.recording.mapped import read_all_mapped
 from nxt_twin.recording.mapping import Mapping
-from nxt_twin.recording.mappings import Given, MappingOf, given_in_sidecar, mappings, one_mapping
+from nxt_twin.recording.mappings import GivenMapping, MappingOf, given_in_sidecar, mappings, one_mapping
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.yaml_file import read_model
 
-Plant = dict[str, Any] | str
+PlantSource = dict[str, Any] | str
 
 _CASE_FILE = "case.yaml"
 _DEFAULT_PLANT = "nxt_motor"
@@ -47,7 +47,7 @@ class Case:
 
     name: str
     folder: Path
-    plant: Plant
+    plant: PlantSource
     recordings: tuple[Recording, ...]
     holdout: tuple[Recording, ...]
     port: Port | None
@@ -70,7 +70,7 @@ class CaseFile(BaseModel):
     holdout: list[str] = []
     before: list[str] = []
     port: Port | None = None
-    mapping: Given = None
+    mapping: GivenMapping = None
 
 
 def read_as_case(path: Path, mapping_of: MappingOf | None = None) -> Case:
@@ -144,7 +144,9 @@ def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     return Case(folder.resolve().name, folder, plant, recordings, holdout, port, before)
 
 
-def case_of(recordings: Sequence[Recording], plant: Plant | None = None, port: Port | None = None) -> Case:
+def case_of(
+    recordings: Sequence[Recording], plant: PlantSource | None = None, port: Port | None = None
+) -> Case:
     """A case of recordings in memory.
 
     Args:
@@ -175,7 +177,7 @@ def _check_lists(file: CaseFile, path: Path) -> None:
             raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
 
 
-def _located(plant: Plant, folder: Path) -> Plant:
+def _located(plant: PlantSource, folder: Path) -> PlantSource:
     """The plant, with the path of its file, if it names one, taken from `folder`."""
     is_file = isinstance(plant, str) and Path(plant).suffix.lower() in (".yaml", ".yml")
     return str(folder / str(plant)) if is_file else plant
@@ -196,7 +198,7 @@ def _read(folder: Path, name: str, mapping_of: MappingOf) -> tuple[Recording, ..
     return (replace(found[0], name=name),) if len(found) == 1 else found
 
 
-def _port(recordings: Sequence[Recording], plant: Plant, named: Port | None, where: str) -> Port | None:
+def _port(recordings: Sequence[Recording], plant: PlantSource, named: Port | None, where: str) -> Port | None:
     """The port that the case is about: the one named, or the only one with a motor in every recording."""
     config = load_plant_config(plant) if isinstance(plant, str) else plant
     kind = str(config.get("kind"))

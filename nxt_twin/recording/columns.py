@@ -14,13 +14,13 @@ from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import nearest, quoted
 
 Port = Literal["a", "b", "c"]
-Slot = Literal[1, 2, 3, 4]
+SensorSlot = Literal[1, 2, 3, 4]
 Role = Literal["stamp", "command", "reading", "truth"]
 DriveMode = Literal["drive", "float", "coast", "brake"]
 Regulation = Literal["none", "speed"]
 
 PORTS: tuple[Port, ...] = ("a", "b", "c")
-SLOTS: tuple[Slot, ...] = (1, 2, 3, 4)
+SLOTS: tuple[SensorSlot, ...] = (1, 2, 3, 4)
 DRIVE_MODES: tuple[DriveMode, ...] = ("drive", "float", "coast", "brake")
 REGULATIONS: tuple[Regulation, ...] = ("none", "speed")
 TIME = "time_s"
@@ -76,22 +76,22 @@ def goal_column(port: Port) -> str:
     return f"{port}_goal_deg"
 
 
-def ultrasonic_column(slot: Slot) -> str:
+def ultrasonic_column(slot: SensorSlot) -> str:
     """The name of the ultrasonic distance read at a sensor's slot."""
     return f"s{slot}_ultrasonic_cm"
 
 
-def light_column(slot: Slot) -> str:
+def light_column(slot: SensorSlot) -> str:
     """The name of the light reading at a sensor's slot."""
     return f"s{slot}_light_raw"
 
 
-def sound_column(slot: Slot) -> str:
+def sound_column(slot: SensorSlot) -> str:
     """The name of the sound reading at a sensor's slot."""
     return f"s{slot}_sound_raw"
 
 
-def touch_column(slot: Slot) -> str:
+def touch_column(slot: SensorSlot) -> str:
     """The name of the touch reading at a sensor's slot."""
     return f"s{slot}_touch"
 

@@ -15,7 +15,7 @@ from nxt_twin.recording.yaml_file import read_yaml
 MappingOf = Callable[[str], mapping_file.Mapping | None]
 """Gives the mapping of a recording by its name; None for a brick's."""
 
-Given = str | dict[str, Any] | None
+GivenMapping = str | dict[str, Any] | None
 """What `mapping:` may be: a file, a mapping's own keys, or either by file or pattern."""
 
 
@@ -28,7 +28,7 @@ def one_mapping(mapping: mapping_file.Mapping) -> MappingOf:
     return lambda _name: mapping
 
 
-def mappings(given: Given, folder: Path, where: str) -> MappingOf:
+def mappings(given: GivenMapping, folder: Path, where: str) -> MappingOf:
     """The mappings that a case or a sidecar states.
 
     Args:
@@ -71,7 +71,7 @@ def read_mappings(path: Path) -> MappingOf:
     return mappings(keys, path.parent, str(path))
 
 
-def given_in_sidecar(sidecar: Mapping[str, Any]) -> Given:
+def given_in_sidecar(sidecar: Mapping[str, Any]) -> GivenMapping:
     """The mapping that a sidecar names under `mapping`, or whose keys it holds, as `map --out` writes them."""
     if "mapping" in sidecar or not _is_mapping(sidecar):
         return sidecar.get("mapping")

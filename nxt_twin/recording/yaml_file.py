@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.bounded_yaml import KeyTwiceError, parse_yaml
 from nxt_twin.recording.source import nearest, quoted, read_head
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 
 LARGEST_YAML_BYTES = 2**20
 
@@ -54,11 +54,11 @@ def read_model(path: Path, model: type[ModelT], error: type[NxtTwinError]) -> Mo
     Raises:
         NxtTwinError: of class `error`, as `read_yaml`, or naming the first key that the model refuses.
     """
-    return read_part(read_yaml(path, error), model, error, where=Place(path))
+    return read_part(read_yaml(path, error), model, error, where=YamlPlace(path))
 
 
 def read_part(
-    document: dict[str, Any], model: type[ModelT], error: type[NxtTwinError], *, where: Place | str
+    document: dict[str, Any], model: type[ModelT], error: type[NxtTwinError], *, where: YamlPlace | str
 ) -> ModelT:
     """Read what stands at some place of a file, or somewhere else (`where` in words), into `model`.
 
@@ -75,8 +75,8 @@ def read_part(
         raise error(what, where=_told(where, keys), mend=mend) from None
 
 
-def _told(where: Place | str, keys: tuple[str, ...]) -> str:
-    if isinstance(where, Place):
+def _told(where: YamlPlace | str, keys: tuple[str, ...]) -> str:
+    if isinstance(where, YamlPlace):
         return where.of(keys)
     return f"{where}, key {'.'.join(keys)}" if keys else where
 

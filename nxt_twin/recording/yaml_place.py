@@ -13,7 +13,7 @@ from nxt_twin.recording.bounded_yaml import LOADER
 
 @final
 @dataclass(frozen=True)
-class Place:
+class YamlPlace:
     """A file, or a part of it.
 
     Attributes:

@@ -18,7 +18,7 @@ from nxt_twin.twin.history import History
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.records import Event, Sink
 
-Experiment = Callable[[MotorProgram, float], float]
+RunExperiment = Callable[[MotorProgram, float], float]
 """Runs a program once from a moment on, and says when it will be over."""
 
 _BEFORE_ONSET_S = 20.0
@@ -52,7 +52,7 @@ class Improver:
         monitors: Mapping[Port, MotorMonitor],
         history: Mapping[Port, History],
         sink: Sink,
-        experiment: Experiment | None,
+        experiment: RunExperiment | None,
     ) -> None:
         self._adopter, self._twin, self._monitors, self._history = adopter, twin, monitors, history
         self._sink, self._experiment = sink, experiment

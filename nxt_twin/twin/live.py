@@ -10,7 +10,7 @@ from typing import final
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.physics.plant import Plant
-from nxt_twin.recording.columns import Port, Slot
+from nxt_twin.recording.columns import Port, SensorSlot
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.adopt import Adopter
@@ -21,7 +21,7 @@ from nxt_twin.twin.logbook import columns_of
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Sink
-from nxt_twin.twin.sensor_twin import SensorKind, SensorTwin
+from nxt_twin.twin.sensor_twin import PortSensor, SensorTwin
 from nxt_twin.twin.session import Parts
 from nxt_twin.twin.settings import Pace
 
@@ -44,7 +44,7 @@ class LiveOptions:
     """
 
     plants: Mapping[Port, Plant]
-    sensors: Mapping[Slot, SensorKind] = field(default_factory=dict)
+    sensors: Mapping[SensorSlot, PortSensor] = field(default_factory=dict)
     program: MotorProgram | None = None
     driver: Driver | None = None
     adopt: bool = False

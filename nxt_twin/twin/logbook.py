@@ -15,7 +15,7 @@ from nxt_twin.recording.columns import (
     DRIVE_MODES,
     TIME,
     Port,
-    Slot,
+    SensorSlot,
     light_column,
     mode_column,
     power_column,
@@ -32,9 +32,9 @@ from nxt_twin.twin.settings import Pace
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.
-    from nxt_twin.twin.sensor_twin import SensorKind
+    from nxt_twin.twin.sensor_twin import PortSensor
 
-_COLUMNS: Final[Mapping[SensorKind, Callable[[Slot], str]]] = {
+_COLUMNS: Final[Mapping[PortSensor, Callable[[SensorSlot], str]]] = {
     "touch": touch_column,
     "light": light_column,
     "sound": sound_column,
@@ -56,10 +56,10 @@ class Beat:
     rows: int
 
 
-Tell = Callable[[Beat], None]
+TellBeat = Callable[[Beat], None]
 
 
-def columns_of(ports: tuple[Port, ...], sensors: Mapping[Slot, SensorKind]) -> tuple[str, ...]:
+def columns_of(ports: tuple[Port, ...], sensors: Mapping[SensorSlot, PortSensor]) -> tuple[str, ...]:
     """The columns that rows of these motors and sensors may fill."""
     motors = [name(port) for port in ports for name in (power_column, mode_column, tacho_column)]
     return (TIME, *motors, BATTERY, *(_COLUMNS[kind](slot) for slot, kind in sensors.items()))
@@ -112,7 +112,7 @@ class Logbook:
     def _now_s(self) -> float:
         return self._clock.now_s() - self._began_s
 
-    def keep(self, seconds: float | None, report: Tell = lambda _: None) -> Beat:
+    def keep(self, seconds: float | None, report: TellBeat = lambda _: None) -> Beat:
         """Poll for so long, or until interrupted; whatever ends it, driven motors coast.
 
         Args:

@@ -12,11 +12,11 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.commands.motors import MotorState
 from nxt_twin.brick.errors import CommandRefusedError
 from nxt_twin.brick.stamped import Stamped
-from nxt_twin.recording.columns import DriveMode, Port, Slot
+from nxt_twin.recording.columns import DriveMode, Port, SensorSlot
 
 if TYPE_CHECKING:
     # Brings in the filters, which nobody needs who only polls.
-    from nxt_twin.twin.sensor_twin import SensorKind
+    from nxt_twin.twin.sensor_twin import PortSensor
 
 OUTPUTS: Mapping[Port, OutputPort] = {"a": OutputPort.A, "b": OutputPort.B, "c": OutputPort.C}
 _TYPES = {
@@ -40,7 +40,7 @@ class Plan:
         period_s: how long a poll takes at least; 0 is the link's own pace.
     """
 
-    sensors: Mapping[Slot, SensorKind] = field(default_factory=dict)
+    sensors: Mapping[SensorSlot, PortSensor] = field(default_factory=dict)
     sensor_every_s: float = 0.05
     ultrasonic_every_s: float = 0.075
     battery_every_s: float = 2.0
@@ -60,7 +60,7 @@ class SensorPoll:
         self._brick = brick
         self._plan = plan
         self._due_s = dict.fromkeys(plan.sensors, 0.0)
-        self._fetching: Slot | None = None
+        self._fetching: SensorSlot | None = None
         self._fetches = 0
 
     def set_up(self) -> None:
@@ -72,7 +72,7 @@ class SensorPoll:
                 sensor_type, mode = _TYPES[kind]
                 self._brick.sensors.set_mode(slot - 1, sensor_type, mode)
 
-    def next(self, now_s: float) -> tuple[Slot, Stamped[float]] | None:
+    def next(self, now_s: float) -> tuple[SensorSlot, Stamped[float]] | None:
         """Ask for one reading; None where there is none in this poll."""
         if self._fetching is not None:
             return self._fetch(self._fetching)
@@ -92,7 +92,7 @@ class SensorPoll:
         value = pressed if self._plan.sensors[slot] == "touch" else float(reading.value.raw)
         return slot, reading.having(value)
 
-    def _begin(self, slot: Slot) -> None:
+    def _begin(self, slot: SensorSlot) -> None:
         try:
             self._brick.low_speed.write(
                 slot - 1, bytes((ADDRESS, UltrasonicRegister.MEASUREMENT)), receive_length=1
@@ -101,7 +101,7 @@ class SensorPoll:
             return  # not ready yet, or nothing plugged in: asked again when it is due
         self._fetching, self._fetches = slot, 0
 
-    def _fetch(self, slot: Slot) -> tuple[Slot, Stamped[float]] | None:
+    def _fetch(self, slot: SensorSlot) -> tuple[SensorSlot, Stamped[float]] | None:
         self._fetches += 1
         self._fetching = slot if self._fetches < _FETCHES_MOST else None
         try:

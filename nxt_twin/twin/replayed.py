@@ -13,7 +13,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import (
     SLOTS,
     Port,
-    Slot,
+    SensorSlot,
     light_column,
     sound_column,
     touch_column,
@@ -26,7 +26,7 @@ from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Sink
-from nxt_twin.twin.sensor_twin import SensorKind
+from nxt_twin.twin.sensor_twin import PortSensor
 from nxt_twin.twin.session import Parts
 from nxt_twin.twin.settings import AT_ARRIVAL
 
@@ -68,15 +68,15 @@ def replay_sitting(
     return Sitting(parts), brick.duration_s
 
 
-def sensors_of(recording: Recording) -> dict[Slot, SensorKind]:
+def sensors_of(recording: Recording) -> dict[SensorSlot, PortSensor]:
     """The sensors of a recording, by its columns."""
-    names: Mapping[SensorKind, Any] = {
+    names: Mapping[PortSensor, Any] = {
         "touch": touch_column,
         "light": light_column,
         "sound": sound_column,
         "ultrasonic": ultrasonic_column,
     }
-    found: dict[Slot, SensorKind] = {}
+    found: dict[SensorSlot, PortSensor] = {}
     for slot in SLOTS:
         for kind, name in names.items():
             if name(slot) in recording.columns:

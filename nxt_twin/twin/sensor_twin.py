@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Literal, final
 
-from nxt_twin.recording.columns import Slot, light_column, sound_column, touch_column, ultrasonic_column
+from nxt_twin.recording.columns import SensorSlot, light_column, sound_column, touch_column, ultrasonic_column
 from nxt_twin.sensors import ultrasonic
 from nxt_twin.twin.estimator import Drift
 from nxt_twin.twin.records import Innovation
 
-SensorKind = Literal["touch", "light", "sound", "ultrasonic"]
+PortSensor = Literal["touch", "light", "sound", "ultrasonic"]
 
 NO_ECHO_CM = 255.0
 _GATE = 16.0
@@ -45,7 +45,7 @@ class SensorTwin:
     """
 
     def __init__(
-        self, slot: Slot, kind: SensorKind, model: ultrasonic.UltrasonicParameters | None = None
+        self, slot: SensorSlot, kind: PortSensor, model: ultrasonic.UltrasonicParameters | None = None
     ) -> None:
         self.slot = slot
         self.kind = kind

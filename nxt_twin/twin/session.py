@@ -27,7 +27,7 @@ from nxt_twin.twin.adopt import Adopter
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Driver
 from nxt_twin.twin.history import History, Recorder
-from nxt_twin.twin.improver import Experiment, Improver
+from nxt_twin.twin.improver import Improver, RunExperiment
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import ReadingEvidence
 from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, alike, reported, tell
@@ -76,7 +76,7 @@ class Parts:
     driver: Driver | None = None
     recorder: Recorder | None = None
     adopter: Adopter | None = None
-    experiment: Experiment | None = None
+    experiment: RunExperiment | None = None
     enough: Callable[[], bool] = lambda: False
     lags: KnownLags = field(default_factory=KnownLags)
 

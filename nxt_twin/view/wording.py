@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from nxt_twin.diagnose.diagnosis import Diagnosis, Equation, Source, Verdict
+from nxt_twin.diagnose.diagnosis import Diagnosis, Source, Verdict
+from nxt_twin.physics.effect import Equation
 
 VERDICTS: dict[Verdict, str] = {
     "adequate": "nothing is missing",

@@ -15,7 +15,7 @@ from nxt_twin.mock.body.motors import MotorBank
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import PORTS, Port
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 from nxt_twin.world.assembly import Assembly, Vector, rotation
 from nxt_twin.world.blame import blaming
 from nxt_twin.world.bullet import Bullet
@@ -117,7 +117,7 @@ def open_arena(setting: Setting, seed: int = 0) -> Arena:
 
 
 def _plant(setting: Setting, port: Port) -> Plant:
-    with blaming(Place(setting.file), "motors", port):
+    with blaming(YamlPlace(setting.file), "motors", port):
         return setting.world.plant(port, setting.file.parent)
 
 

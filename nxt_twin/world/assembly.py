@@ -12,7 +12,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 
 Vector = tuple[float, float, float]
-Colour = tuple[float, float, float, float]
+Rgba = tuple[float, float, float, float]
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
@@ -36,7 +36,7 @@ class Shape:
     size_m: tuple[float, ...]
     at_m: Vector = ORIGIN
     turned_rad: Vector = ORIGIN
-    colour: Colour = (0.7, 0.7, 0.7, 1.0)
+    colour: Rgba = (0.7, 0.7, 0.7, 1.0)
     seen: bool = True
     solid: bool = True
 

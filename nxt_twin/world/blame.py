@@ -7,11 +7,11 @@ from contextlib import contextmanager
 
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.mock.errors import WorldError
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 
 
 @contextmanager
-def blaming(place: Place, *keys: str) -> Iterator[None]:
+def blaming(place: YamlPlace, *keys: str) -> Iterator[None]:
     """Add the file, the line and the key to an error about the value of that key.
 
     Raises:

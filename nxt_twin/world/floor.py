@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.mock.errors import WorldError
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 from nxt_twin.world.blame import blaming
 from nxt_twin.world.scene import Floor, Print, Spot
 
@@ -29,7 +29,7 @@ class FloorPicture:
     """
 
     def __init__(self, floor: Floor, file: Path) -> None:
-        place = Place(file, ("scene", "floor"))
+        place = YamlPlace(file, ("scene", "floor"))
         width, depth = (round(size / floor.grain_mm) for size in floor.size_mm)
         if width * depth > _GREATEST_SPOTS:
             mend = f"at most {_GREATEST_SPOTS} spots: make size_mm smaller or grain_mm larger"

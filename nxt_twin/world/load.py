@@ -13,7 +13,7 @@ from nxt_twin.mock.errors import WorldError
 from nxt_twin.mock.named import YAML, named, world_file
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.yaml_file import read_model, read_part, read_yaml
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 from nxt_twin.world.robot import Robot
 from nxt_twin.world.scene import Scene
 
@@ -39,7 +39,7 @@ class Setting:
     robot: Robot
     scene: Scene
     file: Path
-    robot_at: Place
+    robot_at: YamlPlace
 
 
 def load_setting(path: str | Path) -> Setting:
@@ -63,17 +63,17 @@ def setting_of(world: World, file: Path) -> Setting:
     """
     if world.robot is None:
         mend = "write robot: castor_bot, or another of configs/robots"
-        raise WorldError("holds no robot", where=Place(file).of((_ROBOT,)), mend=mend)
-    robot, robot_at = _robot(world.robot, Place(file, (_ROBOT,)))
-    scene = read_part(world.scene or {}, Scene, WorldError, where=Place(file, ("scene",)))
+        raise WorldError("holds no robot", where=YamlPlace(file).of((_ROBOT,)), mend=mend)
+    robot, robot_at = _robot(world.robot, YamlPlace(file, (_ROBOT,)))
+    scene = read_part(world.scene or {}, Scene, WorldError, where=YamlPlace(file, ("scene",)))
     return Setting(world, robot, scene, file, robot_at)
 
 
-def _robot(given: str | dict[str, Any], place: Place) -> tuple[Robot, Place]:
+def _robot(given: str | dict[str, Any], place: YamlPlace) -> tuple[Robot, YamlPlace]:
     """The robot that a world names, or holds; one that is `like` another takes from it what it does not say itself."""
     if isinstance(given, str):
         file = _robot_file(given, place)
-        return read_model(file, Robot, WorldError), Place(file)
+        return read_model(file, Robot, WorldError), YamlPlace(file)
     changed = dict(given)
     like = changed.pop(_LIKE, None)
     if like is not None:
@@ -81,9 +81,9 @@ def _robot(given: str | dict[str, Any], place: Place) -> tuple[Robot, Place]:
     return read_part(changed, Robot, WorldError, where=place), place
 
 
-def _robot_file(given: str, place: Place, *keys: str) -> Path:
+def _robot_file(given: str, place: YamlPlace, *keys: str) -> Path:
     """The file of a robot that is named at some place of a world file."""
-    where = Place(place.file).of((*place.under, *keys))
+    where = YamlPlace(place.file).of((*place.under, *keys))
     if Path(given).suffix not in YAML:
         return named(given, "robots", where=where)
     beside = place.file.parent / given

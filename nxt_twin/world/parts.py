@@ -7,10 +7,10 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from nxt_twin.world.assembly import Colour, Shape, Vector, vector
+from nxt_twin.world.assembly import Rgba, Shape, Vector, vector
 
-Positive = Annotated[float, Field(gt=0.0, le=1e5)]
-Place = tuple[float, float, float]
+PositiveSize = Annotated[float, Field(gt=0.0, le=1e5)]
+Point = tuple[float, float, float]
 Name = Annotated[str, Field(min_length=1, max_length=40)]
 
 COLOURS: Final[dict[str, tuple[float, float, float]]] = {
@@ -50,11 +50,11 @@ class Solid(Written):
         solid: others collide with it.
     """
 
-    box_mm: tuple[Positive, Positive, Positive] | None = None
-    cylinder_mm: tuple[Positive, Positive] | None = None
-    sphere_mm: Positive | None = None
-    at_mm: Place = (0.0, 0.0, 0.0)
-    turned_deg: Place = (0.0, 0.0, 0.0)
+    box_mm: tuple[PositiveSize, PositiveSize, PositiveSize] | None = None
+    cylinder_mm: tuple[PositiveSize, PositiveSize] | None = None
+    sphere_mm: PositiveSize | None = None
+    at_mm: Point = (0.0, 0.0, 0.0)
+    turned_deg: Point = (0.0, 0.0, 0.0)
     colour: ColourName = "light grey"
     solid: bool = True
 
@@ -76,16 +76,16 @@ class Solid(Written):
         return Shape("sphere", (0.5e-3 * (self.sphere_mm or 0.0),), place, turn, paint, solid=self.solid)
 
 
-def metres(place_mm: Place) -> Vector:
+def metres(place_mm: Point) -> Vector:
     """Millimetres in metres."""
     return vector(1e-3 * part for part in place_mm)
 
 
-def radians(turned_deg: Place) -> Vector:
+def radians(turned_deg: Point) -> Vector:
     """Degrees in radians."""
     return vector(math.radians(part) for part in turned_deg)
 
 
-def painted(colour: ColourName) -> Colour:
+def painted(colour: ColourName) -> Rgba:
     """A colour by its name, opaque."""
     return (*COLOURS[colour], 1.0)

@@ -24,7 +24,7 @@ from nxt_twin.world.arena import Arena
 _LOOK_S: Final = 5e-6
 """What a look at the clock costs: a program that only looks until it is late enough would never end."""
 
-Ending = Literal["done", "failed", "out of time"]
+ProgramEnding = Literal["done", "failed", "out of time"]
 
 
 class TimeIsUp(BaseException):
@@ -42,7 +42,7 @@ class Ran:
         elapsed_s: how long it ran by its own clock.
     """
 
-    ending: Ending
+    ending: ProgramEnding
     said: str
     elapsed_s: float
 
@@ -109,7 +109,7 @@ def let_pass(arena: Arena, duration_s: float) -> Ran:
 
 def _run(
     script: Path, arguments: Sequence[str], clock: ProgramClock, bus: MockUsbBackend
-) -> tuple[Ending, str]:
+) -> tuple[ProgramEnding, str]:
     with _instead(clock):
         try:
             return run_script(script, arguments, bus)

@@ -14,8 +14,8 @@ from pydantic import Field, ValidationInfo, field_validator
 from nxt_twin.recording.columns import Port
 from nxt_twin.world.assembly import Assembly, Grip, Joint, RigidLink, Shape, lumped
 from nxt_twin.world.geared import geared, relieved
-from nxt_twin.world.parts import Name, Place, Positive, Solid, Written, metres, painted
-from nxt_twin.world.sensing import SensorModel
+from nxt_twin.world.parts import Name, Point, PositiveSize, Solid, Written, metres, painted
+from nxt_twin.world.sensing import SensorMount
 
 BASE: Final = "base"
 _TYRE_SHARE: Final = 0.75
@@ -31,7 +31,7 @@ class Part(Solid):
         name: what it is, for people.
     """
 
-    mass_g: Positive
+    mass_g: PositiveSize
     name: str = ""
 
     def weighed(self) -> tuple[Shape, float]:
@@ -54,10 +54,10 @@ class Wheel(Written):
     """
 
     port: Port
-    at_mm: Place
-    radius_mm: Positive
-    width_mm: Positive = 26.0
-    mass_g: Positive = 30.0
+    at_mm: Point
+    radius_mm: PositiveSize
+    width_mm: PositiveSize = 26.0
+    mass_g: PositiveSize = 30.0
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.9
     scrub_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 2.0
     rolling_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
@@ -95,9 +95,9 @@ class Glide(Written):
         friction: on a floor of friction 1.
     """
 
-    at_mm: Place
-    radius_mm: Positive = 8.0
-    mass_g: Positive = 10.0
+    at_mm: Point
+    radius_mm: PositiveSize = 8.0
+    mass_g: PositiveSize = 10.0
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.04
 
     def link(self, name: str) -> RigidLink:
@@ -121,7 +121,7 @@ class Arm(Written):
     """
 
     port: Port
-    at_mm: Place
+    at_mm: Point
     axis: Literal["x", "y", "z", "-x", "-y", "-z"] = "y"
     parts: Annotated[list[Part], Field(min_length=1)]
     range_deg: tuple[float, float] | None = None
@@ -157,7 +157,7 @@ class Robot(Written):
     wheels: dict[Name, Wheel] = Field(default_factory=dict)
     glides: dict[Name, Glide] = Field(default_factory=dict)
     arms: dict[Name, Arm] = Field(default_factory=dict)
-    sensors: dict[Literal[1, 2, 3, 4], SensorModel] = Field(default_factory=dict)
+    sensors: dict[Literal[1, 2, 3, 4], SensorMount] = Field(default_factory=dict)
     friction: Annotated[float, Field(ge=0.0, le=5.0)] = 0.4
     fixed: bool = False
 

@@ -8,7 +8,7 @@ from typing import Annotated, Self, final
 from pydantic import Field, model_validator
 
 from nxt_twin.world.assembly import Assembly, Grip, RigidLink, lumped
-from nxt_twin.world.parts import Name, Place, Positive, Solid, Written
+from nxt_twin.world.parts import Name, Point, PositiveSize, Solid, Written
 
 Shade = Annotated[float, Field(ge=0.0, le=1.0)]
 """The share of light that comes back: 0 is black, 1 is white."""
@@ -33,7 +33,7 @@ class Print(Written):
     patch_mm: tuple[Spot, Spot] | None = None
     gradient_mm: tuple[Spot, Spot] | None = None
     picture: Path | None = None
-    width_mm: Positive = 20.0
+    width_mm: PositiveSize = 20.0
     shade: Shade = 0.06
     to_shade: Shade = 0.9
 
@@ -59,7 +59,7 @@ class Floor(Written):
         grain_mm: how finely the prints are kept.
     """
 
-    size_mm: tuple[Positive, Positive] = (2000.0, 2000.0)
+    size_mm: tuple[PositiveSize, PositiveSize] = (2000.0, 2000.0)
     shade: Shade = 0.85
     friction: Friction = 1.0
     prints: tuple[Print, ...] = ()
@@ -90,7 +90,7 @@ class Thing(Solid):
         shade: the share of a red lamp's light that comes back from it.
     """
 
-    mass_g: Positive | None = None
+    mass_g: PositiveSize | None = None
     friction: Friction = 0.5
     rolling_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
     shade: Shade = 0.4
@@ -112,7 +112,7 @@ class Lamp(Written):
         raw_at_1_m: by how much it lowers a reading that looks straight at it from 1 m.
     """
 
-    at_mm: Place
+    at_mm: Point
     raw_at_1_m: Annotated[float, Field(ge=0.0, le=1023.0)] = 150.0
 
 
@@ -127,9 +127,9 @@ class Sound(Written):
         during_s: from when to when it sounds; None is always.
     """
 
-    at_mm: Place
+    at_mm: Point
     db_at_1_m: Annotated[float, Field(ge=0.0, le=140.0)] = 70.0
-    hz: Positive = 1000.0
+    hz: PositiveSize = 1000.0
     during_s: tuple[float, float] | None = None
 
 
@@ -146,7 +146,7 @@ class Room(Written):
 
     light_raw: Annotated[float, Field(ge=-1023.0, le=1023.0)] = 0.0
     mains_raw: Annotated[float, Field(ge=0.0, le=500.0)] = 0.0
-    mains_hz: Positive = 100.0
+    mains_hz: PositiveSize = 100.0
     noise_db: Annotated[float, Field(ge=0.0, le=140.0)] = 35.0
     air_c: Annotated[float, Field(ge=-40.0, le=80.0)] = 20.0
 

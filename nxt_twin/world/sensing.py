@@ -7,7 +7,7 @@ from typing import Annotated, Literal, final
 from pydantic import Field
 
 from nxt_twin.world.assembly import Grip, Joint, RigidLink, Shape, Vector, lumped, rotation, vector
-from nxt_twin.world.parts import Place, Positive, Written, metres, painted, radians
+from nxt_twin.world.parts import Point, PositiveSize, Written, metres, painted, radians
 
 
 class Mounted(Written):
@@ -18,7 +18,7 @@ class Mounted(Written):
         facing_deg: pitch (down is positive) and yaw (left is positive) of where it looks from straight ahead.
     """
 
-    at_mm: Place
+    at_mm: Point
     facing_deg: tuple[float, float] = (0.0, 0.0)
 
     @property
@@ -55,9 +55,9 @@ class LightMount(Mounted):
     kind: Literal["light"]
     model: str = "nxt_light_reflected"
     unlit_model: str = "nxt_light_ambient"
-    spot_mm: Positive = 12.0
-    best_mm: Positive = 10.0
-    fade_mm: Positive = 15.0
+    spot_mm: PositiveSize = 12.0
+    best_mm: PositiveSize = 10.0
+    fade_mm: PositiveSize = 15.0
 
 
 @final
@@ -73,10 +73,10 @@ class TouchMount(Mounted):
 
     kind: Literal["touch"]
     model: str = "nxt_touch"
-    bumper_mm: tuple[Positive, Positive, Positive] = (6.0, 60.0, 16.0)
-    travel_mm: Positive = 3.5
+    bumper_mm: tuple[PositiveSize, PositiveSize, PositiveSize] = (6.0, 60.0, 16.0)
+    travel_mm: PositiveSize = 3.5
     preload_g: Annotated[float, Field(ge=0.0, le=1000.0)] = 10.0
-    mass_g: Positive = 5.0
+    mass_g: PositiveSize = 5.0
 
     def plunger(self, name: str) -> RigidLink:
         """The bumper as a link that slides along where the sensor looks; at rest it is all the way out."""
@@ -112,6 +112,6 @@ class GyroMount(Mounted):
     noise_raw: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
 
 
-SensorModel = Annotated[
+SensorMount = Annotated[
     UltrasonicMount | LightMount | TouchMount | SoundMount | GyroMount, Field(discriminator="kind")
 ]

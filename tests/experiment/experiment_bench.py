@@ -9,7 +9,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.outline import axes_of
 from nxt_twin.experiment.plan import _KINDS, Experiment
-from nxt_twin.experiment.run_sweep import Apparatus, Progress
+from nxt_twin.experiment.run_sweep import Apparatus, SweepProgress
 from nxt_twin.experiment.standin.rig import RigMover
 from nxt_twin.experiment.standin.workbench import Workbench, helper, place_sensors, workbench
 
@@ -77,7 +77,9 @@ def bench_for(experiment: Experiment, seed: int = 1, profile: str = "none") -> W
     return bench
 
 
-def surroundings(bench: Workbench, experiment: Experiment, told: list[Progress] | None = None) -> Apparatus:
+def surroundings(
+    bench: Workbench, experiment: Experiment, told: list[SweepProgress] | None = None
+) -> Apparatus:
     movers = {axis: RigMover(bench.rig, axis) for axis in axes_of(experiment)}
     tell = (lambda _: None) if told is None else told.append
     return Apparatus(bench.brick, bench.clock, movers, helper(bench, experiment), tell)

@@ -10,7 +10,7 @@ from nxt_twin.experiment.folder import RunFolder
 from nxt_twin.experiment.identify import carry_out
 from nxt_twin.experiment.plan import Experiment, MotorIdentification
 from nxt_twin.experiment.positioner.positioner import Limits
-from nxt_twin.experiment.run_sweep import Apparatus, Progress
+from nxt_twin.experiment.run_sweep import Apparatus, SweepProgress
 from nxt_twin.experiment.standin.rig import RigMover
 from nxt_twin.recording.files import read_recording
 
@@ -86,7 +86,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(kind: str, tmp_path: Path
             carry_out(experiment, folder, broken)
         assert positioner.stopped
         moves.append(at_move)
-    told: list[Progress] = []
+    told: list[SweepProgress] = []
     carry_out(experiment, RunFolder(folder.path, experiment), surroundings(bench, experiment, told))
     assert told[0].done >= sum(moves) - len(moves) - 3
     for path in sorted((whole.path / "recordings").iterdir()):

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from nxt_twin.blind.kinds import Equation, Size
 from nxt_twin.blind.truth.motor import Motor
 
-Range = tuple[float, float]
+LowHigh = tuple[float, float]
 
 
 @final
@@ -59,9 +59,9 @@ class Situation:
     recordings: int
     duration_s: float
     starts_deg: tuple[float, ...]
-    reach_deg: tuple[Range, ...] = ()
+    reach_deg: tuple[LowHigh, ...] = ()
 
-    def sized(self, small: Range, medium: Range, large: Range) -> float:
+    def sized(self, small: LowHigh, medium: LowHigh, large: LowHigh) -> float:
         """A log-uniform draw from the range of this size."""
         low, high = {"small": small, "medium": medium, "large": large}[self.size]
         return self.between(low, high)

@@ -20,10 +20,10 @@ def compiled(function: Function) -> Function:
     return cast("Function", njit(cache=True)(function))
 
 
-Held = TypeVar("Held", bound="DataclassInstance")
+HeldT = TypeVar("HeldT", bound="DataclassInstance")
 
 
-def as_record(held: Held) -> Held:
+def as_record(held: HeldT) -> HeldT:
     """A dataclass of numbers as the record that compiled functions read; it has the same fields."""
     kind = np.dtype([(field.name, np.float64) for field in fields(held)])
-    return cast("Held", np.array([astuple(held)], dtype=kind)[0])
+    return cast("HeldT", np.array([astuple(held)], dtype=kind)[0])

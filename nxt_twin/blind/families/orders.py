@@ -15,7 +15,7 @@ from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.make import write_case
 from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.sets import plan_set
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.errors import CaseError, NxtTwinError
 from nxt_twin.fleet.workers.place import HERE, Place
 
@@ -93,7 +93,7 @@ def _seed_of(seed: int, family: str) -> int:
 
 def make_orders(
     orders: Sequence[Order], cases: Path, answers: Path, *, place: Place = HERE
-) -> Iterator[Outcome]:
+) -> Iterator[NameAndFailure]:
     """Make and write each case that is not there yet, and yield its name and why it failed, if it did."""
     waiting = [order for order in orders if not _is_made(order, cases)]
     tasks = (
@@ -102,7 +102,7 @@ def make_orders(
     yield from spread(tasks, place)
 
 
-def make_one(order: Order, cases: Path, answers: Path) -> Outcome:
+def make_one(order: Order, cases: Path, answers: Path) -> NameAndFailure:
     """Make and write one case where it is not there yet: its name, and why it failed, if it did."""
     if _is_made(order, cases):
         return order.plan.name, ""

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from nxt_twin.blind.families.numbers import Numbers
 from nxt_twin.blind.kinds import Equation, Size
 
-Range = tuple[float, float]
+LowHigh = tuple[float, float]
 
 STALL_NM: Final = 0.52
 INERTIA_KG_M2: Final = 1.2e-3
@@ -41,9 +41,9 @@ class DrawnCase:
     duration_s: float
     poll_s: float
     starts_deg: tuple[float, ...]
-    reach_deg: tuple[Range, ...]
+    reach_deg: tuple[LowHigh, ...]
 
-    def among(self, **ranges: Range) -> float:
+    def among(self, **ranges: LowHigh) -> float:
         """Drawn by ratio from the range of this size: `small`, `medium` or `large`."""
         return self.between(*ranges[self.size])
 
@@ -51,11 +51,11 @@ class DrawnCase:
         """Drawn by ratio between two positive bounds."""
         return float(low * (high / low) ** float(self.rng.random()))
 
-    def torque(self, **ranges: Range) -> float:
+    def torque(self, **ranges: LowHigh) -> float:
         """As `among`, in N·m of a motor with the NXT's stall torque, scaled to this one's."""
         return self.among(**ranges) * self.motor.stall_nm / STALL_NM
 
-    def inertia(self, **ranges: Range) -> float:
+    def inertia(self, **ranges: LowHigh) -> float:
         """As `among`, in shares of this motor's inertia."""
         return self.among(**ranges) * self.motor.inertia_kg_m2
 

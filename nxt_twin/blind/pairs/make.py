@@ -16,7 +16,7 @@ from nxt_twin.blind.make import SALT_BYTES, write_case
 from nxt_twin.blind.pairs.bench import Bench, Truth, bench_of
 from nxt_twin.blind.pairs.touches import TOUCHES, MotorTouch, stand_together
 from nxt_twin.blind.sets import LARGEST_SEED
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.fleet.workers.place import HERE, Place
 from nxt_twin.recording.recording import Recording
@@ -136,13 +136,13 @@ def _recorded(rng: Generator, bench: Bench, truth: Truth, name: str, unread: boo
 
 def make_pairs(
     plans: Sequence[PairPlan], cases: Path, answers: Path, *, place: Place = HERE
-) -> Iterator[Outcome]:
+) -> Iterator[NameAndFailure]:
     """Make and write each pair that is not there yet, and yield its name and why it failed, if it did."""
     waiting = [plan for plan in plans if not (cases / plan.name / SEAL_FILE).exists()]
     yield from spread((CaseTask(plan.name, _make, (plan, cases, answers)) for plan in waiting), place)
 
 
-def _make(plan: PairPlan, cases: Path, answers: Path) -> Outcome:
+def _make(plan: PairPlan, cases: Path, answers: Path) -> NameAndFailure:
     try:
         write_case(make_pair(plan), cases, answers)
     except NxtTwinError as error:

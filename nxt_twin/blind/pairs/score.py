@@ -11,7 +11,7 @@ from typing import Any, Final, final
 from nxt_twin.blind.aims import Aim
 from nxt_twin.blind.pairs.touches import TOUCHES
 from nxt_twin.blind.solve import case_folders
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.blind.verdict import NO_ANSWER, read_sealed
 from nxt_twin.diagnose.changed.to_json import to_json
 from nxt_twin.diagnose.dispatch import changed_since
@@ -48,7 +48,7 @@ class JudgedPair:
     exact: bool
 
 
-def solve_pairs(folders: Sequence[Path], out: Path, *, place: Place = HERE) -> Iterator[Outcome]:
+def solve_pairs(folders: Sequence[Path], out: Path, *, place: Place = HERE) -> Iterator[NameAndFailure]:
     """Compare the sides of each pair into `out`; those that have their JSON already are passed over."""
     out.mkdir(parents=True, exist_ok=True)
     waiting = [(folder, out / f"{folder.name}.json") for folder in folders]
@@ -56,7 +56,7 @@ def solve_pairs(folders: Sequence[Path], out: Path, *, place: Place = HERE) -> I
     yield from spread((CaseTask(task[0].name, _solve, task) for task in tasks), place)
 
 
-def _solve(folder: Path, target: Path) -> Outcome:
+def _solve(folder: Path, target: Path) -> NameAndFailure:
     try:
         found = changed_since(read_case(folder))
     except NxtTwinError as error:

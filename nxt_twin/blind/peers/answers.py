@@ -11,7 +11,7 @@ from typing import Any, Final, final
 from nxt_twin.blind.peers.process_noise import lacks_something
 from nxt_twin.blind.peers.recipes import freed, lisdd, lisdd_cells, sindy
 from nxt_twin.blind.peers.regression import EXPRESSED, Regression, regression_of
-from nxt_twin.blind.spread import CaseTask, Outcome, spread
+from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.fleet.workers.place import HERE, Place
@@ -53,14 +53,14 @@ PEERS: Final[tuple[RivalMethod, ...]] = (
 )  # fmt: skip
 
 
-def answer_all(folders: Sequence[Path], out: Path, place: Place = HERE) -> Iterator[Outcome]:
+def answer_all(folders: Sequence[Path], out: Path, place: Place = HERE) -> Iterator[NameAndFailure]:
     """Let each method answer each case into `out/METHOD/CASE.json`; yields names, and why one failed."""
     # Workers of a cluster have folders of their own to start from.
     tasks = [(folder.resolve(), out.resolve()) for folder in folders]
     yield from spread((CaseTask(task[0].name, answer_one, task) for task in tasks), place)
 
 
-def answer_one(folder: Path, out: Path) -> Outcome:
+def answer_one(folder: Path, out: Path) -> NameAndFailure:
     """Let each method answer one case; those that have answered it are passed over."""
     why = ""
     for peer in PEERS:

@@ -13,7 +13,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.peers.answers import PEERS, folders_of_peers
 from nxt_twin.blind.peers.recipes import cells_of
 from nxt_twin.blind.peers.regression import EXPRESSED, Regression, regression_of
-from nxt_twin.blind.spread import Outcome
+from nxt_twin.blind.spread import NameAndFailure
 from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.recording.case import read_case
@@ -22,11 +22,13 @@ OURS: Final = "nxt-twin"
 TRUTH: Final = "truth"
 _WRONG_SHARE: Final = 0.5
 
-Cells = Mapping[str, Collection[int]]
+ChosenCells = Mapping[str, Collection[int]]
 """The cells that each method points at, by its name, and the true ones."""
 
 
-def localise_all(folders: Sequence[Path], answers: Path, out: Path, named: Mapping[str, Path]) -> list[Cells]:
+def localise_all(
+    folders: Sequence[Path], answers: Path, out: Path, named: Mapping[str, Path]
+) -> list[ChosenCells]:
     """The cells that each method points at, of each case of which a regression tells the truth.
 
     `out` holds the other methods' answers; `named` the folder of each further method's.
@@ -37,7 +39,9 @@ def localise_all(folders: Sequence[Path], answers: Path, out: Path, named: Mappi
     return [json.loads(file.read_text(encoding="utf-8")) for file in sorted(kept.glob("*.json"))]
 
 
-def localise_one(folder: Path, answer_file: Path, answers_of: Mapping[str, Path], out: Path) -> Outcome:
+def localise_one(
+    folder: Path, answer_file: Path, answers_of: Mapping[str, Path], out: Path
+) -> NameAndFailure:
     """Write the cells that each method points at in one case to `out`; nothing where no regression tells the truth.
 
     `answers_of` names the folder of each method's answers.

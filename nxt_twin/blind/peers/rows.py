@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from nxt_twin.blind.by_family import Row
-from nxt_twin.blind.peers.localised import TRUTH, Cells, f1
+from nxt_twin.blind.by_family import TableRow
+from nxt_twin.blind.peers.localised import TRUTH, ChosenCells, f1
 from nxt_twin.blind.share import share_of
 from nxt_twin.blind.verdict import Judged
 
@@ -20,7 +20,7 @@ _HEAD = (
 )
 
 
-def peer_rows(judged: Mapping[str, Sequence[Judged]], cells: Sequence[Cells]) -> list[Row]:
+def peer_rows(judged: Mapping[str, Sequence[Judged]], cells: Sequence[ChosenCells]) -> list[TableRow]:
     """Each method: what it names, what it names falsely, and whether it points at the regimes that are wrong.
 
     False discoveries are the share of names given that are not hidden there. The F1 counts cells of speed and
@@ -29,7 +29,7 @@ def peer_rows(judged: Mapping[str, Sequence[Judged]], cells: Sequence[Cells]) ->
     return [_HEAD, *(_row(method, cases, cells) for method, cases in judged.items())]
 
 
-def _row(method: str, cases: Sequence[Judged], cells: Sequence[Cells]) -> Row:
+def _row(method: str, cases: Sequence[Judged], cells: Sequence[ChosenCells]) -> TableRow:
     singles = [case for case in cases if case.kind == "single"]
     told = [one not in case.hidden for case in cases for one in case.named]
     located = f1((own[TRUTH], own[method]) for own in cells if method in own)

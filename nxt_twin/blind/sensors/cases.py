@@ -19,7 +19,7 @@ from nxt_twin.blind.sensors.echo import EchoMechanism
 from nxt_twin.blind.sensors.photodiode import Photodiode
 from nxt_twin.recording.recording import Recording
 
-SensorKind = Literal["ultrasonic_sensor", "light_sensor", "touch_sensor"]
+SensorPlantKind = Literal["ultrasonic_sensor", "light_sensor", "touch_sensor"]
 SensorSize = Literal["small", "medium", "large"]
 
 SENSOR_SIZES: Final[tuple[SensorSize, ...]] = ("small", "medium", "large")
@@ -107,7 +107,7 @@ def _hysteresis(size: SensorSize, rng: Generator) -> _Made:
     return _Made({"back_mm": 2.1 - gap_mm}, {})
 
 
-SENSOR_EFFECTS: Mapping[SensorKind, Mapping[str, Callable[[SensorSize, Generator], _Made]]] = (
+SENSOR_EFFECTS: Mapping[SensorPlantKind, Mapping[str, Callable[[SensorSize, Generator], _Made]]] = (
     MappingProxyType(
         {
             "ultrasonic_sensor": {
@@ -128,7 +128,7 @@ SENSOR_EFFECTS: Mapping[SensorKind, Mapping[str, Callable[[SensorSize, Generator
 )
 """By kind of sensor and effect id, how an effect is made."""
 
-SENSOR_SURPRISES: Mapping[SensorKind, Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+SENSOR_SURPRISES: Mapping[SensorPlantKind, Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "ultrasonic_sensor": {
             "unknown_bent_scale": {"bent_per_m": 0.06},
@@ -142,7 +142,7 @@ SENSOR_SURPRISES: Mapping[SensorKind, Mapping[str, Mapping[str, Any]]] = Mapping
 
 
 def make_sensor_case(
-    kind: SensorKind, effects: Sequence[str], seed: int, size: SensorSize = "medium"
+    kind: SensorPlantKind, effects: Sequence[str], seed: int, size: SensorSize = "medium"
 ) -> SensorCase:
     """Make a concealed case.
 

@@ -33,7 +33,7 @@ from nxt_twin.recording.columns import (
     PORTS,
     DriveMode,
     Port,
-    Slot,
+    SensorSlot,
     light_column,
     mode_column,
     power_column,
@@ -217,8 +217,8 @@ class RecordedBrick:
         del request
         return GetBatteryLevel.Reply(round(1000.0 * self._latest(BATTERY, _ASSUMED_V)))
 
-    def _slot(self, port: int) -> Slot:
-        slots: tuple[Slot, ...] = (1, 2, 3, 4)
+    def _slot(self, port: int) -> SensorSlot:
+        slots: tuple[SensorSlot, ...] = (1, 2, 3, 4)
         return slots[port % len(slots)]
 
     def _latest(self, name: str, otherwise: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -13,6 +13,7 @@ from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
 from nxt_twin.diagnose.changed.weighing import LOAD, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.explain import candidates as lacking
 from nxt_twin.physics.effects.transmission import BACKLASH
 from nxt_twin.physics.parameter import Scale
@@ -26,7 +27,6 @@ _BEGINNINGS = 3
 _AS_WELL = 2.0
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
 _WORSE = 1.02  # of the error of windows that only check: what is not worse
-Progress = Callable[[str], None]
 
 
 @final

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from nxt_twin.diagnose.changed.answer import Changes
-from nxt_twin.diagnose.changed.engine import Progress, compare
+from nxt_twin.diagnose.changed.engine import compare
 from nxt_twin.diagnose.changed.telling import told
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.recording.case import Case
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,6 +16,7 @@ from nxt_twin.diagnose.changed.play import CLOSE_WINDOW_S
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
@@ -36,9 +37,6 @@ class Windows:
     sides: tuple[Side, Side]
     close: tuple[Side, Side]
     length_s: float
-
-
-Progress = Callable[[str], None]
 
 
 @final

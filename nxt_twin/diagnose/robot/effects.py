@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, final
 
-from nxt_twin.diagnose.diagnosis import Equation
+from nxt_twin.physics.effect import Equation
 
 
 @final

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, final
 
 import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Alternative, Diagnosis, Fit, Mismatch, Tolerance, Verdict
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.robot import words
 from nxt_twin.diagnose.robot.choice import places_of
 from nxt_twin.diagnose.robot.effects import LIBRARY
@@ -44,8 +44,6 @@ from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from
 from nxt_twin.physics.robot.powered import dynamics_config, is_powered
 from nxt_twin.recording.case import ROBOT_KIND, Case
 from nxt_twin.recording.configs import load_plant_config
-
-Progress = Callable[[str], None]
 
 STRUCTURED_NATS: Final = 6.0
 STRUCTURED_SHARE: Final = 0.1

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.robot.choice import GeometryChoice, choose, places_of
 from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
 from nxt_twin.diagnose.robot.runs import RobotRun
@@ -18,8 +19,6 @@ from nxt_twin.diagnose.robot.stack import RunStack, stacked
 from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.diagnose.robot.windows import DriveState, vector_of
 from nxt_twin.physics.robot.drive import Geometry
-
-Progress = Callable[[str], None]
 
 CLOCK_NATS: Final = 12.0
 """The gain that the recordings' own clocks need beyond their penalty, together or one alone."""

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 
-Side = Literal["left", "right"]
+WheelSide = Literal["left", "right"]
 
 _WINDOW_S: Final = 1.0
 _FINE_S: Final = 0.4
@@ -29,7 +29,7 @@ _ONE_WAY: Final = 0.4
 _REACH_S: Final = 4.0
 _ALIKE: Final = 0.15
 _MAD: Final = 1.4826
-_SIDES: Final[tuple[Side, Side]] = ("left", "right")
+_SIDES: Final[tuple[WheelSide, WheelSide]] = ("left", "right")
 
 
 @final
@@ -48,7 +48,7 @@ class SlipSpell:
 
     run: int
     recording: str
-    side: Side
+    side: WheelSide
     start_s: float
     end_s: float
     ratio: float
@@ -107,7 +107,7 @@ class _Wheel:
         scale: standard deviation of what is lost in a second, m.
     """
 
-    run: tuple[int, str, Side]
+    run: tuple[int, str, WheelSide]
     time_s: FloatArray
     angle_rad: FloatArray
     turned_m: FloatArray

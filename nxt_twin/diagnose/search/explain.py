@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -14,6 +13,7 @@ from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
 from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
@@ -27,8 +27,6 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-
-Progress = Callable[[str], None]
 
 
 @final

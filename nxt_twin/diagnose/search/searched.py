@@ -10,7 +10,8 @@ from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.search.explain import Explanation, Progress, explain
+from nxt_twin.diagnose.progress import Progress
+from nxt_twin.diagnose.search.explain import Explanation, explain
 from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.diagnose.search.settling import settled

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, final
 
@@ -21,6 +21,7 @@ from nxt_twin.diagnose.diagnosis import (
     NextExperiment,
     Verdict,
 )
+from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.rivals import probability
 from nxt_twin.diagnose.sensor import words
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
@@ -39,8 +40,6 @@ from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.sensors.light import LightParameters
 from nxt_twin.sensors.touch import TouchParameters
 from nxt_twin.sensors.ultrasonic import UltrasonicParameters
-
-Progress = Callable[[str], None]
 
 STRUCTURED_NATS = 10.0
 STRUCTURED_SIZE = 0.15

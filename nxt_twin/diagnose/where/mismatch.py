@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nxt_twin.diagnose.diagnosis import Equation, Mismatch, Onset, SourceFinding, Verdict
+from nxt_twin.diagnose.diagnosis import Mismatch, Onset, SourceFinding, Verdict
 from nxt_twin.diagnose.fitting.linear import signatures, trials_of
 from nxt_twin.diagnose.judging.confusion import trace_of, without
 from nxt_twin.diagnose.judging.evidence import Evidence
@@ -10,6 +10,7 @@ from nxt_twin.diagnose.where.locate import regimes, spells
 from nxt_twin.diagnose.where.moment import moments
 from nxt_twin.diagnose.where.onset import Direction, onsets
 from nxt_twin.diagnose.where.sources import SOURCE_OF, sources
+from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER
 from nxt_twin.physics.simulate import Simulator
 

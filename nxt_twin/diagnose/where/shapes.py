@@ -14,10 +14,10 @@ import numpy as np
 from numba import njit
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Equation
 from nxt_twin.diagnose.where.course import Course
 from nxt_twin.diagnose.where.response import Entry
 from nxt_twin.diagnose.where.second_body import behind_play, by_rubbing, on_a_spring
+from nxt_twin.physics.effect import Equation
 
 _SPEEDS = (0.03, 0.1, 0.25, 0.45, 0.7, 1.0, 1.4, 2.0, 3.0)
 _DRIVES = (0.0, 0.03, 0.15, 0.4, 0.8, 1.5, 2.5, 4.0)

@@ -20,7 +20,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Equation, Source, SourceFinding
+from nxt_twin.diagnose.diagnosis import Source, SourceFinding
 from nxt_twin.diagnose.fitting.kalman import Randomness, cost, deviation, quiet
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
 from nxt_twin.diagnose.fitting.noise import estimate, reading_floor
@@ -29,6 +29,7 @@ from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, step_fo
 from nxt_twin.diagnose.where.course import Course, course_of
 from nxt_twin.diagnose.where.response import Entry, response
 from nxt_twin.diagnose.where.shapes import RESTLESS, SHAPES, Yardstick, hats, yardstick
+from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Job, Simulator

@@ -7,12 +7,12 @@ from types import MappingProxyType
 from typing import Final, final
 
 from nxt_twin.experiment.errors import StoppedError
-from nxt_twin.experiment.positioner.positioner import UNITS, Axis, Limits, OneAxis, within
+from nxt_twin.experiment.positioner.positioner import UNITS, Limits, OneAxis, PositionerAxis, within
 
 Ask = Callable[[str], str]
 """Shows a sentence to a person, waits, and gives what they answered."""
 
-_REQUESTS: Final[Mapping[Axis, str]] = MappingProxyType(
+_REQUESTS: Final[Mapping[PositionerAxis, str]] = MappingProxyType(
     {
         "distance_mm": "put the target {value:g} mm from the sensor",
         "angle_deg": "turn the sensor to {value:g} degrees from square on",
@@ -35,7 +35,7 @@ class ByHand(OneAxis):
         limits: where it may go.
     """
 
-    def __init__(self, axis: Axis, ask: Ask, limits: Limits | None = None) -> None:
+    def __init__(self, axis: PositionerAxis, ask: Ask, limits: Limits | None = None) -> None:
         super().__init__(axis, limits)
         self._ask = ask
 

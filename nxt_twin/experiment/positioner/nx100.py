@@ -9,7 +9,7 @@ from typing import Final, Literal, final
 from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.errors import PositionerError
 from nxt_twin.experiment.positioner.nx100_session import Nx100Session
-from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
+from nxt_twin.experiment.positioner.positioner import Limits, OneAxis, PositionerAxis, within
 
 Along = Literal["x", "y", "z", "rx", "ry", "rz"]
 
@@ -65,7 +65,7 @@ class Nx100Robot(OneAxis):
         self,
         session: Nx100Session,
         set_up: RobotSetUp,
-        axis: Axis,
+        axis: PositionerAxis,
         clock: Clock,
         limits: Limits | None = None,
     ) -> None:

@@ -40,7 +40,7 @@ ERROR_WORDS: Final[Mapping[int, str]] = MappingProxyType(
 """The meaning of the controller's codes, as far as this program uses them."""
 
 
-class Wire(Protocol):
+class Nx100Wire(Protocol):
     """A connection that carries bytes."""
 
     def send(self, data: bytes) -> None:
@@ -95,7 +95,7 @@ class TcpWire:
 
 @final
 @dataclass(frozen=True)
-class Status:
+class Nx100Status:
     """What RSTATS tells, as far as it matters here.
 
     Attributes:
@@ -114,14 +114,14 @@ class Status:
     held: bool
 
 
-def status_of(answer: str) -> Status:
+def status_of(answer: str) -> Nx100Status:
     """Read the two numbers of RSTATS.
 
     The first byte: bit 7 is command remote, bit 3 running. The second: bit 6 is servo, 5 error, 4 alarm, 3 to 1 holds.
 
     """
     first, second = (int(part) for part in answer.split(",")[:2])
-    return Status(
+    return Nx100Status(
         command_remote=bool(first & 0x80),
         running=bool(first & 0x08),
         servo_on=bool(second & 0x40),
@@ -143,7 +143,7 @@ class Nx100Session:
         PositionerError: the controller refuses the session.
     """
 
-    def __init__(self, wire: Wire, where: str = "nx100") -> None:
+    def __init__(self, wire: Nx100Wire, where: str = "nx100") -> None:
         self._wire = wire
         self._where = where
         self._buffer = b""
@@ -159,7 +159,7 @@ class Nx100Session:
             self.close()
             raise
 
-    def status(self) -> Status:
+    def status(self) -> Nx100Status:
         """The controller's state.
 
         Raises:

@@ -10,23 +10,25 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.experiment.errors import ExperimentError, PositionerError
 from nxt_twin.experiment.positioner.by_hand import Ask, ByHand
 from nxt_twin.experiment.positioner.nx100 import Nx100Robot, RobotSetUp
-from nxt_twin.experiment.positioner.nx100_session import Nx100Session, TcpWire, Wire
-from nxt_twin.experiment.positioner.positioner import Axis, Positioner
+from nxt_twin.experiment.positioner.nx100_session import Nx100Session, Nx100Wire, TcpWire
+from nxt_twin.experiment.positioner.positioner import Positioner, PositionerAxis
 from nxt_twin.experiment.positioner.rail import Rail, RailSetUp
 from nxt_twin.experiment.positioner.spec import PositionerSpec
 from nxt_twin.recording.columns import PORTS
 
-Connect = Callable[[str, int], Wire]
+Connect = Callable[[str, int], Nx100Wire]
 """Connects to a robot's controller."""
 
 
-def assigned(specs: Sequence[PositionerSpec], axes: Sequence[Axis]) -> Mapping[Axis, PositionerSpec]:
+def assigned(
+    specs: Sequence[PositionerSpec], axes: Sequence[PositionerAxis]
+) -> Mapping[PositionerAxis, PositionerSpec]:
     """Which positioner moves which axis; a hand moves what no other does.
 
     Raises:
         ExperimentError: an axis is moved by two, or one that the experiment has not.
     """
-    found: dict[Axis, PositionerSpec] = {}
+    found: dict[PositionerAxis, PositionerSpec] = {}
     for spec in specs:
         wanted = [spec.axis] if spec.axis else [axis for axis in axes if axis not in found][:1]
         for axis in wanted:
@@ -41,14 +43,18 @@ def assigned(specs: Sequence[PositionerSpec], axes: Sequence[Axis]) -> Mapping[A
 
 
 def open_positioners(
-    specs: Mapping[Axis, PositionerSpec], brick: Brick, clock: Clock, ask: Ask, connect: Connect = TcpWire
-) -> Mapping[Axis, Positioner]:
+    specs: Mapping[PositionerAxis, PositionerSpec],
+    brick: Brick,
+    clock: Clock,
+    ask: Ask,
+    connect: Connect = TcpWire,
+) -> Mapping[PositionerAxis, Positioner]:
     """Open all of them; if one cannot be, those that were are closed.
 
     Raises:
         PositionerError: a rail or robot is not ready, or cannot be reached.
     """
-    opened: dict[Axis, Positioner] = {}
+    opened: dict[PositionerAxis, Positioner] = {}
     try:
         for axis, spec in specs.items():
             opened[axis] = _open(axis, spec, brick, clock, ask, connect)
@@ -58,7 +64,7 @@ def open_positioners(
     return opened
 
 
-def close_positioners(positioners: Mapping[Axis, Positioner]) -> None:
+def close_positioners(positioners: Mapping[PositionerAxis, Positioner]) -> None:
     """Stop and close all of them, whatever one of them says."""
     for positioner in positioners.values():
         with suppress(PositionerError):
@@ -66,7 +72,7 @@ def close_positioners(positioners: Mapping[Axis, Positioner]) -> None:
 
 
 def _open(
-    axis: Axis, spec: PositionerSpec, brick: Brick, clock: Clock, ask: Ask, connect: Connect
+    axis: PositionerAxis, spec: PositionerSpec, brick: Brick, clock: Clock, ask: Ask, connect: Connect
 ) -> Positioner:
     match spec.set_up:
         case RailSetUp() as rail:

@@ -10,7 +10,7 @@ from typing import Final, Literal, Protocol, final
 
 from nxt_twin.experiment.errors import PositionerError
 
-Axis = Literal["distance_mm", "angle_deg", "force_g", "compression_mm", "position_mm"]
+PositionerAxis = Literal["distance_mm", "angle_deg", "force_g", "compression_mm", "position_mm"]
 
 
 @final
@@ -26,7 +26,7 @@ class Limits:
     highest: float
 
 
-WIDEST: Final[Mapping[Axis, Limits]] = MappingProxyType(
+WIDEST: Final[Mapping[PositionerAxis, Limits]] = MappingProxyType(
     {
         "distance_mm": Limits(0.0, 3000.0),
         "angle_deg": Limits(-90.0, 90.0),
@@ -37,7 +37,7 @@ WIDEST: Final[Mapping[Axis, Limits]] = MappingProxyType(
 )
 """What no experiment goes beyond, whatever its file says; 4 mm is the whole travel of the button."""
 
-UNITS: Final[Mapping[Axis, str]] = MappingProxyType(
+UNITS: Final[Mapping[PositionerAxis, str]] = MappingProxyType(
     {"distance_mm": "mm", "angle_deg": "deg", "force_g": "g", "compression_mm": "mm", "position_mm": "mm"}
 )
 
@@ -50,7 +50,7 @@ class Positioner(Protocol):
     """
 
     @property
-    def axis(self) -> Axis:
+    def axis(self) -> PositionerAxis:
         """The axis that it moves."""
         ...
 
@@ -84,12 +84,12 @@ class OneAxis:
         limits: where it may go; anywhere that no experiment goes beyond if None.
     """
 
-    def __init__(self, axis: Axis, limits: Limits | None = None) -> None:
+    def __init__(self, axis: PositionerAxis, limits: Limits | None = None) -> None:
         self._axis = axis
         self._limits = limits or WIDEST[axis]
 
     @property
-    def axis(self) -> Axis:
+    def axis(self) -> PositionerAxis:
         """The axis that it moves."""
         return self._axis
 
@@ -105,7 +105,7 @@ class OneAxis:
         """Nothing is held."""
 
 
-def within(limits: Limits, axis: Axis, value: float) -> float:
+def within(limits: Limits, axis: PositionerAxis, value: float) -> float:
     """The value, if it may be gone to.
 
     Raises:

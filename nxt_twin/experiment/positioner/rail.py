@@ -9,7 +9,7 @@ from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import BrickError
 from nxt_twin.experiment.errors import PositionerError
-from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
+from nxt_twin.experiment.positioner.positioner import Limits, OneAxis, PositionerAxis, within
 
 _POLL_S: Final = 0.005
 _STUCK_S: Final = 0.6
@@ -69,7 +69,7 @@ class Rail(OneAxis):
         brick: Brick,
         port: int,
         set_up: RailSetUp,
-        axis: Axis,
+        axis: PositionerAxis,
         clock: Clock,
         limits: Limits | None = None,
     ) -> None:

@@ -12,15 +12,15 @@ from nxt_twin.brick.url import host_and_port
 from nxt_twin.errors import ProgramError
 from nxt_twin.experiment.positioner.nx100 import RobotSetUp
 from nxt_twin.experiment.positioner.nx100_session import TCP_PORT
-from nxt_twin.experiment.positioner.positioner import Axis
+from nxt_twin.experiment.positioner.positioner import PositionerAxis
 from nxt_twin.experiment.positioner.rail import RailSetUp
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.recording.source import nearest
 
-Kind = Literal["hand", "rail", "nx100"]
+PositionerKind = Literal["hand", "rail", "nx100"]
 
-_KINDS: Final = get_args(Kind)
-_AXES: Final = get_args(Axis)
+_KINDS: Final = get_args(PositionerKind)
+_AXES: Final = get_args(PositionerAxis)
 _CHOICES: Final[Mapping[str, tuple[str, ...]]] = {
     "homing": ("here", "touch"),
     "along": ("x", "y", "z", "rx", "ry", "rz"),
@@ -41,8 +41,8 @@ class PositionerSpec:
         text: what the user wrote.
     """
 
-    kind: Kind
-    axis: Axis | None = None
+    kind: PositionerKind
+    axis: PositionerAxis | None = None
     address: str = ""
     port: int = TCP_PORT
     set_up: RailSetUp | RobotSetUp | None = None
@@ -57,7 +57,7 @@ def read_spec(text: str) -> PositionerSpec:
     Raises:
         ProgramError: it is none of these, or has a key or value that has no meaning.
     """
-    axis: Axis | None = None
+    axis: PositionerAxis | None = None
     head, equals, rest = text.partition("=")
     if equals and head in _AXES:
         axis, text = head, rest  # type: ignore[assignment]

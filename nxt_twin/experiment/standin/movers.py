@@ -7,7 +7,7 @@ from typing import Final
 
 from nxt_twin.experiment.positioner.nx100 import Nx100Robot, RobotSetUp
 from nxt_twin.experiment.positioner.nx100_session import Nx100Session
-from nxt_twin.experiment.positioner.positioner import Axis, Positioner
+from nxt_twin.experiment.positioner.positioner import Positioner, PositionerAxis
 from nxt_twin.experiment.positioner.rail import Rail, RailSetUp
 from nxt_twin.experiment.positioner.spec import PositionerSpec
 from nxt_twin.experiment.standin.nx100 import InMemoryWire, Nx100Standin, RobotState
@@ -18,12 +18,14 @@ from nxt_twin.recording.columns import PORTS
 _COORDINATES: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 
-def standin_positioners(bench: Workbench, specs: Mapping[Axis, PositionerSpec]) -> Mapping[Axis, Positioner]:
+def standin_positioners(
+    bench: Workbench, specs: Mapping[PositionerAxis, PositionerSpec]
+) -> Mapping[PositionerAxis, Positioner]:
     """A stand-in for each positioner that was asked for; a hand's is the rig itself."""
     return {axis: _mover(bench, axis, spec) for axis, spec in specs.items()}
 
 
-def _mover(bench: Workbench, axis: Axis, spec: PositionerSpec) -> Positioner:
+def _mover(bench: Workbench, axis: PositionerAxis, spec: PositionerSpec) -> Positioner:
     match spec.set_up:
         case RailSetUp() as set_up:
             port = PORTS.index(spec.address)
@@ -36,7 +38,7 @@ def _mover(bench: Workbench, axis: Axis, spec: PositionerSpec) -> Positioner:
             return RigMover(bench.rig, axis)
 
 
-def _robot(bench: Workbench, axis: Axis, set_up: RobotSetUp) -> Positioner:
+def _robot(bench: Workbench, axis: PositionerAxis, set_up: RobotSetUp) -> Positioner:
     robot = RobotState(bench.clock)
     index, start = _COORDINATES.index(set_up.along), robot.pose
     bench.rig.follow(axis, lambda: set_up.value_now + set_up.sign * (robot.now()[index] - start[index]))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Final, final
 
-from nxt_twin.experiment.positioner.positioner import Axis, Limits, OneAxis, within
+from nxt_twin.experiment.positioner.positioner import Limits, OneAxis, PositionerAxis, within
 from nxt_twin.mock.body.body import Body
 from nxt_twin.mock.body.course import constant
 from nxt_twin.mock.body.sensor import Analog, Touch
@@ -27,17 +27,17 @@ class Rig:
     """The true values round the brick; each is set, or follows something."""
 
     def __init__(self) -> None:
-        self._values: dict[Axis, Callable[[], float]] = {}
+        self._values: dict[PositionerAxis, Callable[[], float]] = {}
 
-    def set(self, axis: Axis, value: float) -> None:
+    def set(self, axis: PositionerAxis, value: float) -> None:
         """Put it there."""
         self._values[axis] = lambda: value
 
-    def follow(self, axis: Axis, source: Callable[[], float]) -> None:
+    def follow(self, axis: PositionerAxis, source: Callable[[], float]) -> None:
         """Let it go with something, such as a carriage on a rail."""
         self._values[axis] = source
 
-    def value(self, axis: Axis) -> float:
+    def value(self, axis: PositionerAxis) -> float:
         """Where it is; 0 if it was never put anywhere."""
         source = self._values.get(axis)
         return 0.0 if source is None else source()
@@ -53,7 +53,7 @@ class RigMover(OneAxis):
         limits: where it may go.
     """
 
-    def __init__(self, rig: Rig, axis: Axis, limits: Limits | None = None) -> None:
+    def __init__(self, rig: Rig, axis: PositionerAxis, limits: Limits | None = None) -> None:
         super().__init__(axis, limits)
         self._rig = rig
 
@@ -227,7 +227,7 @@ def place_light(body: Body, slot: int, rig: Rig, diode: Callable[[], Diode], ran
     body.sensors[slot] = Analog(_Shown(lambda t: diode().see(rig.value("position_mm"), t, random)))
 
 
-def place_button(body: Body, slot: int, rig: Rig, axis: Axis, button: Button) -> None:
+def place_button(body: Body, slot: int, rig: Rig, axis: PositionerAxis, button: Button) -> None:
     """Put a touch sensor on port `slot` under the rig's force or travel."""
     body.sensors[slot] = Touch(_Shown(lambda _: float(button.feel(rig.value(axis)))))
 

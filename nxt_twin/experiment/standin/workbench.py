@@ -39,7 +39,7 @@ from nxt_twin.mock.named import world_file
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.link import MockLink
-from nxt_twin.mock.start import Change, profile_named
+from nxt_twin.mock.start import BodyChange, profile_named
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.columns import PORTS, Port
@@ -73,7 +73,7 @@ def workbench(
     world: World | Path | None = None,
     seed: int = 0,
     profile: str = "none",
-    change: Change = lambda _: None,
+    change: BodyChange = lambda _: None,
 ) -> Workbench:
     """Switch a mock brick on with nothing placed in its rig yet.
 

@@ -24,7 +24,7 @@ _LEAST_STD: Final = 1e-9
 
 @final
 @dataclass(frozen=True)
-class Values:
+class ColumnValues:
     """Named values of sessions, shape (values,) each.
 
     Attributes:
@@ -67,8 +67,8 @@ class Sessions:
     alarm: FloatArray
     tried: IntArray
     table: pa.Table
-    parameters: Values
-    effects: Values
+    parameters: ColumnValues
+    effects: ColumnValues
 
 
 def read_sessions(path: Path) -> tuple[Sessions, pa.Table]:
@@ -109,12 +109,12 @@ def _codes(column: pa.ChunkedArray) -> tuple[IntArray, tuple[str, ...]]:
     return np.asarray(pc.fill_null(found, -1).to_numpy(), dtype=np.int64), tuple(words)
 
 
-def _parameters(column: pa.ChunkedArray) -> Values:
+def _parameters(column: pa.ChunkedArray) -> ColumnValues:
     flat = pc.list_flatten(column)
     return _values(pc.list_parent_indices(column), pc.struct_field(flat, "name"), None, flat)
 
 
-def _effects(column: pa.ChunkedArray) -> Values:
+def _effects(column: pa.ChunkedArray) -> ColumnValues:
     """Each found effect with its first parameter."""
     flat = pc.list_flatten(column)
     own = pc.list_parent_indices(column)
@@ -126,7 +126,7 @@ def _effects(column: pa.ChunkedArray) -> Values:
     return _values(own.filter(mask), ids, "name", pc.list_flatten(inner).take(pa.array(first)))
 
 
-def _values(row: Any, name: Any, parameter: str | None, cells: Any) -> Values:  # noqa: ANN401 - Arrow's
+def _values(row: Any, name: Any, parameter: str | None, cells: Any) -> ColumnValues:  # noqa: ANN401 - Arrow's
     codes, names = _codes(name)
     value, std = (
         np.asarray(pc.struct_field(cells, key).to_numpy(), dtype=np.float64) for key in ("value", "own_std")
@@ -140,4 +140,4 @@ def _values(row: Any, name: Any, parameter: str | None, cells: Any) -> Values:  
     _, first = np.unique(codes, return_index=True)
     of_name = [tuple(str(each[place] or "") for place in first) for each in words]
     rows = np.asarray(row.to_numpy(), dtype=np.int64)
-    return Values(rows[known], codes[known], names, of_name[0], of_name[1], value[known], std[known])
+    return ColumnValues(rows[known], codes[known], names, of_name[0], of_name[1], value[known], std[known])

@@ -107,7 +107,7 @@ class NothingModel(_Part):
     kind: Literal["none"]
 
 
-SensorModel = Annotated[
+MockSensorModel = Annotated[
     TouchModel | AnalogModel | UltrasonicModel | NothingModel, Field(discriminator="kind")
 ]
 
@@ -126,7 +126,7 @@ class World(_Part):
     rename_loses_telegrams: bool = False
     battery: BatteryModel = BatteryModel()
     motors: dict[Literal["a", "b", "c"], str | dict[str, Any]] = {}
-    sensors: dict[Literal[1, 2, 3, 4], SensorModel] = {}
+    sensors: dict[Literal[1, 2, 3, 4], MockSensorModel] = {}
     robot: str | dict[str, Any] | None = None
     scene: dict[str, Any] | None = None
 

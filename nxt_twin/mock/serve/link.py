@@ -10,7 +10,7 @@ from nxt_twin.mock.firmware.channel import Transport
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES, Profile
 
-Failure = Callable[[str], Exception]
+MakeFailure = Callable[[str], Exception]
 """Makes the exception to raise, from a message."""
 
 
@@ -32,8 +32,8 @@ class MockLink:
         profile: Profile = PROFILES["none"],
         *,
         seed: int = 0,
-        late: Failure = TimeoutError,
-        lost: Failure = ConnectionError,
+        late: MakeFailure = TimeoutError,
+        lost: MakeFailure = ConnectionError,
     ) -> None:
         self._host = host
         self._line = host.connect(Transport.USB, profile, seed)

@@ -20,7 +20,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.mock.serve.host import Host
 from nxt_twin.mock.serve.profile import PROFILES
 from nxt_twin.mock.serve.usb import MockUsbBackend, ServedUsbDevice
-from nxt_twin.mock.start import Bodies, Change, bare_body, switch_on
+from nxt_twin.mock.start import Bodies, BodyChange, bare_body, switch_on
 
 _SHOWN: Final = 300
 
@@ -57,7 +57,7 @@ def serve_script(
     world: Path | None = None,
     seed: int = 0,
     profile: str = "usb",
-    change: Change = lambda _: None,
+    change: BodyChange = lambda _: None,
     bodies: Bodies = bare_body,
 ) -> tuple[ScriptEnding, str]:
     """Run a program beside a mock brick on its USB, by a clock that the brick follows.

@@ -8,7 +8,7 @@ from typing import final
 
 from nxt_twin.physics.parameter import Frame, Parameter
 
-Drive = Callable[..., tuple[float, float]]
+DriveTerm = Callable[..., tuple[float, float]]
 """Gives (torque at zero speed, damping of the drive) for a step, from the command and the electrical state."""
 
 
@@ -28,7 +28,7 @@ class Base:
     kind: str
     frames: tuple[Frame, ...]
     parameters: tuple[Parameter, ...]
-    drive: Drive
+    drive: DriveTerm
     current_after: Callable[..., float] | None = None
     drawn_by_others: Callable[..., tuple[float, float]] | None = None
     control: Callable[..., float] | None = None

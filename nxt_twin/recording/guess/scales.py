@@ -12,7 +12,7 @@ from nxt_twin.recording.guess.profile import CLOCK, ISO, TableColumn
 from nxt_twin.recording.guess.roles import is_goal, is_pulse
 from nxt_twin.recording.guess.vocabulary import has, unit_of
 
-Scale = tuple[str, str, float, str]
+UnitScale = tuple[str, str, float, str]
 """Role, unit, size of one, and why."""
 
 _EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
@@ -70,7 +70,7 @@ def time_unit(column: TableColumn) -> tuple[str, str]:
     return ("us" if middle < 1e6 else "ns"), f"{told} in whole numbers; CHECK"
 
 
-def output_scale(column: TableColumn, time: TableColumn | None = None) -> Scale:
+def output_scale(column: TableColumn, time: TableColumn | None = None) -> UnitScale:
     """The guess of a reading's kind and unit; stamps tell how fast it moves, where nothing states the unit."""
     measures, unit = unit_of(column)
     if measures in OUTPUTS:
@@ -116,7 +116,7 @@ def _pace_per_s(column: TableColumn, time: TableColumn | None) -> float:
     return float(np.quantile(paces, 0.99)) if paces.size else 0.0
 
 
-def _ticks(column: TableColumn) -> Scale:
+def _ticks(column: TableColumn) -> UnitScale:
     for most, step_deg, told in _ENCODERS:
         if column.known.min() >= 0.0 and column.largest <= most:
             return (
@@ -128,12 +128,12 @@ def _ticks(column: TableColumn) -> Scale:
     return "angle", "deg", 1.0, "ticks, taken for one degree each; CHECK the gain: degrees in a tick"
 
 
-def input_scale(column: TableColumn, output: TableColumn, time: TableColumn | None = None) -> Scale:
+def input_scale(column: TableColumn, output: TableColumn, time: TableColumn | None = None) -> UnitScale:
     """The guess of a command's kind and unit."""
     return _goal_scale(column, output, time) or _drive_scale(column)
 
 
-def _goal_scale(column: TableColumn, output: TableColumn, time: TableColumn | None) -> Scale | None:
+def _goal_scale(column: TableColumn, output: TableColumn, time: TableColumn | None) -> UnitScale | None:
     """That of a goal; None where the command is none."""
     measures, unit = unit_of(column)
     if is_pulse(column):
@@ -150,7 +150,7 @@ def _goal_scale(column: TableColumn, output: TableColumn, time: TableColumn | No
     return None
 
 
-def _drive_scale(column: TableColumn) -> Scale:
+def _drive_scale(column: TableColumn) -> UnitScale:
     """That of a command that drives the motor by itself."""
     measures, unit = unit_of(column)
     if measures in INPUTS:

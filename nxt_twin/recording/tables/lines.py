@@ -24,7 +24,7 @@ MARKS = ("#", "%", "//")
 """What stands before a header that is a remark, as numerical programs write it."""
 _LEAVE_EMPTY = "leave the cell empty where nothing was sampled"
 
-Line = tuple[int, list[str]]
+NumberedLine = tuple[int, list[str]]
 Cell = tuple[Path, int, str]
 """A cell's file, line and column."""
 
@@ -66,7 +66,7 @@ class TextLayout:
         return int(self.header) + int(self.units_row)
 
 
-def iterate_lines(path: Path, layout: TextLayout) -> Generator[Line]:
+def iterate_lines(path: Path, layout: TextLayout) -> Generator[NumberedLine]:
     """Yield the number (from 1) and the stripped cells of every line of the table, header included.
 
     Blank lines are none, nor are those that the layout leaves out.
@@ -100,7 +100,7 @@ def _is_counted(cell: str) -> bool:
     return cell.lstrip("+-.")[:1].isdigit()
 
 
-def _all_lines(path: Path, layout: TextLayout) -> Generator[Line]:
+def _all_lines(path: Path, layout: TextLayout) -> Generator[NumberedLine]:
     """Every line that is not blank."""
     try:
         with path.open(encoding=layout.encoding, newline="") as file:
@@ -121,7 +121,7 @@ def _all_lines(path: Path, layout: TextLayout) -> Generator[Line]:
         raise RecordingError(f"is no text table: {failure}", where=str(path), mend=mend) from None
 
 
-def first_line(lines: Iterator[Line], path: Path) -> Line:
+def first_line(lines: Iterator[NumberedLine], path: Path) -> NumberedLine:
     """Take the first line.
 
     Raises:
@@ -132,7 +132,7 @@ def first_line(lines: Iterator[Line], path: Path) -> Line:
     raise RecordingError("holds nothing but blanks", where=str(path), mend="check that it is the right file")
 
 
-def column_names(first: Line, layout: TextLayout) -> list[str]:
+def column_names(first: NumberedLine, layout: TextLayout) -> list[str]:
     """The names in the first line, or c1, c2, … where the layout has no header."""
     if not layout.header:
         return [f"c{number}" for number in range(1, len(first[1]) + 1)]

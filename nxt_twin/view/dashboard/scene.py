@@ -15,7 +15,7 @@ _MOMENT: Final = "w"
 _FINEST_FLOOR: Final = 160
 """Spots along an edge of the floor's picture: it travels as text."""
 
-Frame = tuple[float, ...]
+SceneFrame = tuple[float, ...]
 """Of a body: place x, y, z (m) and quaternion x, y, z, w."""
 
 
@@ -71,8 +71,8 @@ class WorldMoment:
     """
 
     time_s: float
-    frames: tuple[Frame, ...]
-    echoes_m: tuple[Frame, ...] = ()
+    frames: tuple[SceneFrame, ...]
+    echoes_m: tuple[SceneFrame, ...] = ()
     ghost: tuple[float, float, float] | None = None
     ghosts: int = 1
 

@@ -21,7 +21,7 @@ from nxt_twin.world.senses.ultrasonic import UltrasonicSense
 from nxt_twin.world.sensing import (
     GyroMount,
     LightMount,
-    SensorModel,
+    SensorMount,
     SoundMount,
     TouchMount,
     UltrasonicMount,
@@ -30,7 +30,7 @@ from nxt_twin.world.sensing import (
 SOCKETS: Final = (1, 2, 3, 4)
 
 
-def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> list[Sensor]:
+def sockets(mounts: dict[int, SensorMount], around: Surroundings, seed: int) -> list[Sensor]:
     """The sensors on ports 1 to 4; nothing is on a port that is not named.
 
     Raises:
@@ -49,7 +49,7 @@ def sockets(mounts: dict[int, SensorModel], around: Surroundings, seed: int) -> 
 
 
 def _socket(
-    mount: SensorModel, port: int, around: Surroundings, rng: Generator, ultrasonic: list[UltrasonicBody]
+    mount: SensorMount, port: int, around: Surroundings, rng: Generator, ultrasonic: list[UltrasonicBody]
 ) -> Sensor:
     match mount:
         case UltrasonicMount():

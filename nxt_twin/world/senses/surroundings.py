@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from nxt_twin.recording.configs import load_plant_config
-from nxt_twin.recording.yaml_place import Place
+from nxt_twin.recording.yaml_place import YamlPlace
 from nxt_twin.world.bullet import Bullet
 from nxt_twin.world.engine import Body
 from nxt_twin.world.floor import FloorPicture
@@ -33,7 +33,7 @@ class Surroundings:
     things: dict[str, Body]
     scene: Scene
     floor: FloorPicture
-    robot_at: Place
+    robot_at: YamlPlace
 
     def pose(self) -> Pose:
         """The robot's."""

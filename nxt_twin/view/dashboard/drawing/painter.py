@@ -37,7 +37,7 @@ _LEVELS: Final[dict[EventKind, str]] = {
     "undiagnosed": "WARN",
 }
 
-_Curves = Sequence[tuple[str, colours.Colour, float]]
+_Curves = Sequence[tuple[str, colours.RgbaBytes, float]]
 
 _READING: Final[_Curves] = tuple(
     zip(
