@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
-from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.output import JsonOption, emit_json, progress, remark
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 
@@ -114,6 +114,8 @@ def _side(paths: str, plant: str | None, mapping_of: MappingOf | None) -> Case:
     if not parts:
         raise typer.BadParameter("a side names no recording")
     cases = [read_as_case(part, mapping_of) for part in parts]
+    for case in cases:
+        remark(case)
     found = [(n, each) for n, case in enumerate(cases) for each in case.recordings]
     names = Counter(each.name for _, each in found)
     recordings = tuple(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
-from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
+from nxt_twin.cli.output import JsonOption, emit_json, fail, progress, remark
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.cli.tolerated import ToleranceOption, tolerated
 from nxt_twin.errors import NxtTwinError
@@ -150,6 +150,7 @@ def _case(path: Path, label: str | None, mapping_of: MappingOf | None) -> Case:
     from nxt_twin.recording.case import read_as_case
 
     case = read_as_case(path, mapping_of)
+    remark(case)
     return replace(case, name=label or case.name)
 
 

@@ -12,7 +12,7 @@ import typer
 import yaml
 
 from nxt_twin.cli.compiling import tell_of_compiling
-from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.output import JsonOption, emit_json, progress, remark
 from nxt_twin.cli.tables import ColumnsOption, MappingOption, stated_mapping
 from nxt_twin.diagnose.engine import fit_as_it_stands
 from nxt_twin.diagnose.robot.engine import fit_robot, is_robot_case
@@ -30,6 +30,7 @@ def fit(
 ) -> None:
     """Fit the parameters of a case's plant to its recordings, except those it holds out."""
     case = read_as_case(path, stated_mapping(mapping, columns))
+    remark(case)
     if is_sensor_case(case):
         _show_sensor(case, json, model_out)
         return

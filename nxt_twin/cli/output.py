@@ -6,9 +6,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from nxt_twin.recording.case import Case
 
 JsonOption = Annotated[
     str | None,
@@ -36,6 +39,12 @@ def progress(title: str) -> Iterator[Callable[[str], None]]:
     console = Console(stderr=True)
     with console.status(f"{title} …") as status:
         yield lambda doing: status.update(f"{title}: {doing} …")
+
+
+def remark(case: Case) -> None:
+    """Say on standard error what had to be found of a case's recordings."""
+    for line in case.remarks():
+        fail(line)
 
 
 def fail(message: str) -> None:

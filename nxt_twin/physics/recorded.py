@@ -17,12 +17,12 @@ from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import pulsed
 from nxt_twin.recording.recording import GOALS, InputKind, Recording
+from nxt_twin.recording.tacho_steps import tacho_step_deg
 
 _FEWEST_READINGS = 10
 _QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
 _AT_REST = 0.05  # of the largest effort
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
-_TACHO_STEP_DEG = 1.0
 _MEASURED_SHARE = 0.8  # of the rows with a supply reading, above which the supply is used as measured
 
 
@@ -132,7 +132,7 @@ def _of_motor(
         time_s=np.array(recording.time_s),
         measured=np.radians(recording.columns[tacho]),
         is_speed=False,
-        quantum=math.radians(recording.tacho_step_deg.get(port, _TACHO_STEP_DEG)),
+        quantum=math.radians(tacho_step_deg(recording, port)),
     )
 
 

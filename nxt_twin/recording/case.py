@@ -20,6 +20,7 @@ from nxt_twin.recording.mapped import read_all_mapped
 from nxt_twin.recording.mapping import Mapping
 from nxt_twin.recording.mappings import GivenMapping, MappingOf, given_in_sidecar, mappings, one_mapping
 from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.tacho_steps import untold_step
 from nxt_twin.recording.yaml_file import read_model
 
 PlantSource = dict[str, Any] | str
@@ -57,6 +58,12 @@ class Case:
         """Short: name and recordings."""
         held_out = f", {len(self.holdout)} held out" if self.holdout else ""
         return f"<Case {self.name}: {len(self.recordings)} recordings{held_out}>"
+
+    def remarks(self) -> tuple[str, ...]:
+        """What had to be found of its recordings, because no file tells it; a line each."""
+        port = self.port
+        whole = (*self.recordings, *self.holdout, *self.before)
+        return tuple(filter(None, (untold_step(each, port) for each in whole))) if port else ()
 
 
 @final

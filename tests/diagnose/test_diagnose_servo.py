@@ -1,16 +1,18 @@
 """A servo's case from end to end, and the firmware's regulated mode beside a mock brick."""
 
+import math
+
 import numpy as np
 import pytest
 import yaml
+from scipy.integrate import solve_ivp
 
 from firmware_protocol import MotorMode, RegulationMode
 from nxt_twin.api.openers import OPENERS
-from nxt_twin.api.prediction import predictions, simulate
+from nxt_twin.api.prediction import predictions
 from nxt_twin.brick.open import open_brick
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.mock.serve.clock import VirtualClock
-from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.recording.case import case_of
 from nxt_twin.recording.columns import REGULATIONS
 from nxt_twin.recording.recording import Recording
@@ -26,21 +28,46 @@ MOTOR = {
 }
 
 
-def test_a_loop_s_gain_is_fitted_from_goal_and_reading_alone():
+def followed(time_s, goal, gain, damping):
+    """The angle, deg, of a servo that another simulator moves: a loop on the angle, and friction that is smooth."""
+
+    def law(_, state, aim):
+        angle, speed = state
+        pct = gain * math.degrees(aim - angle) - damping * math.degrees(speed)
+        volts = 0.08 * min(max(pct, -100.0), 100.0)
+        torque = MOTOR["torque_constant_nm_per_a"] * (volts - 0.4908 * speed) / MOTOR["resistance_ohm"]
+        torque -= 1.92e-3 * speed + 8.45e-3 * math.tanh(speed / 0.02)
+        return speed, torque / MOTOR["inertia_kg_m2"]
+
+    state, found = (0.0, 0.0), [0.0]
+    for start, end, aim in zip(time_s[:-1], time_s[1:], np.radians(goal), strict=False):
+        state = solve_ivp(law, (start, end), state, args=(aim,), method="LSODA", rtol=1e-6, atol=1e-8).y[:, -1]
+        found.append(math.degrees(state[0]))
+    return np.array(found)
+
+
+def damping_of(config):
+    """Torque per speed over inertia, 1/s."""
+    volts = 0.08 * math.degrees(config["derivative_gain_pct_s_per_deg"]) + config["back_emf_v_s_per_rad"]
+    by_current = config["torque_constant_nm_per_a"] / config["resistance_ohm"] * volts
+    return (by_current + config["viscous_friction_nm_s_per_rad"]) / config["inertia_kg_m2"]
+
+
+def test_a_loop_s_gains_are_fitted_from_goal_and_reading_alone_where_they_are_30_percent_off():
     rng = np.random.default_rng(5)
-    time_s = 0.01 * np.arange(800)
-    goal = np.repeat(rng.uniform(-150.0, 150.0, 10).round(1), 80)
-    baseline = {**MOTOR, "kind": "servo", "position_gain_pct_per_deg": 0.9}
-    truth = {**baseline, "position_gain_pct_per_deg": 0.6}
-    run = simulate(truth, Recording("run", {"time_s": time_s, "a_goal_deg": goal}))
-    read = np.round(run.columns["a_tacho_deg"] / 0.088) * 0.088
-    seen = Recording("run", {**run.columns, "a_tacho_deg": read}, tacho_step_deg={"a": 0.088})
-    fitted = fit_as_it_stands(case_of([seen], baseline)).plant
-    gain = Slot(BASE_OWNER, "position_gain")
-    assert fitted.values[gain] / fitted.layout.parameters[gain].si == pytest.approx(0.6, rel=0.05)
-    for frozen in ("dead_band", "power_limit", "derivative_gain", "goal_delay"):
-        slot = Slot(BASE_OWNER, frozen)
-        assert fitted.values[slot] == (1.0 if frozen == "power_limit" else 0.0)
+    time_s, steps = 0.01 * np.arange(500), rng.uniform(-120.0, 120.0, 10).round(1)
+    goal = np.repeat(steps, 50)
+    read = np.round(followed(time_s, goal, 2.0, 0.02) / 0.088) * 0.088
+    columns = {"time_s": time_s, "a_goal_deg": goal, "a_tacho_deg": read}
+    seen = Recording("run", columns, tacho_step_deg={"a": 0.088})
+    loop = {"position_gain_pct_per_deg": 1.4, "derivative_gain_pct_s_per_deg": 0.026}
+    fitted = fit_as_it_stands(case_of([seen], {**MOTOR, "kind": "servo", **loop})).plant
+    config = fitted.to_config()
+    assert config["position_gain_pct_per_deg"] == pytest.approx(2.0, rel=0.05)
+    # Below full duty, damping by the loop, the back-EMF and friction are one torque per speed: their sum is known.
+    assert damping_of(config) == pytest.approx(damping_of({**MOTOR, "derivative_gain_pct_s_per_deg": 0.02}), rel=0.1)
+    frozen = {"dead_band_deg": 0.0, "power_limit_pct": 100.0, "goal_delay_s": 0.0}
+    assert {name: config[name] for name in frozen} == frozen
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapped import read_all_mapped, read_mapped
 from nxt_twin.recording.mapping import mapping_of
 from nxt_twin.recording.mappings import read_mappings
+from nxt_twin.recording.tacho_steps import tacho_step_deg
 
 KEYS = {
     "time": {"column": "t", "unit": "ms"},
@@ -271,3 +272,15 @@ def test_a_sidecar_states_the_encoder_s_step_by_port(put, refusal):
     assert read_as_case(table).recordings[0].tacho_step_deg["c"] == 0.5
     put("run.yaml", "tacho_step_deg: {d: 1}")
     assert "key tacho_step_deg: is no encoder step" in refusal(RecordingError, read_as_case, table)
+
+
+def test_counts_in_fractions_of_a_degree_have_the_step_that_they_show_and_the_key_is_named(put):
+    counts = np.cumsum([3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8]) * 0.088
+    rows = "".join(f"{0.1 * n:.1f},50,{count:.3f}\n" for n, count in enumerate(counts))
+    case = read_as_case(put("run.csv", "time_s,a_power_pct,a_tacho_deg\n" + rows))
+    (line,) = case.remarks()
+    assert "run.csv, column a_tacho_deg" in line
+    assert "write `tacho_step_deg: 0.088` into run.yaml" in line
+    assert tacho_step_deg(case.recordings[0], "a") == pytest.approx(0.088, rel=1e-3)
+    put("run.yaml", "tacho_step_deg: 0.088")
+    assert read_as_case(put("run.csv", "time_s,a_power_pct,a_tacho_deg\n" + rows)).remarks() == ()

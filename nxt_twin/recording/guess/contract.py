@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from nxt_twin.errors import NxtTwinError
-from nxt_twin.recording.columns import PORTS, power_column, tacho_column
+from nxt_twin.recording.columns import PORTS, power_column
 from nxt_twin.recording.files import read_recording
+from nxt_twin.recording.tacho_steps import has_untold_step
 
 
 def is_recording(path: Path) -> bool:
@@ -21,8 +20,4 @@ def is_recording(path: Path) -> bool:
     except NxtTwinError:
         return False
     driven = [port for port in PORTS if power_column(port) in recording.columns]
-    counts = {port: recording.columns.get(tacho_column(port), np.zeros(0)) for port in driven}
-    return all(
-        port in recording.tacho_step_deg or bool(np.all(np.isnan(count) | (count == np.rint(count))))
-        for port, count in counts.items()
-    )
+    return not any(has_untold_step(recording, port) for port in driven)

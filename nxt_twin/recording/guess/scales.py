@@ -11,6 +11,7 @@ from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.profile import CLOCK, ISO, TableColumn
 from nxt_twin.recording.guess.roles import is_goal, is_pulse
 from nxt_twin.recording.guess.vocabulary import has, unit_of
+from nxt_twin.recording.steps import smallest_step
 
 UnitScale = tuple[str, str, float, str]
 """Role, unit, size of one, and why."""
@@ -42,8 +43,6 @@ _PULSE_DEG_PER_US, _PULSE_MIDDLE_US = 0.09, 1500.0
 _FEWEST_LEAPS = 5
 _SLOPE_OFF = 0.2
 _ALIKE = 0.95
-_FINEST = 20_000  # steps that a reading spans; finer ones are the digits it was printed with
-_DISTINCT = 8
 _TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
 
 
@@ -218,14 +217,4 @@ def turn_of(column: TableColumn) -> float:
 
 def step_of(column: TableColumn) -> float:
     """The smallest step of a reading, in the column's unit; 0 where it has none that shows."""
-    levels = np.unique(column.known)
-    if levels.size < _DISTINCT:
-        return 0.0
-    gaps = np.diff(levels)
-    least = float(np.quantile(gaps, 0.05))
-    if least <= 0.0 or column.span / least > _FINEST:
-        return 0.0
-    multiples = gaps / least
-    if np.mean(np.abs(multiples - np.rint(multiples)) > 0.1 * np.maximum(1.0, 0.02 * multiples)) > 0.02:
-        return 0.0
-    return float(np.sum(gaps) / np.sum(np.rint(multiples)))
+    return smallest_step(column.known)
