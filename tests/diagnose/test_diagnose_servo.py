@@ -41,7 +41,9 @@ def followed(time_s, goal, gain, damping):
 
     state, found = (0.0, 0.0), [0.0]
     for start, end, aim in zip(time_s[:-1], time_s[1:], np.radians(goal), strict=False):
-        state = solve_ivp(law, (start, end), state, args=(aim,), method="LSODA", rtol=1e-6, atol=1e-8).y[:, -1]
+        state = solve_ivp(law, (start, end), state, args=(aim,), method="LSODA", rtol=1e-6, atol=1e-8).y[
+            :, -1
+        ]
         found.append(math.degrees(state[0]))
     return np.array(found)
 
@@ -65,7 +67,9 @@ def test_a_loop_s_gains_are_fitted_from_goal_and_reading_alone_where_they_are_30
     config = fitted.to_config()
     assert config["position_gain_pct_per_deg"] == pytest.approx(2.0, rel=0.05)
     # Below full duty, damping by the loop, the back-EMF and friction are one torque per speed: their sum is known.
-    assert damping_of(config) == pytest.approx(damping_of({**MOTOR, "derivative_gain_pct_s_per_deg": 0.02}), rel=0.1)
+    assert damping_of(config) == pytest.approx(
+        damping_of({**MOTOR, "derivative_gain_pct_s_per_deg": 0.02}), rel=0.1
+    )
     frozen = {"dead_band_deg": 0.0, "power_limit_pct": 100.0, "goal_delay_s": 0.0}
     assert {name: config[name] for name in frozen} == frozen
 
