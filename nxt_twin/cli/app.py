@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Iterable, Mapping
 from importlib import import_module
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Annotated, NoReturn
 
@@ -138,7 +139,7 @@ def _about(
 def _with_json_target(arguments: list[str]) -> list[str]:
     """`--json` with nothing after it means standard output."""
     completed: list[str] = []
-    for argument, following in zip(arguments, [*arguments[1:], "--"], strict=True):
+    for argument, following in pairwise([*arguments, "--"]):
         completed.append(argument)
         if argument == "--json" and following.startswith("--"):
             completed.append("-")

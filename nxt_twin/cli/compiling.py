@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 
 _FIRST = (
-    "the first command on this machine compiles the motor's model: about 30 s, once; later ones start at once"
+    "the first command on this machine compiles the motor's model: 10 s of an idle core, once; "
+    "later ones start at once"
 )
 
 

@@ -98,6 +98,23 @@ def test_as_a_process_a_failure_is_status_1_and_one_line_and_wrong_use_is_status
     assert (misused.returncode, misused.stdout) == (2, "")
 
 
+def test_as_a_process_without_a_word_it_says_how_it_is_used(tmp_path):
+    done = as_a_process(cwd=tmp_path)
+    assert "Usage: " in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_shell_is_told_how_a_line_can_go_on(monkeypatch):
+    line = {"_NXT_TWIN_COMPLETE": "complete_bash", "COMP_WORDS": "nxt-twin dia", "COMP_CWORD": "1"}
+    for name, value in line.items():
+        monkeypatch.setenv(name, value)
+    named = "import sys; sys.argv = ['nxt-twin']; from nxt_twin.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", named], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.stdout.split() == ["diagnose"]
+
+
 def test_as_a_process_json_without_a_value_is_the_whole_of_standard_output(cases, tmp_path):
     said = as_a_process(
         "simulate", "nxt_motor", cases["clean"] / "r1.csv", "--json", "--out", "p.csv", cwd=tmp_path
