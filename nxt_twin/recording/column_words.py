@@ -12,6 +12,7 @@ from nxt_twin.errors import MappingError
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapping import Mapping, mapping_of
 from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.tables.nested import with_index
 
 WHERE = "--columns"
 EXAMPLE = "time=ms:ms,power=pwm,angle=ticks:0.088deg"
@@ -78,7 +79,7 @@ def mapping_of_words(text: str) -> Mapping:
         MappingError: a word is none, a role or unit is unknown, or time, a command or a reading is missing.
     """
     keys: dict[str, Any] = {}
-    for word in filter(None, (each.strip() for each in text.split(","))):
+    for word in filter(None, (each.strip() for each in with_index(text).split(","))):
         parts = _WORD.fullmatch(word)
         if parts is None or parts["role"] not in _ROLES:
             role = word.partition("=")[0]

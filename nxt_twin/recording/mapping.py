@@ -15,6 +15,7 @@ from nxt_twin.recording.recording import InputKind, OutputKind
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.content import TableKind
 from nxt_twin.recording.tables.lines import WHITESPACE
+from nxt_twin.recording.tables.nested import with_index
 from nxt_twin.recording.yaml_file import read_model, read_part
 
 TimeUnit = Literal["s", "ms", "us", "ns", "iso", "clock"]
@@ -219,6 +220,8 @@ def _flat(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
         return given
     if isinstance(given.get("column"), dict):
         given = {**given, **given["column"]}
+    if isinstance(given.get("column"), str):
+        given = {**given, "column": with_index(given["column"])}
     if "index" not in given:
         return given
     index = given["index"]

@@ -13,6 +13,7 @@ from scipy.io import savemat
 
 from nxt_twin.errors import CaseError, MappingError, NxtTwinError, RecordingError
 from nxt_twin.recording.case import read_as_case, read_case
+from nxt_twin.recording.column_words import mapping_of_words
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapped import read_all_mapped, read_mapped
 from nxt_twin.recording.mapping import mapping_of
@@ -114,6 +115,8 @@ def test_matrices_and_structs_are_read_from_mat_files(tmp_path):
     for matrix in ("data", "wide"):
         indexed = {key: {**KEYS[key], "column": matrix, "index": n} for n, key in enumerate(KEYS)}
         check(read_mapped(tmp_path / "run", keys(**indexed)))
+    cut = mapping_of_words("time=data[:, 0]:ms,power=data[:,1],angle=data[:, 2]:deg")
+    check(read_mapped(tmp_path / "run", cut))
 
 
 def test_joint_states_are_read_from_a_bag_and_a_damaged_one_is_refused(tmp_path, refusal):

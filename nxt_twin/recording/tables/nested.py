@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import pyarrow as pa
 from numpy.typing import NDArray
 
+_CUT = re.compile(r"\[\s*:\s*,\s*(\d+)\s*\]")
 MOST_ELEMENTS = 256
 """A matrix or list with more is no table."""
 
@@ -29,6 +31,11 @@ def innermost(names: Sequence[str]) -> list[str]:
         stem for name in names for stem in (split_name(name)[0], name.rpartition(".")[0]) if stem != name
     }
     return [name for name in names if name not in outer]
+
+
+def with_index(name: str) -> str:
+    """`data[:, 3]`, as numpy and MATLAB cut a column out, as `data[3]`."""
+    return _CUT.sub(r"[\1]", name)
 
 
 def split_name(name: str) -> tuple[str, int | None]:
