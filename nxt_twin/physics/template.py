@@ -1,4 +1,4 @@
-"""The text of a kernel, into which `assemble` puts the terms of its effects."""
+"""The text of a kernel, into which `assemble` puts the terms of its effects; decision 0023 says why it is text."""
 
 from __future__ import annotations
 
