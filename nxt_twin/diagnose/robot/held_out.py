@@ -12,6 +12,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import DrivenPath, HeldOutRun, Horizon
 from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
+from nxt_twin.diagnose.robot.hard_starts import hard_starts
 from nxt_twin.diagnose.robot.judge import (
     METRES,
     MM,
@@ -24,7 +25,7 @@ from nxt_twin.diagnose.robot.judge import (
     predicted,
 )
 from nxt_twin.diagnose.robot.runs import RobotRun
-from nxt_twin.diagnose.robot.search import RobotFindings, refit, start_of, wheels_at
+from nxt_twin.diagnose.robot.search import RobotFindings, mend, refit, start_of, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.physics.robot.drive import Geometry
@@ -95,21 +96,31 @@ def cut(run: RobotRun, parts: int) -> list[RobotRun]:
 def judge_held_out(
     fitted_runs: tuple[RobotRun, ...], held: tuple[RobotRun, ...], given: Geometry, found: RobotFindings
 ) -> list[JudgedRun]:
-    """Judge on `held`; where none are held out, on each fold of the fitted runs by a fit of the others."""
+    """Judge on `held`; where none are held out, on each fold of the fitted runs by a fit of the others.
+
+    Slip at hard starts is taken out of these runs too: no model of wheels and track predicts it.
+    """
     if held:
         models = model_of(found.baseline), model_of(found.final)
-        return [judged_run(run, given, *models) for run in held]
-    judged = []
+        return [judged_run(run, given, *models) for run in _gripping(held, found)]
+    judged, gripping = [], _gripping(fitted_runs, found)
     folds = min(_FOLDS, len(fitted_runs))
     for fold in range(folds):
         kept = tuple(run for index, run in enumerate(fitted_runs) if index % folds != fold)
         baseline, final = refit(kept, given, found, found.slips)
         judged += [
             judged_run(run, given, model_of(baseline), model_of(final))
-            for index, run in enumerate(fitted_runs)
+            for index, run in enumerate(gripping)
             if index % folds == fold
         ]
     return judged
+
+
+def _gripping(runs: tuple[RobotRun, ...], found: RobotFindings) -> tuple[RobotRun, ...]:
+    """The runs without slip at hard starts, if the search found any."""
+    if all(slip.lost is None for slip in found.slips):
+        return runs
+    return mend(runs, hard_starts(runs, found.final.state.as_geometry))
 
 
 def judged_run(run: RobotRun, given: Geometry, baseline: RobotModel, improved: RobotModel) -> JudgedRun:

@@ -12,6 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.robot.choice import GeometryChoice, choose, places_of
 from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
+from nxt_twin.diagnose.robot.hard_starts import hard_starts
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, without_slip
 from nxt_twin.diagnose.robot.spread import SessionSpread, spreads
@@ -27,6 +28,7 @@ _SHARE_NATS: Final = 4.0  # of each recording's two numbers
 _LEAST_LAG_S: Final = 8e-3
 _BASE: Final = np.array([True, True, True, False, False, False])
 _ROUNDS: Final = 2
+_ROUNDS_STARTS: Final = 4
 _MOVED_SIGMAS: Final = 2.0
 
 
@@ -74,7 +76,7 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
     progress("re-fitting wheels and track")
     baseline = fit_windows(stacked(runs), start, _BASE & told, clock=False)
     progress("fitting markers and clocks")
-    slips: tuple[SlipSpell, ...] = ()
+    slips = _hard_starts(runs, start, told)
     for _ in range(_ROUNDS):
         mended = mend(runs, slips)
         full = _with_clock_if_needed(stacked(mended), start, told)
@@ -92,6 +94,15 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
     progress("comparing sessions")
     spread = spreads(stack.runs, final, start)
     return RobotFindings(runs, baseline, final, full, choice, clock_gain(full), slips, spread)
+
+
+def _hard_starts(runs: tuple[RobotRun, ...], start: DriveState, told: BoolArray) -> tuple[SlipSpell, ...]:
+    """Slip at hard starts. What it lost is counted by the robot's own wheels, and these are fitted without it."""
+    slips = hard_starts(runs, start.as_geometry)
+    for _ in range(_ROUNDS_STARTS if slips else 0):
+        fitted = fit_windows(stacked(mend(runs, slips)), start, told, clock=False)
+        slips = hard_starts(runs, fitted.state.as_geometry)
+    return slips
 
 
 def refit(

@@ -29,7 +29,8 @@ _ONE_WAY: Final = 0.4
 _REACH_S: Final = 4.0
 _ALIKE: Final = 0.15
 _MAD: Final = 1.4826
-_SIDES: Final[tuple[WheelSide, WheelSide]] = ("left", "right")
+SIDES: Final = (0, 1)
+_NAMES: Final[tuple[WheelSide, WheelSide]] = ("left", "right")
 
 
 @final
@@ -44,6 +45,7 @@ class SlipSpell:
         start_s, end_s: on the recording's clock.
         ratio: of the wheel's travel that was lost, with its standard deviation.
         strength: of the lost travel, in standard deviations.
+        lost: moments and the angle (rad) that was lost since the first of them, where the course of it is known.
     """
 
     run: int
@@ -54,6 +56,7 @@ class SlipSpell:
     ratio: float
     std: float
     strength: float
+    lost: tuple[FloatArray, FloatArray] | None = None
 
 
 def find_slip(
@@ -67,12 +70,12 @@ def find_slip(
         wheels_rad: angles of each run's wheels when its poses were taken.
     """
     wheels = [
-        _wheel(index, run, geometry, angles, side)
+        travel_of(index, run, geometry, angles, side)
         for index, (run, angles) in enumerate(zip(runs, wheels_rad, strict=True))
-        for side in (0, 1)
+        for side in SIDES
     ]
     found: list[SlipSpell] = []
-    for side in (0, 1):
+    for side in SIDES:
         pooled = np.concatenate([wheel.over(wheel.lost_m, _WINDOW_S)[1] for wheel in wheels[side::2]])
         spread = _MAD * float(np.median(np.abs(pooled - np.median(pooled)))) if pooled.size else 0.0
         for wheel in wheels[side::2]:
@@ -85,17 +88,22 @@ def without_slip(run: RobotRun, slips: Sequence[SlipSpell]) -> RobotRun:
     left, right = run.left_rad, run.right_rad
     for slip in slips:
         angle = left if slip.side == "left" else right
-        inside = np.clip(run.time_s, slip.start_s, slip.end_s)
-        corrected = angle - slip.ratio * (
-            np.interp(inside, run.time_s, angle) - np.interp(slip.start_s, run.time_s, angle)
-        )
+        corrected = angle - _slipped(slip, run.time_s, angle)
         left, right = (corrected, right) if slip.side == "left" else (left, corrected)
     return replace(run, left_rad=left, right_rad=right)
 
 
+def _slipped(slip: SlipSpell, time_s: FloatArray, angle: FloatArray) -> FloatArray:
+    """The angle that was lost until each row, rad."""
+    if slip.lost is not None:
+        return np.interp(time_s, *slip.lost)
+    inside = np.clip(time_s, slip.start_s, slip.end_s)
+    return slip.ratio * (np.interp(inside, time_s, angle) - np.interp(slip.start_s, time_s, angle))
+
+
 @final
 @dataclass(frozen=True)
-class _Wheel:
+class WheelTravel:
     """One wheel of one run.
 
     Attributes:
@@ -131,17 +139,18 @@ class _Wheel:
         return float(end - begin)
 
 
-def _wheel(
+def travel_of(
     index: int, run: RobotRun, geometry: Geometry, angles: tuple[FloatArray, FloatArray], side: int
-) -> _Wheel:
+) -> WheelTravel:
+    """A wheel's turning beside its rolling, by a run's poses; `angles` (rad) at their rows, side 0 is the left."""
     motion = body_motion(run.pose, geometry)
     radius = geometry.left_wheel_radius_m if side == 0 else geometry.right_wheel_radius_m
     rolled = motion.wheel_m(side, geometry.track_m)
     turned = radius * angles[side]
-    return _Wheel((index, run.name, _SIDES[side]), run.time_s, angles[side], turned, turned - rolled)
+    return WheelTravel((index, run.name, _NAMES[side]), run.time_s, angles[side], turned, turned - rolled)
 
 
-def _of_wheel(wheel: _Wheel) -> list[SlipSpell]:
+def _of_wheel(wheel: WheelTravel) -> list[SlipSpell]:
     start_s, gone = wheel.over(wheel.lost_m, _WINDOW_S)
     if start_s.size == 0:
         return []
@@ -150,19 +159,20 @@ def _of_wheel(wheel: _Wheel) -> list[SlipSpell]:
     gone = gone * np.sign(made)
     suspect = (gone > _SIGMAS * wheel.scale) & (gone > _LEAST_RATIO * path) & (gone > _LEAST_LOST_M)
     found = []
-    for first, last in _stretches(suspect):
+    for first, last in stretches(suspect):
         slip = _measured(wheel, _sharpened(wheel, float(start_s[first]), float(start_s[last]) + _WINDOW_S))
         if slip is not None:
             found.append(slip)
     return found
 
 
-def _stretches(flags: BoolArray) -> list[tuple[int, int]]:
+def stretches(flags: BoolArray) -> list[tuple[int, int]]:
+    """First and last row of each stretch in which flags are set."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
     return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
 
 
-def _sharpened(wheel: _Wheel, begin_s: float, end_s: float) -> tuple[float, float]:
+def _sharpened(wheel: WheelTravel, begin_s: float, end_s: float) -> tuple[float, float]:
     """Where, within a stretch, windows of a fine length lose at least half of what the most losing one does."""
     start_s, gone = wheel.over(wheel.lost_m, _FINE_S)
     _, made = wheel.over(wheel.turned_m, _FINE_S)
@@ -174,7 +184,7 @@ def _sharpened(wheel: _Wheel, begin_s: float, end_s: float) -> tuple[float, floa
     return float(start_s[strong[0]] + 0.5 * _FINE_S), float(start_s[strong[-1]] + 0.5 * _FINE_S)
 
 
-def _measured(wheel: _Wheel, span: tuple[float, float]) -> SlipSpell | None:
+def _measured(wheel: WheelTravel, span: tuple[float, float]) -> SlipSpell | None:
     """The spell with its ratio; None where the pose catches up once the wheel turns as before, as after a lag."""
     ends = _alike(wheel.time_s, wheel.angle_rad, span)
     if ends is None:

@@ -149,6 +149,8 @@ def slip_words(slips: Sequence[SlipSpell]) -> list[str]:
         said.append(f"Wheels also slip in {len(slips) - _MOST_NAMED} more spells.")
     if slips:
         said.append("The wheel angles do not show slip, so the model cannot predict it.")
+    if any(slip.lost is not None for slip in slips):
+        said.append("Tyres slip at hard starts and stops. The errors are those of paths without this slip.")
     return said
 
 
