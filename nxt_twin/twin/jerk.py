@@ -12,8 +12,11 @@ from nxt_twin.physics.base.dc_motor import drive
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.twin.batch import STEP_S
-from nxt_twin.twin.bridge import Hold
+from nxt_twin.twin.bridge import COAST, Hold
 from nxt_twin.twin.candidates import delay_s
+
+_OPEN_FADES_S = 0.5
+"""About how long a motor without current keeps a difference of speed: only friction slows it."""
 
 
 @final
@@ -79,7 +82,8 @@ class Drive:
     ) -> Jerk:
         """What comes of a command that acts at a moment known to `std_s`, while the motor turns at `speed`."""
         change = self._torque(after, speed, supply_v) - self._torque(before, speed, supply_v)
-        return Jerk(at_s + self._delay_s, std_s * abs(change) / self._inertia, self._fades_s)
+        fades_s = _OPEN_FADES_S if after.mode == COAST else self._fades_s
+        return Jerk(at_s + self._delay_s, std_s * abs(change) / self._inertia, fades_s)
 
     def _torque(self, hold: Hold, speed: float, supply_v: float) -> float:
         """The torque of a quick winding, N·m."""

@@ -1,12 +1,14 @@
 """When the brick acted within a round trip, and what it does to the motion that this is not known well."""
 
+import math
+
 import numpy as np
 import pytest
 from twin_feed import nxt_motor
 from twin_rig import Rig, run
 
 from nxt_twin.twin.batch import Batch
-from nxt_twin.twin.bridge import DRIVE, Hold
+from nxt_twin.twin.bridge import COAST, DRIVE, Hold
 from nxt_twin.twin.history import History
 from nxt_twin.twin.jerk import Drive
 from nxt_twin.twin.settings import Pace
@@ -95,3 +97,14 @@ def test_a_host_that_stalls_is_said_to_and_is_no_divergence():
     assert set(outcome.kinds()) == {"started", "stalled", "stopped"}
     assert "stood still 6 times" in outcome.first("stopped").words
     assert not outcome.session.monitors["a"].diverging
+
+
+def test_a_badly_dated_coast_leaves_the_angle_in_doubt_for_longer_than_a_badly_dated_drive():
+    plant = nxt_motor()
+    before, speed, supply_v = Hold(0.0, 0.65, DRIVE), 9.8, 8.0
+    coast, drive = (
+        Drive(plant).jerk(0.0, 0.076, before, Hold(0.0, 0.0, mode), speed, supply_v).spread(0.33)
+        for mode in (COAST, DRIVE)
+    )
+    assert math.degrees(math.sqrt(coast[0, 0])) > 20.0
+    assert coast[1, 1] > drive[1, 1]
