@@ -251,7 +251,7 @@ OWN = effect_named(source="our own curve")
 EDGES = {
     "gain_nats": (lambda _, v: likelier(v), 7.9, 8.1),
     "silent_nats": (lambda _, v: likelier(v, silent=True), 11.9, 12.1),
-    "windows_nats": (lambda _, v: likelier(v, by_windows=True), 19.9, 20.1),
+    "windows_nats": (lambda _, v: likelier(v, by_windows=True), 11.9, 12.1),
     "check_nats": (lambda _, v: likelier(99.0, check=v), 1.9, 2.1),
     "half": (lambda _, v: likelier(v, check=20.0), 3.9, 4.1),
     "altogether": (lambda _, v: likelier(6.0, check=v), 5.9, 6.1),
@@ -260,7 +260,7 @@ EDGES = {
     "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.64, 0.66),
     "much_nearer": (lambda _, v: likelier(25.0, explained=1e3, ratio=v), 0.49, 0.51),
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
-    "left_out_nats": (lambda _, v: likelier(v, effect=OWN, by_windows=True), 22.9, 23.1),
+    "left_out_nats": (lambda _, v: likelier(v, effect=OWN, by_windows=True), 14.9, 15.1),
     "many_nats": (lambda patch, v: lasts(patch, v, 0.0), 99.0, 101.0),
     "few_moments": (lambda patch, v: lasts(patch, 9.0, v), 3.45, 3.55),
     "keep_nats": (is_kept, 2.95, 3.05),

@@ -40,7 +40,7 @@ class SearchLimits:
     most_effects: int = 4
     gain_nats: float = 8.0
     silent_nats: float = 12.0
-    windows_nats: float = 20.0
+    windows_nats: float = 12.0
     check_nats: float = 2.0
     half: float = 0.5
     altogether: float = 1.5
