@@ -28,7 +28,7 @@ class SearchLimits:
         keep_nats: least gain of an effect that is in, with readings that were not fitted.
         many_nats: gain from which it does not matter how few moments it comes from.
         few_moments: least number of moments that a smaller gain of a further effect comes from.
-        rival_nats: distance below which two effects cannot be told apart.
+        rival_nats: distance below which two effects cannot be told apart, and what a free curve needs beyond others.
         swap_nats: by how much a rival has to be likelier to take an effect's place.
         rival_ratio: ratio of errors in free runs from which they speak against a likelier rival.
         sure_rival_ratio: that ratio for a rival with states of its own that is likelier by `sure_nats`.

@@ -116,12 +116,12 @@ class Standard:
 
         A term that most plant files state is likely missing where a file leaves it out. Where windows alone
         decide, few readings are independent. A free curve, which stands for many mechanisms, then gives way
-        to a known mechanism.
+        to a known mechanism that it cannot be told from.
         """
         first = effect.parameters[0]
         stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
         own = self._fitter.problem.by_windows and effect.source.startswith(_OUR_OWN)
-        return LIMITS.left_out_nats * (stated - own)
+        return LIMITS.left_out_nats * stated - LIMITS.rival_nats * own
 
     def leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
