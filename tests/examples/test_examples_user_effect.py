@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import yaml
 
-from nxt_twin.physics.kernel import CACHE_VARIABLE
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.library import library
 from nxt_twin.physics.plant import plant_from_config
@@ -59,7 +58,6 @@ def installed(tmp_path_factory):
         check=True,
     )
     patch = pytest.MonkeyPatch()
-    patch.setenv(CACHE_VARIABLE, str(tmp_path_factory.mktemp("kernels")))
     patch.syspath_prepend(place)
     forget()
     yield place
@@ -75,7 +73,7 @@ def case(maker, tmp_path_factory):
 
 
 def test_its_page_says_what_its_commands_say(installed, tmp_path, monkeypatch):
-    """They diagnose with every effect. The kernel that they compile serves the tests below."""
+    """They diagnose with every effect. The kernel that they compile serves the tests below, and later runs."""
     monkeypatch.syspath_prepend(EXAMPLE.parents[1] / "tools")
     monkeypatch.setenv("PYTHONPATH", f"{EXAMPLE.parents[1]}{os.pathsep}{installed}")
     import tutorials
