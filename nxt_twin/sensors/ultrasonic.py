@@ -154,11 +154,9 @@ def probability(parameters: UltrasonicParameters, readings: FloatArray, truth: U
     quantum, none = p.quantum_mm, readings >= NO_ECHO * 10.0 / p.quantum_mm
     mean, std = mean_mm(p, truth), noise_std_mm(p, distance)
     near = near_probability(p, distance)
-    measured = (1.0 - near) * _rounded(readings, mean, std, quantum)
-    if p.near_offset_mm:
-        measured += near * _rounded(readings, mean + p.near_offset_mm, std, quantum)
-    else:
-        measured += near * _rounded(readings, mean, std, quantum)
+    plain = _rounded(readings, mean, std, quantum)
+    offset = _rounded(readings, mean + p.near_offset_mm, std, quantum) if p.near_offset_mm else plain
+    measured = (1.0 - near) * plain + near * offset
     if p.stray_probability:
         anywhere = np.where(none, 0.0, 1.0 / (_LARGEST_READING + 1.0))
         measured = (1.0 - p.stray_probability) * measured + p.stray_probability * anywhere
