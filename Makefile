@@ -3,6 +3,9 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
+# Bytecode is kept between runs: each worker of the tests would rewrite every test file anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
 
 demo: $(VENV)/ready-run
