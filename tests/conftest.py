@@ -32,6 +32,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def _no_power_cut() -> Iterator[None]:
+    """No test pulls the plug, so none waits until the disk has what this process wrote."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda _: None)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def _abreast(request: pytest.FixtureRequest) -> Iterator[None]:
     """Where several workers share the cores, each simulates in its one thread."""
     with one_of_many() if hasattr(request.config, "workerinput") else nullcontext():

@@ -34,7 +34,7 @@ def test_most_concealed_effects_raise_the_alarm(effect):
 
 
 def _alarms(effect, seed):
-    case = make_case(seed, effects=(effect,), size="large", duration_s=10.0, recordings=2)
+    case = make_case(seed, effects=(effect,), size="large", duration_s=6.0, recordings=2)
     return feed(case.recordings[1], true_plant(case)).first("divergence") is not None
 
 

@@ -87,7 +87,7 @@ def test_a_process_that_dies_costs_nothing():
 
 
 def test_a_replay_waits_and_loses_nothing():
-    ticks = some_ticks(800)
+    ticks = some_ticks(200)
     with tempfile.TemporaryFile() as log:
         feeder = Feeder([sys.executable, "-c", _COPIES], patience_s=60.0, log=log, capacity=10, lossless=True)
         for tick in ticks:
