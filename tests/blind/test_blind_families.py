@@ -57,7 +57,9 @@ def same(one, other) -> bool:
 
 @pytest.mark.parametrize("family", FOREIGN)
 def test_a_seed_makes_the_same_case_again_and_another_seed_another(family):
-    first, again, other = (case_of(family, ("stiction",), seed=seed) for seed in (5, 5, 17))
+    first, again, other = (
+        case_of.__wrapped__(family, ("stiction",), seed=seed, duration_s=1.0) for seed in (5, 5, 17)
+    )
     assert first.answer == again.answer
     assert same(first, again)
     assert first.answer["base"] != other.answer["base"]
@@ -81,10 +83,10 @@ def test_ten_kinds_of_unknown_physics_and_no_two_of_a_name():
 def test_a_large_effect_moves_the_reading_and_the_answer_is_in_the_contracts_terms(family, effect):
     if effect not in FAMILIES[family].known:
         pytest.skip("left out of this family")
-    answer = case_of(family, (effect,)).answer
+    answer = case_of(family, (effect,), duration_s=1.2).answer
     assert answer["family"] == family
     assert answer["effect_rms_deg"] > 0.5
-    home = case_of(BRISTLE, (effect,)).answer["effects"][0]
+    home = case_of(BRISTLE, (effect,), duration_s=1.2).answer["effects"][0]
     assert set(home["params"]) - {"from_s"} <= set(answer["effects"][0]["params"])
 
 
@@ -111,7 +113,7 @@ def test_the_baseline_is_off_by_a_fifth_at_most(family):
 def test_a_logger_that_writes_the_last_command_puts_it_a_row_late():
     late = next(
         case
-        for seed in range(90)
+        for seed in range(45, 135)  # those before have none
         if (case := case_of("workshop", ("command_delay",), seed=seed)).answer["effects"][0]["params"][
             "delay_s"
         ]

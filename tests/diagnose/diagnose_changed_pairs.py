@@ -21,7 +21,7 @@ def touched(truth, **factors):
 
 
 def side(rng, name, truth, families=("steps", "reversals")):
-    runs = [draw_commands(rng, family, "usb", 6.0, 0.5, 0.0) for family in families]
+    runs = [draw_commands(rng, family, "usb", 4.5, 0.5, 0.0) for family in families]
     taken = [take(rng, f"{name}-{n}.csv", truth, Sensing(), run).recording for n, run in enumerate(runs)]
     return Case(name, Path(), {"kind": "dc_motor", **NOMINAL}, tuple(taken), (), "a")
 

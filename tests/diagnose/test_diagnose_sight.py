@@ -19,6 +19,7 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 
 SEED = 61
+SHORT_S = 8.0
 TRUTH = {
     "constant_load": lambda size: {"motor": {"constant_torque_nm": size}},
     "voltage_drop": lambda size: {"motor": {"drop_v": size}},
@@ -28,19 +29,19 @@ TRUTH = {
 
 @pytest.fixture(scope="module")
 def simulator():
-    with Simulator(problem_for(recorded(SEED)).plant.layout) as made:
+    with Simulator(problem_for(recorded(SEED, seconds=SHORT_S)).plant.layout) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
 def clean_linear(simulator):
-    problem, _, final = settled(simulator, recorded(SEED))
+    problem, _, final = settled(simulator, recorded(SEED, seconds=SHORT_S))
     return problem, linearise(simulator, problem, final)
 
 
 def gained(simulator, effect_id, size):
     """What the search would hold for an effect of that size in a motor of the other simulator."""
-    case = recorded(SEED, **TRUTH[effect_id](size))
+    case = recorded(SEED, seconds=SHORT_S, **TRUTH[effect_id](size))
     _, fitter, final = settled(simulator, case)
     bare = settling.settled(fitter, final.plant, final.noise)
     symbol = final.plant.layout.effect(effect_id).parameters[0].symbol
@@ -100,7 +101,7 @@ def test_the_limit_of_a_leftover_is_above_every_clean_one():
 
 def one_way(seed):
     """Two recordings that only ever run forward at one speed."""
-    case = recorded(seed, families=("steps", "steps", "steps"))
+    case = recorded(seed, families=("steps", "steps", "steps"), seconds=SHORT_S)
     made = []
     for recording in (*case.recordings, *case.holdout):
         time_s = recording.time_s

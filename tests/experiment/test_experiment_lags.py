@@ -44,7 +44,7 @@ def named(out: Path) -> list[str]:
     return [effect["id"] for effect in found["effects"]]
 
 
-@pytest.mark.parametrize("profile", ["none", "usb", "bluetooth"])
+@pytest.mark.parametrize("profile", ["none", "bluetooth"])
 def test_nothing_is_missing_from_a_motor_that_is_the_models(tmp_path: Path, profile: str) -> None:
     out = identified(tmp_path, PLAIN, profile)
     assert sorted(path.stem for path in (out / "recordings").glob("*.yaml")) == sorted(
