@@ -21,7 +21,7 @@ def table(tmp_path):
     """Writes a body of some inertia, pushed to and fro and held back by viscous friction."""
 
     def written(name, inertia):
-        time_s = 0.02 * np.arange(400)
+        time_s = 0.02 * np.arange(250)
         force = 0.5 * np.sign(np.sin(2.0 * np.pi * 0.5 * time_s + 0.3 * np.sin(time_s)))
         speed, angle, angles = 0.0, 0.0, []
         for push in np.repeat(force, 20):
@@ -29,7 +29,7 @@ def table(tmp_path):
             speed += 1e-3 * (push - 0.2 * speed) / inertia
             angle += 1e-3 * speed
         rng = np.random.default_rng(1)
-        read = np.array(angles)[::20] + 1e-3 * rng.standard_normal(400)
+        read = np.array(angles)[::20] + 1e-3 * rng.standard_normal(250)
         rows = "".join(f"{t:.3f},{f:.3f},{a:.5f}\n" for t, f, a in zip(time_s, force, read, strict=True))
         path = tmp_path / name
         path.write_text("t,torque,angle\n" + rows)

@@ -11,6 +11,12 @@ from nxt_twin.recording.case import Case
 LONG: dict[str, Any] = {"seed": 11, "seconds": 12.0}
 """Of recordings in which a simulation of ten seconds can be held against what was read."""
 
+LETS_GO: dict[str, Any] = {"seed": 152, "seconds": 12.0}
+"""Of three recordings of a clean motor only the one held out lets it run without current."""
+
+TWISTING: dict[str, Any] = {"seed": 151, "seconds": 8.0}
+"""Of a motor whose shaft twists, and which never runs without current."""
+
 
 @cache
 def concealed(

@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from diagnose_cases import LONG, concealed, diagnosed
+from diagnose_cases import LETS_GO, LONG, TWISTING, concealed, diagnosed
 
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.plant import plant_from_config
@@ -19,8 +19,7 @@ def named_or_confused(diagnosis):
         ("gravity_load", LONG),
         ("command_delay", {"seed": 12}),
         ("stiction", {"seed": 13}),
-        ("coulomb_friction", {"seed": 14}),
-        ("shaft_compliance", {"seed": 16, "seconds": 8.0}),
+        ("shaft_compliance", TWISTING),
     ],
 )
 def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, made):
@@ -30,9 +29,9 @@ def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect
     assert diagnosis.fit.improved < 0.9 * diagnosis.fit.baseline
 
 
-@pytest.mark.parametrize(("seed", "link"), [(21, "usb"), (22, "bluetooth")])
-def test_nothing_is_blamed_where_only_parameters_were_wrong(seed, link):
-    diagnosis = diagnosed((), seed=seed, link=link).diagnosis
+@pytest.mark.parametrize("made", [LETS_GO, {"seed": 22, "link": "bluetooth"}], ids=["usb", "bluetooth"])
+def test_nothing_is_blamed_where_only_parameters_were_wrong(made):
+    diagnosis = diagnosed((), **made).diagnosis
     assert diagnosis.verdict == "adequate"
     assert diagnosis.effects == ()
     assert diagnosis.mismatch.when == ()

@@ -1,17 +1,13 @@
 """What a diagnosis says beside its figures, where they would mislead."""
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
-from diagnose_cases import LONG, concealed, diagnosed
+from diagnose_cases import LETS_GO, LONG, TWISTING, concealed, diagnosed
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.telling.words import sentence
-
-# Of its three recordings only the one held out lets the motor run without current.
-LETS_GO: dict[str, Any] = {"seed": 152, "seconds": 12.0}
 
 
 def remarks_on_letting_go(notes):
@@ -28,7 +24,7 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
 
 
 def test_what_to_record_next_is_then_a_program_that_lets_it_go():
-    found = diagnosed(("shaft_compliance",), seed=151, seconds=8.0).diagnosis
+    found = diagnosed(("shaft_compliance",), **TWISTING).diagnosis
     assert found.verdict == "explained"
     proposed = found.next_experiment
     assert "coast down without current" in proposed.input

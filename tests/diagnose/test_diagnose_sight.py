@@ -23,7 +23,6 @@ SHORT_S = 8.0
 TRUTH = {
     "constant_load": lambda size: {"motor": {"constant_torque_nm": size}},
     "voltage_drop": lambda size: {"motor": {"drop_v": size}},
-    "quadratic_drag": lambda size: {"motor": {"quadratic_drag_nm_s2_per_rad2": size}},
 }
 
 
