@@ -24,16 +24,16 @@ from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.make import write_case
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
+from nxt_twin.diagnose.fitting.drafting import drafted
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
-from nxt_twin.diagnose.search.drafting import drafted
-from nxt_twin.diagnose.search.searched import best_baseline, settled_baseline
-from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import read_case

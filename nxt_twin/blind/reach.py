@@ -10,14 +10,14 @@ import numpy as np
 
 from nxt_twin.blind.reached import Reach
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.baselines import settled_baseline
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.horizons import errors_of
 from nxt_twin.diagnose.judging.judge import free_runs, overall
-from nxt_twin.diagnose.search.searched import settled_baseline
-from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.layout import Layout

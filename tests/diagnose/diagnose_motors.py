@@ -11,10 +11,10 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_guess
-from nxt_twin.diagnose.search import settling
 from nxt_twin.recording.case import Case
 
 FAMILIES = ("steps", "ramps", "reversals")

@@ -17,10 +17,11 @@ from benchmarks.consistency import (
 from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
+from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
 from nxt_twin.diagnose.judging.horizons import Errors, best_at_every_horizon, errors_of
-from nxt_twin.diagnose.search.searched import best_baseline, searched, settled_baseline
+from nxt_twin.diagnose.search.searched import searched
 from nxt_twin.physics.simulate import Simulator
 
 WINDOW_S = 2.0

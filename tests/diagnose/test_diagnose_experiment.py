@@ -13,12 +13,12 @@ from nxt_twin.cli.app import program
 from nxt_twin.diagnose.diagnosis import Mismatch, NextExperiment
 from nxt_twin.diagnose.dispatch import Answered
 from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.next.inputs import family
 from nxt_twin.diagnose.next.next_experiment import propose
 from nxt_twin.diagnose.next.next_step import _twice_and_half, _with_program
-from nxt_twin.diagnose.search import settling
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.to_json import to_json
 from nxt_twin.physics.simulate import Simulator

@@ -9,15 +9,16 @@ from diagnose_cases import concealed, diagnosed
 
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting import batch
+from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_guess, with_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
+from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.explain import candidates, explain
 from nxt_twin.diagnose.search.screen import screen
-from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
@@ -31,6 +32,7 @@ class Bench:
         self.problem = problem_for(concealed(effects, **made))
         self.simulator = Simulator(self.problem.plant.layout)
         self.fitter = Fitter(self.simulator, self.problem)
+        self.fits = Fits(self.simulator, self.problem)
         self.steps = 0.0
         self._run = self.simulator.run
         self.simulator.run = self._counted
@@ -43,7 +45,7 @@ class Bench:
         return self._run(values, active, jobs)
 
     def screened(self):
-        return screen(self.fitter, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
+        return screen(self.fits, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
 
 
 @pytest.fixture(scope="module")
@@ -150,7 +152,7 @@ def test_effects_are_found_that_free_runs_speak_against_one_by_one():
 
 
 def test_a_draft_is_made_once_for_a_structure(lacking):
-    drafts = Drafts(lacking.fitter)
+    drafts = Drafts(lacking.fits)
     effects = candidates(lacking.baseline.plant, lacking.problem.signals[0])
     first = drafts.of(lacking.baseline, effects, 2)
     before = lacking.steps
@@ -182,7 +184,7 @@ def test_coarse_steps_change_a_settled_weight_by_little(lacking):
 def test_two_effects_are_found_together_with_a_bounded_amount_of_work():
     bench = Bench(("battery_sag", "gravity_load"), seed=142)
     before = bench.steps
-    explanation = explain(bench.fitter, bench.baseline, lambda _: None)
+    explanation = explain(bench.fits, bench.baseline, lambda _: None)
     assert {effect.id for effect, _ in explanation.found} == {"battery_sag", "gravity_load"}
     assert all(weight.total > 0.0 for _, weight in explanation.found)
     assert bench.steps - before < 87e6
@@ -191,7 +193,7 @@ def test_two_effects_are_found_together_with_a_bounded_amount_of_work():
 def test_nothing_is_found_where_nothing_lacks_and_it_costs_little():
     bench = Bench((), seed=143)
     before = bench.steps
-    explanation = explain(bench.fitter, bench.baseline, lambda _: None)
+    explanation = explain(bench.fits, bench.baseline, lambda _: None)
     assert explanation.found == ()
     assert bench.steps - before < 17e6
 
@@ -204,7 +206,7 @@ def test_what_doubts_readings_does_not_hide_what_else_is_missing():
         bench.baseline.noise,
     )
     effect = doubting.plant.layout.effect("stiction")
-    best = screen(bench.fitter, doubting, [effect])[0]
+    best = screen(bench.fits, doubting, [effect])[0]
     coulomb = doubting.plant.values[Slot("coulomb_friction", "coulomb")]
     assert best.gain > 10.0
     stretched = best.stretched(bench.problem.scale)

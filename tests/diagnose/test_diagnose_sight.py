@@ -8,11 +8,11 @@ import pytest
 from diagnose_motors import recorded, settled
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.detectable import detectable
 from nxt_twin.diagnose.judging.sight import lacks
-from nxt_twin.diagnose.search import settling
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.simulate import Simulator

@@ -7,7 +7,7 @@ from typing import final
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import Fitted
-from nxt_twin.diagnose.fitting.free_run import mean_error
+from nxt_twin.diagnose.fitting.free_run import error_ratio, mean_error
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -58,6 +58,20 @@ class Structure:
         return self.fitted.cost + self.fitted.prior_cost
 
 
+@final
+@dataclass(frozen=True)
+class Draft:
+    """A plant fitted roughly, and the cost of the checking readings under the same noise, nats."""
+
+    fitted: Fitted
+    check_cost: float
+
+    @property
+    def cost(self) -> float:
+        """Of all readings and priors, nats."""
+        return self.fitted.cost + self.fitted.prior_cost + self.check_cost
+
+
 def step_for(plant: Plant, coarse_s: float) -> float:
     """`coarse_s`, or half of it where an effect has a mechanical state of its own, which may be stiff."""
     stiff = any(is_mechanical(effect) for effect in plant.effects)
@@ -72,3 +86,10 @@ def is_mechanical(effect: Effect) -> bool:
 def shares(plant: Plant) -> int:
     """How many shares of faulty readings `plant` has, which no fit counts among its variables."""
     return sum("outlier" in effect.terms for effect in plant.effects)
+
+
+def free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
+    """Errors of `richer` in free runs over those of `simpler`, by the kinder of two ways to run and by the other."""
+    pairs = zip(simpler.window_errors, richer.window_errors, strict=True)
+    kind, unkind = sorted(error_ratio(before, after) for before, after in pairs)
+    return kind, unkind

@@ -7,9 +7,8 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
-from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.search.drafting import Draft, draft_cost, draft_costs, drafted
+from nxt_twin.diagnose.fitting.fits import Fits
+from nxt_twin.diagnose.fitting.structure import Draft, Structure
 from nxt_twin.diagnose.search.screen import Prospect, screen
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
@@ -40,8 +39,8 @@ class _Known:
 class Drafts:
     """Drafts of one problem; what was made for a structure once is not made again."""
 
-    def __init__(self, fitter: Fitter) -> None:
-        self._fitter = fitter
+    def __init__(self, fits: Fits) -> None:
+        self._fits = fits
         self._known: list[_Known] = []
 
     def of(
@@ -66,7 +65,7 @@ class Drafts:
     def prospects(self, structure: Structure, effects: list[Effect]) -> dict[str, list[Prospect]]:
         """The starts of each of `effects` beside `structure`, by the effect's id, likeliest first."""
         known = self._of(structure).prospects
-        for prospect in screen(self._fitter, structure, [e for e in effects if e.id not in known]):
+        for prospect in screen(self._fits, structure, [e for e in effects if e.id not in known]):
             known.setdefault(prospect.effect.id, []).append(prospect)
         return known
 
@@ -77,23 +76,17 @@ class Drafts:
         self._known.append(_Known(structure))
         return self._known[-1]
 
-    def cost(self, structure: Structure, noise: Noise) -> float:
-        """As `Draft.cost`, of a structure as it stands, under other noise."""
-        step_s = DRAFTED.step_for(structure.plant)
-        fitted, check = draft_cost(self._fitter, structure.plant, noise, step_s)
-        return fitted + structure.fitted.prior_cost + check
-
     def _draft(self, prospects: list[Prospect], noise: Noise) -> Draft:
         """One effect from the starts that promise most: each followed for a step or two, the best of them further."""
         further = SLOW_ITERATIONS if prospects[0].effect.states else _QUICK_ITERATIONS
         enough = _STARTS_SHARE * prospects[0].gain
         plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
         if len(plants) > 1:
-            trials = [drafted(self._fitter, plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            trials = [self._fits.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
             best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
             plants = [best.fitted.plant]
         # Slopes that have followed a start's steps promise too little here: measured anew, a fit goes further.
-        return drafted(self._fitter, plants[0], noise, iterations=further)
+        return self._fits.draft(plants[0], noise, iterations=further)
 
     def _ordered(self, prospects: list[Prospect], noise: Noise) -> list[Prospect]:
         """Those that promise anything; of starts that the fitted readings cannot tell apart the best to check first.
@@ -104,13 +97,12 @@ class Drafts:
         alike = [p for p in promising if p.gain > prospects[0].gain - _ALIKE_NATS]
         if len(alike) < _MANY_ALIKE:
             return promising
-        checking = self._fitter.tuned(noise, DRAFTED.step_for(alike[0].plant)).checking()
-        costs = checking.costs_of(self._fitter.simulator, [p.plant for p in alike])
+        costs = self._fits.check_costs([p.plant for p in alike], noise)
         return [alike[n] for n in np.argsort(costs)] + promising[len(alike) :]
 
     def _nearer(self, prospects: list[Prospect], noise: Noise) -> list[Plant]:
         """Each start as it is or stretched by what it promises the more for, whichever is likelier."""
-        scale = self._fitter.problem.scale
+        scale = self._fits.problem.scale
         pairs = [(prospect.plant, prospect.stretched(scale)) for prospect in prospects]
-        costs = draft_costs(self._fitter, [plant for pair in pairs for plant in pair], noise)
+        costs = self._fits.costs([plant for pair in pairs for plant in pair], noise)
         return [pair[int(np.argmin(costs[2 * n : 2 * n + 2]))] for n, pair in enumerate(pairs)]

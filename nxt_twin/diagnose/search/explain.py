@@ -9,13 +9,10 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.diagnose.fitting.fitter import Fitter
-from nxt_twin.diagnose.fitting.noise import first_guess
-from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical
-from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.fitting.fits import Fits
+from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
-from nxt_twin.diagnose.search.drafting import Draft, draft_costs, drafted
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
@@ -49,9 +46,9 @@ class Explanation:
     refused: tuple[tuple[Effect, Weight], ...]
 
 
-def explain(fitter: Fitter, baseline: Structure, progress: Progress) -> Explanation:
+def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
-    search = _Search(fitter, baseline)
+    search = _Search(fits, baseline)
     best = baseline
     for _ in range(EFFORT.exchanges + 1):
         best, refused = search.grown(best, progress)
@@ -85,12 +82,12 @@ def candidates(plant: Plant, signals: Signals) -> list[Effect]:
 class _Search:
     """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
 
-    def __init__(self, fitter: Fitter, baseline: Structure) -> None:
-        self._fitter = fitter
+    def __init__(self, fits: Fits, baseline: Structure) -> None:
+        self._fits = fits
         self._baseline = baseline
-        self._settled = Settled(fitter, baseline)
-        self._standard = Standard(fitter, baseline, self._settled)
-        self._drafts = Drafts(fitter)
+        self._settled = Settled(fits, baseline)
+        self._standard = Standard(fits, baseline, self._settled)
+        self._drafts = Drafts(fits)
         self._tried: list[Effect] = []
         self._settle_suspected()
 
@@ -99,11 +96,11 @@ class _Search:
 
         Where much is missing, the re-fitted baseline lies far away, and what is added to it may not find back.
         """
-        problem = self._fitter.problem
-        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        problem = self._fits.problem
+        noise = self._fits.first_noise()
         for effect in self._candidates(problem.plant):
             if effect.id in problem.leaning:
-                start = starts_of(effect, problem.scale)[0]
+                start = self._fits.starts(effect)[0]
                 self._settled.settle(problem.plant.with_effect(effect.id, start), noise)
 
     def grown(
@@ -209,7 +206,7 @@ class _Search:
         known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
         rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
-        equal = self._drafts.cost(best, bare.noise)
+        equal = self._fits.drafted_cost(best, bare.noise)
         for rank, (other, draft) in enumerate(self._drafts.of(bare, fresh, EFFORT.rivals_drafted)):
             reach = EFFORT.rival_reach_nats if rank or known else EFFORT.far_reach_nats
             if draft.cost - equal < reach:
@@ -229,7 +226,7 @@ class _Search:
         drafts = self._drafts.of(best, self._candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
         if not drafts:
             return []
-        cost = self._drafts.cost(best, best.noise)
+        cost = self._fits.drafted_cost(best, best.noise)
         leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
             (effect, draft)
@@ -288,7 +285,7 @@ class _Search:
 
         No linear look shows them: the baseline's noise has taken the scatter in, and has to give it back first.
         """
-        quantum = max(signals.quantum for signals in self._fitter.problem.signals)
+        quantum = max(signals.quantum for signals in self._fits.problem.signals)
         fine = EFFORT.fine * quantum / math.sqrt(12.0)
         if best.noise.reading_std < fine or quantum <= 0.0:
             return []
@@ -297,9 +294,8 @@ class _Search:
         for effect in self._candidates(best.plant):
             if "scatter" not in effect.terms or effect in known:
                 continue
-            starts = starts_of(effect, self._fitter.problem.scale)
-            plants = [best.plant.with_effect(effect.id, start) for start in starts]
-            costs = draft_costs(self._fitter, plants, noise)
+            plants = [best.plant.with_effect(effect.id, start) for start in self._fits.starts(effect)]
+            costs = self._fits.costs(plants, noise)
             trial = self._settled.settle(plants[int(np.argmin(costs))], noise)
             if self._outlasts_a_poll(trial, effect):
                 settled.append((effect, trial))
@@ -308,7 +304,7 @@ class _Search:
     def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
         """Whether readings are held for longer than they are apart; the jitter of a link scatters them as well."""
         held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-        return held_s > max(signals.interval_s for signals in self._fitter.problem.signals)
+        return held_s > max(signals.interval_s for signals in self._fits.problem.signals)
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
         """The best of `trial` and of what other starts lead to, for effects with an onset or mechanical states.
@@ -317,16 +313,16 @@ class _Search:
         so they are led from each start through a smaller unknown torque.
         """
         if has_onset(effect):
-            moved = at_likeliest_onset(self._fitter, trial.plant, effect, trial.noise)
+            moved = at_likeliest_onset(self._fits, trial.plant, effect, trial.noise)
             return trial if moved is trial.plant else self._settled.settle(moved, trial.noise)
         if not is_mechanical(effect):
             return trial
         sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
-        drafts = [drafted(self._fitter, p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
+        drafts = [self._fits.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
         leading = min(drafts, key=lambda made: made.cost)
         elsewhere = leading.fitted.plant
-        costs = draft_costs(self._fitter, [elsewhere, trial.plant], trial.noise)
+        costs = self._fits.costs([elsewhere, trial.plant], trial.noise)
         return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
 
     def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
@@ -334,13 +330,13 @@ class _Search:
         asked = [
             effect
             for effect in self._candidates(best.plant)
-            if effect.id in self._fitter.problem.leaning and effect.id not in listed
+            if effect.id in self._fits.problem.leaning and effect.id not in listed
         ]
         known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
         return [(effect, settled) for effect, settled in known if settled is not None]
 
     def _candidates(self, plant: Plant) -> list[Effect]:
-        problem = self._fitter.problem
+        problem = self._fits.problem
         return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
 
 

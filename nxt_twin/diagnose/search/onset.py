@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
@@ -23,25 +23,24 @@ def has_onset(effect: Effect) -> bool:
     return any(parameter.name == _ONSET for parameter in effect.parameters)
 
 
-def at_likeliest_onset(fitter: Fitter, plant: Plant, effect: Effect, noise: Noise) -> Plant:
+def at_likeliest_onset(fits: Fits, plant: Plant, effect: Effect, noise: Noise) -> Plant:
     """`plant` with the onset of `effect` at which its readings, fitted and checking ones, are likeliest.
 
     One that comes on in a checking block shows in no fitted reading, so both count.
 
     Args:
-        fitter: of the problem.
+        fits: of the problem.
         plant: with the effect, fitted.
         effect: with an onset.
         noise: under which readings are weighed.
     """
     slot = _slot(effect)
-    last = fitter.problem.signals[-1]
+    last = fits.problem.signals[-1]
     length_s = last.session_s + float(last.time_s[-1] - last.time_s[0])
     reach_s = _SHARE * length_s
     shifts_s = np.linspace(-reach_s, reach_s, _TRIED)
     tried = [plant, *(at_onset(plant, effect, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
-    tuned = fitter.tuned(noise, DRAFTED.step_for(plant)).everything()
-    return tried[int(np.argmin(tuned.costs_of(fitter.simulator, tried)))]
+    return tried[int(np.argmin(fits.costs_everywhere(tried, noise)))]
 
 
 def at_onset(plant: Plant, effect: Effect, onset_s: float) -> Plant:

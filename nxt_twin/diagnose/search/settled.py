@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import final
 
-from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
+from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.search.drafting import draft_cost
-from nxt_twin.diagnose.search.settling import settled
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
@@ -21,13 +19,13 @@ UNFITTED_NATS = 60.0
 class Settled:
     """What one search has settled, beginning with the re-fitted `baseline`."""
 
-    def __init__(self, fitter: Fitter, baseline: Structure) -> None:
-        self._fitter = fitter
+    def __init__(self, fits: Fits, baseline: Structure) -> None:
+        self._fits = fits
         self._best = {baseline.plant.active: baseline}
 
     def settle(self, plant: Plant, noise: Noise) -> Structure:
         """Settle, unless that set of effects came out better before."""
-        structure = settled(self._fitter, plant, noise)
+        structure = self._fits.settled(plant, noise)
         before = self._best.get(plant.active)
         if before is None or structure.fitted_cost < before.fitted_cost:
             self._best[plant.active] = structure
@@ -46,13 +44,15 @@ class Settled:
 
         An effect that merely led out of a dead end would else be named for it.
         """
-        plant = simpler(best.plant, effect_id, self._fitter.problem.plant)
+        plant = simpler(best.plant, effect_id, self._fits.problem.plant)
         before = self.like(plant)
-        if before is not None:
-            cost, _ = draft_cost(self._fitter, plant, best.noise, SETTLED.step_for(plant))
-            if cost > before.fitted.cost + UNFITTED_NATS:
-                return before
+        if before is not None and self._is_far_behind(plant, best.noise, before):
+            return before
         return self.settle(plant, best.noise)
+
+    def _is_far_behind(self, plant: Plant, noise: Noise, before: Structure) -> bool:
+        """Whether `plant` costs so much as it stands that no fit would bring it near `before`."""
+        return self._fits.settled_cost(plant, noise) > before.fitted.cost + UNFITTED_NATS
 
 
 def simpler(plant: Plant, effect_id: str, baseline: Plant) -> Plant:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import final
 
-from nxt_twin.diagnose.fitting.fitter import Fitter
+from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.moments import moments_gained
 from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.weight import Weight
@@ -23,14 +22,14 @@ _OUR_OWN = "our own"
 class Standard:
     """What one search asks of effects, beside its `baseline` and what it has `settled`."""
 
-    def __init__(self, fitter: Fitter, baseline: Structure, settled: Settled) -> None:
-        self._fitter = fitter
+    def __init__(self, fits: Fits, baseline: Structure, settled: Settled) -> None:
+        self._fits = fits
         self._baseline = baseline
         self._settled = settled
 
     def is_notable(self, best: Structure, effect_id: str) -> bool:
         """Whether the effect is large enough in `best` to have a name."""
-        problem, effect = self._fitter.problem, best.plant.layout.effect(effect_id)
+        problem, effect = self._fits.problem, best.plant.layout.effect(effect_id)
         repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
         held = is_told_from_jitter(best.plant, effect, problem.signals)
         return repeats and held and is_notable(best.plant, effect, problem.scale)
@@ -71,7 +70,7 @@ class Standard:
         return (
             first
             or weight.gain > LIMITS.many_nats
-            or moments_gained(self._fitter, simpler, richer) > LIMITS.few_moments
+            or self._fits.moments_gained(simpler, richer) > LIMITS.few_moments
         )
 
     def needed(self, best: Structure, weight: Weight | None = None) -> float:
@@ -88,7 +87,7 @@ class Standard:
             else LIMITS.form_share * explained
         )
         least = LIMITS.silent_nats if silent else LIMITS.gain_nats
-        if self._fitter.problem.by_windows:
+        if self._fits.problem.by_windows:
             least = LIMITS.windows_nats
         return max(least, share)
 
@@ -98,7 +97,7 @@ class Standard:
 
     def _is_silent(self, best: Structure) -> bool:
         """Whether what `best` leaves does not matter to a simulation of two seconds."""
-        return best.free_run_rms[0] <= self._fitter.problem.tolerance
+        return best.free_run_rms[0] <= self._fits.problem.tolerance
 
     def _doubting(self, best: Structure) -> Structure:
         """The baseline with just those of `best`'s effects that doubt readings."""
@@ -120,12 +119,12 @@ class Standard:
         """
         first = effect.parameters[0]
         stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
-        own = self._fitter.problem.by_windows and effect.source.startswith(_OUR_OWN)
+        own = self._fits.problem.by_windows and effect.source.startswith(_OUR_OWN)
         return LIMITS.left_out_nats * stated - LIMITS.rival_nats * own
 
     def leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
-        return self.belief(effect) + self._fitter.problem.leaning.get(effect.id, 0.0)
+        return self.belief(effect) + self._fits.problem.leaning.get(effect.id, 0.0)
 
 
 def _choice_nats(effect: Effect) -> float:

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import final
 
-from nxt_twin.diagnose.fitting.free_run import error_ratio
-from nxt_twin.diagnose.fitting.structure import Structure, is_mechanical, shares
+from nxt_twin.diagnose.fitting.structure import Structure, free_run_ratios, is_mechanical, shares
 
 FREE_RUN_RATIO = 1.01
 _DOUBTING_RATIO = 1.1  # doubt in readings moves what is fitted by little, while other physics may still lack
@@ -61,7 +60,7 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
     penalty = 0.5 * further * math.log(max(richer.fitted.readings, 2))
     gain = simpler.fitted_cost - richer.fitted_cost
     check_gain = simpler.check_cost - richer.check_cost
-    kind, unkind = _free_run_ratios(simpler, richer)
+    kind, unkind = free_run_ratios(simpler, richer)
     sure = check_gain > _SURE_NATS
     hidden = _adds_a_second_body(simpler, richer) and check_gain > _BORNE_OUT_NATS
     least = max(_SURE_RATIO if sure else 0.0, _HIDDEN_RATIO if hidden else 0.0)
@@ -100,10 +99,4 @@ def free_run_ratio(simpler: Structure, richer: Structure) -> float:
 
     A start anew cannot know the state of a load behind play or a shaft; a whole run of an integrator drifts.
     """
-    return _free_run_ratios(simpler, richer)[0]
-
-
-def _free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
-    pairs = zip(simpler.window_errors, richer.window_errors, strict=True)
-    kind, unkind = sorted(error_ratio(before, after) for before, after in pairs)
-    return kind, unkind
+    return free_run_ratios(simpler, richer)[0]

@@ -3,28 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.fit import Fitted
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.structure import Draft
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
-
-
-@final
-@dataclass(frozen=True)
-class Draft:
-    """A plant fitted roughly, and the cost of the checking readings under the same noise, nats."""
-
-    fitted: Fitted
-    check_cost: float
-
-    @property
-    def cost(self) -> float:
-        """Of all readings and priors, nats."""
-        return self.fitted.cost + self.fitted.prior_cost + self.check_cost
 
 
 def drafted(fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
@@ -46,3 +31,14 @@ def draft_cost(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tup
 def draft_costs(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatArray:
     """Costs of plants with the same effects as they stand, on the target's readings, by the steps of a draft."""
     return fitter.tuned(noise, DRAFTED.step_for(plants[0])).costs_of(fitter.simulator, plants)
+
+
+def check_costs(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+    """As `draft_costs`, on the checking readings."""
+    checking = fitter.tuned(noise, DRAFTED.step_for(plants[0])).checking()
+    return checking.costs_of(fitter.simulator, plants)
+
+
+def costs_everywhere(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+    """As `draft_costs`, on target and checking readings together."""
+    return fitter.tuned(noise, DRAFTED.step_for(plants[0])).everything().costs_of(fitter.simulator, plants)

@@ -1,0 +1,101 @@
+"""All that a search asks of fits, in one place: no other file of this room is called from there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.baselines import as_given, best_baseline, settled_baseline
+from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, draft_cost, draft_costs, drafted
+from nxt_twin.diagnose.fitting.everything import fit_everything
+from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
+from nxt_twin.diagnose.fitting.moments import moments_gained
+from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.promised import promised
+from nxt_twin.diagnose.fitting.settling import settled
+from nxt_twin.diagnose.fitting.structure import Draft, Structure
+from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.simulate import Simulator
+
+
+@final
+class Fits:
+    """Plants fitted to the readings of one problem, roughly or closely.
+
+    Attributes:
+        problem: the readings, the given plant and the tolerance.
+    """
+
+    def __init__(self, simulator: Simulator, problem: Problem) -> None:
+        self.problem = problem
+        self._fitter = Fitter(simulator, problem)
+
+    def first_noise(self) -> Noise:
+        """Noise of the given plant to start a search from."""
+        return first_guess(self.problem.plant, self.problem.signals, self.problem.scale.torque)
+
+    def starts(self, effect: Effect) -> list[dict[str, float]]:
+        """Every combination of starting values of `effect`, SI by symbol; the typical one first."""
+        return starts_of(effect, self.problem.scale)
+
+    def promised(self, structure: Structure, plants: Sequence[Plant]) -> list[tuple[int, float, float]]:
+        """Of each plant its place in `plants`, the gain over `structure` that it promises, nats, and its stretch."""
+        return promised(self._fitter, structure, plants)
+
+    def costs(self, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+        """Of the fitted readings under plants with equal effects as they stand, nats, shape (plants,)."""
+        return draft_costs(self._fitter, plants, noise)
+
+    def check_costs(self, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+        """As `costs`, of the checking readings."""
+        return check_costs(self._fitter, plants, noise)
+
+    def costs_everywhere(self, plants: Sequence[Plant], noise: Noise) -> FloatArray:
+        """As `costs`, of fitted and checking readings together."""
+        return costs_everywhere(self._fitter, plants, noise)
+
+    def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
+        """`plant` fitted roughly under `noise`, on coarse steps."""
+        return drafted(self._fitter, plant, noise, iterations=iterations)
+
+    def drafted_cost(self, structure: Structure, noise: Noise) -> float:
+        """As `Draft.cost`, of a structure as it stands, under other noise."""
+        fitted, check = draft_cost(self._fitter, structure.plant, noise, DRAFTED.step_for(structure.plant))
+        return fitted + structure.fitted.prior_cost + check
+
+    def settled(self, plant: Plant, noise: Noise) -> Structure:
+        """`plant` under the noise that suits it best, both searched from the given ones."""
+        return settled(self._fitter, plant, noise)
+
+    def settled_cost(self, plant: Plant, noise: Noise) -> float:
+        """Of the fitted readings under `plant` as it stands, by the steps of a settled structure, nats."""
+        return draft_cost(self._fitter, plant, noise, SETTLED.step_for(plant))[0]
+
+    def settled_baseline(self) -> Structure:
+        """The given plant, fitted and settled from a first guess of the noise."""
+        return settled_baseline(self._fitter)
+
+    def moments_gained(self, simpler: Structure, richer: Structure) -> float:
+        """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike."""
+        return moments_gained(self._fitter, simpler, richer)
+
+    def everything(self, plant: Plant, noise: Noise) -> Structure:
+        """`plant` fitted on all that is not held out, to the last digit."""
+        return fit_everything(self._fitter, plant, noise)
+
+    def simulated_error(self, plant: Plant, noise: Noise) -> float:
+        """The mean error of all windows of simulation over all that is not held out, SI."""
+        return self._fitter.simulated_error(plant, noise)
+
+    def best_baseline(self, baseline: Structure, final: Structure) -> Structure:
+        """The re-fitted baseline that simulates best, of fits under the noise of `baseline` and of `final`."""
+        return best_baseline(self._fitter, baseline, final)
+
+    def as_given(self, noise: Noise) -> Structure:
+        """The given plant with its parameters as they came."""
+        return as_given(self._fitter, noise)
