@@ -36,6 +36,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_idle,
     is_needless,
     is_patchwork,
+    is_spoiled,
     is_stalled,
     verdict_of,
 )
@@ -123,14 +124,34 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     progress("judging on what was held out")
     evidence = gather(simulator, problem, found, rng)
     while (vague := vague_effect(evidence)) is not None:
-        found = lessened(simulator, problem, found, vague)
-        evidence = gather(simulator, problem, found, rng)
+        evidence = _less(simulator, evidence, vague, rng)
+    evidence = _unspoiled(simulator, evidence, rng)
     needless: list[Effect] = []
     while is_needless(evidence.record):
-        needless.append(min(found.explanation.found, key=lambda pair: pair[1].total)[0])
-        found = lessened(simulator, problem, found, needless[-1])
-        evidence = gather(simulator, problem, found, rng)
+        needless.append(_weakest(evidence))
+        evidence = _less(simulator, evidence, needless[-1], rng)
     return replace(evidence, needless=tuple(needless))
+
+
+def _unspoiled(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
+    """`evidence` without the weakest effects as long as they spoil what the others predict of unseen readings."""
+    while is_spoiled(evidence.record):
+        lesser = _less(simulator, evidence, _weakest(evidence), rng)
+        if lesser.record.nearer >= evidence.record.nearer:
+            break
+        evidence = lesser
+    return evidence
+
+
+def _weakest(evidence: Evidence) -> Effect:
+    """The found effect for which the fewest nats speak."""
+    return min(evidence.explanation.found, key=lambda pair: pair[1].total)[0]
+
+
+def _less(simulator: Simulator, evidence: Evidence, effect: Effect, rng: Generator) -> Evidence:
+    """The evidence once a found effect is taken out again."""
+    problem = evidence.problem
+    return gather(simulator, problem, lessened(simulator, problem, evidence.explanation, effect), rng)
 
 
 def fit_as_it_stands(case: Case) -> Structure:

@@ -6,7 +6,15 @@ from types import SimpleNamespace
 import pytest
 
 from nxt_twin.diagnose.engine import _stood_still
-from nxt_twin.diagnose.judging.verdict import LIMITS, Record, VerdictLimits, is_idle, is_needless, verdict_of
+from nxt_twin.diagnose.judging.verdict import (
+    LIMITS,
+    Record,
+    VerdictLimits,
+    is_idle,
+    is_needless,
+    is_spoiled,
+    verdict_of,
+)
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.telling import words
 
@@ -112,6 +120,20 @@ def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect
 def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):
     several = replace(FOUND, named=2, nearer=ABOVE * 0.85)
     assert is_idle(replace(several, **changes)) is idle
+
+
+@pytest.mark.parametrize(
+    ("changes", "spoiled"),
+    [
+        ({}, True),
+        ({"nearer": 0.99 * LIMITS.worse}, False),
+        ({"named": 1}, False),
+        ({"matters": False}, False),
+    ],
+)
+def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may_go(changes, spoiled):
+    several = replace(FOUND, named=2, nearer=ABOVE * LIMITS.worse)
+    assert is_spoiled(replace(several, **changes)) is spoiled
 
 
 @pytest.mark.parametrize(

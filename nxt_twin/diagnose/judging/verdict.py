@@ -136,6 +136,11 @@ def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return record.named > 1 and record.matters and record.nearer > limits.idle
 
 
+def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether several effects were found that together predict unseen readings worse than none would."""
+    return record.named > 1 and record.matters and record.nearer > limits.worse
+
+
 def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether single steps call for an effect that makes no difference to a simulation, and not loudly."""
     quiet = record.silent and record.nearer >= limits.no_nearer

@@ -46,10 +46,10 @@ def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Sear
     return _fitted(fits, explanation)
 
 
-def lessened(simulator: Simulator, problem: Problem, found: Searched, effect: Effect) -> Searched:
-    """`found` less one effect, with all that was found besides fitted again."""
+def lessened(simulator: Simulator, problem: Problem, explanation: Explanation, effect: Effect) -> Searched:
+    """`explanation` less one effect, with all that was found besides fitted again."""
     fits = Fits(simulator, problem)
-    return _fitted(fits, _without(fits, found.explanation, effect))
+    return _fitted(fits, _without(fits, explanation, effect))
 
 
 def _fitted(fits: Fits, explanation: Explanation) -> Searched:
