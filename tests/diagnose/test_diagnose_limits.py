@@ -53,9 +53,8 @@ def belief(effect, *, by_windows=False):
     return Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace()).belief(effect)
 
 
-def lasts(monkeypatch, gain, moments):
-    monkeypatch.setattr(standards, "moments_gained", lambda *_: moments)
-    standard = Standard(SimpleNamespace(), structure(), SimpleNamespace())
+def lasts(gain, moments):
+    standard = Standard(SimpleNamespace(moments_gained=lambda *_: moments), structure(), SimpleNamespace())
     return standard.lasts(Weight(gain, 0.0, 1.0, runs_worse=False), structure("a"), structure("a", "b"))
 
 
@@ -133,7 +132,8 @@ def rivals_of(*costs, known=0):
         _settled=settled,
         _tried=effects,
         _candidates=lambda _: effects,
-        _drafts=SimpleNamespace(cost=lambda *_: 0.0, of=drafted),
+        _drafts=SimpleNamespace(of=drafted),
+        _fits=SimpleNamespace(drafted_cost=lambda *_: 0.0),
         _standard=SimpleNamespace(is_notable=lambda *_: True),
         _rival=lambda _best, _effect, other, _trial: SimpleNamespace(
             doubt_nats=0.0, structure=None, effect=other
@@ -162,7 +162,8 @@ def forward(*gains, states=()):
 
     made = search(
         _standard=SimpleNamespace(needed=lambda _: 8.0),
-        _drafts=SimpleNamespace(of=drafted, cost=lambda *_: 0.0),
+        _drafts=SimpleNamespace(of=drafted),
+        _fits=SimpleNamespace(drafted_cost=lambda *_: 0.0),
         _candidates=lambda _: [],
         _leaders=leaders,
     )
@@ -184,16 +185,15 @@ def leaders(promise):
 def sober_std(monkeypatch):
     seen = []
 
-    def drafted(_fitter, _plant, noise, *, iterations):
+    def drafted(_, noise, *, iterations):
         seen.append((noise.disturbance_std, iterations))
         raise ReachedError
 
     monkeypatch.setattr(explaining, "is_mechanical", lambda _: True)
-    monkeypatch.setattr(explaining, "drafted", drafted)
     monkeypatch.setattr(explaining, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
     prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
     with pytest.raises(ReachedError):
-        search(_drafts=prospects, _fitter=None)._settled_anew(structure(), effect_named(), structure())
+        search(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(structure(), effect_named(), structure())
     return seen[0][0]
 
 
@@ -208,7 +208,7 @@ def is_rough(monkeypatch, quanta):
     best.noise.reading_std = quanta
     monkeypatch.setattr(explaining, "replace", lambda noise, **_: noise)
     try:
-        search(_fitter=SimpleNamespace(problem=problem), _candidates=reached)._scattering(best, [])
+        search(_fits=SimpleNamespace(problem=problem), _candidates=reached)._scattering(best, [])
     except ReachedError:
         return True
     return False
@@ -266,8 +266,8 @@ EDGES = {
     "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.64, 0.66),
     "much_nearer": (lambda _, v: likelier(25.0, explained=1e3, ratio=v), 0.49, 0.51),
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
-    "many_nats": (lambda patch, v: lasts(patch, v, 0.0), 99.0, 101.0),
-    "few_moments": (lambda patch, v: lasts(patch, 9.0, v), 3.45, 3.55),
+    "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
+    "few_moments": (lambda _, v: lasts(9.0, v), 3.45, 3.55),
     "keep_nats": (is_kept, 2.95, 3.05),
     "swap_nats": (lambda _, v: swapped(v) is None, -0.98, -1.02),
     "rival_nats": (lambda _, v: is_near(v), 7.9, 8.1),
