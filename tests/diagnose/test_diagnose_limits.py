@@ -193,7 +193,9 @@ def sober_std(monkeypatch):
     monkeypatch.setattr(explaining, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
     prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
     with pytest.raises(ReachedError):
-        search(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(structure(), effect_named(), structure())
+        search(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(
+            structure(), effect_named(), structure()
+        )
     return seen[0][0]
 
 
