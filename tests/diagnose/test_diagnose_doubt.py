@@ -1,12 +1,14 @@
 """What fitted readings leave open, on held-out readings; and sizes that hide what would set an effect apart."""
 
+import math
+
 import numpy as np
 import pytest
 from diagnose_motors import clean_case, settled
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.judging.doubt import doubts_of
+from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import horizons_of
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.limits import LIMITS
@@ -42,6 +44,21 @@ def test_twice_the_doubt_in_parameters_is_twice_that_in_simulations(doubted):
 def test_doubt_grows_with_the_horizon(doubted):
     _, of = doubted
     assert of(1e-3)[0] < of(1e-3)[-1]
+
+
+def test_readings_that_are_held_stray_by_the_ages_standard_deviation_times_the_speed():
+    case = clean_case(41)
+    problem = problem_for(case)
+    held = problem.plant.with_effect("sample_hold", {"refresh_period": 0.06})
+    speeds = []
+    for part in problem.held_out:
+        signals = part.signals
+        speed = np.gradient(signals.measured[part.counted], signals.time_s[part.counted])
+        speeds.append(speed)
+    expected = 0.06 / math.sqrt(12.0) * math.sqrt(np.mean(np.concatenate(speeds) ** 2))
+    with Simulator(problem.plant.layout) as simulator:
+        assert scatter_of(simulator, problem, held) == pytest.approx(expected, rel=0.15)
+        assert scatter_of(simulator, problem, problem.plant) == 0.0
 
 
 @pytest.mark.parametrize(

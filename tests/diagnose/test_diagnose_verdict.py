@@ -34,7 +34,6 @@ QUIET = Record(
     surprise=1.0,
     by_windows=False,
     nearer=1.0,
-    silent=False,
     least_nats=100.0,
     remaining=10.0,
 )
@@ -142,12 +141,11 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
         ({}, True),
         ({"nearer": 0.99 * 0.98}, False),
         ({"least_nats": 40.0}, False),
-        ({"silent": False}, False),
         ({"found": False}, False),
     ],
 )
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
-    quiet = replace(FOUND, silent=True, nearer=0.98, least_nats=0.99 * 40.0)
+    quiet = replace(FOUND, nearer=0.98, least_nats=0.99 * 40.0)
     assert is_needless(replace(quiet, **changes)) is needless
 
 

@@ -1,4 +1,4 @@
-"""How far simulations of what is held out may err because fitted readings leave parameters open."""
+"""How far simulations of what is held out may err: parameters are left open, and readings may be scattered."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.horizons import horizons_of
+from nxt_twin.physics.observer import free
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start, run_in
 
 _TINY = 1e-6  # of the largest variance: directions that move nothing
@@ -36,6 +37,20 @@ def doubts_of(
         spread = [_spread(simulator, part, structure, plants, horizon_s) for part in problem.held_out]
         found.append(float(np.sqrt(np.mean(np.concatenate(spread)))))
     return tuple(found)
+
+
+def scatter_of(simulator: Simulator, problem: Problem, plant: Plant) -> float:
+    """The RMS by which `plant` lets held-out readings stray beyond ordinary noise, as held readings do, SI."""
+    if not any("scatter" in effect.terms for effect in plant.effects):
+        return 0.0
+    values, active = plant.vectors()
+    active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])
+    found = []
+    for part in problem.held_out:
+        job = Job(part.signals, free(part.signals, 1.0), moving_start(part.signals))
+        weight = simulator.run(values[None], active[None], [job])[0].weight[0]
+        found.append(1.0 / weight[part.counted & (weight > 0.0)] - 1.0)  # ordinary noise has a variance of 1 here
+    return float(np.sqrt(np.mean(np.concatenate(found))))
 
 
 def _moved(structure: Structure, covariance: FloatArray) -> list[Plant]:

@@ -19,7 +19,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.colour import colour
 from nxt_twin.diagnose.judging.detectable import allowed
-from nxt_twin.diagnose.judging.doubt import doubts_of
+from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import (
     Errors,
     best_at_every_horizon,
@@ -133,6 +133,7 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
     floors = floors_of(problem, final.noise, (given_errors, baseline_errors, final_errors))
     covariance = covariance_of(simulator, problem, linear)
     doubts = doubts_of(simulator, problem, final, covariance)
+    expected = np.sqrt(np.square(floors) + np.square(doubts) + scatter_of(simulator, problem, final.plant) ** 2)
     left = leftover_nats(after), limit
     return Evidence(
         problem=problem,
@@ -153,7 +154,7 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         final_errors=final_errors,
         floors=floors,
         doubts=doubts,
-        record=_record(problem, searched, left, (baseline_errors, final_errors), floors, doubts),
+        record=_record(problem, searched, left, (baseline_errors, final_errors), floors, expected),
         colour=float(
             colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
         ),
@@ -195,12 +196,11 @@ def _record(
     left: tuple[float, float],
     errors: tuple[Errors, Errors],
     floors: Sequence[float],
-    doubts: Sequence[float],
+    expected: FloatArray,
 ) -> Record:
     baseline, final = searched.refit, searched.final
     before, after = errors
     found = searched.explanation.found
-    expected = np.hypot(floors, doubts)
     windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
     mattering = [n for n in windows if after.rms[n] > problem.tolerance]
     window = nearest_horizon(after, problem.window_s)
@@ -221,7 +221,6 @@ def _record(
         surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
         by_windows=problem.by_windows,
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
-        silent=all(before.rms[n] <= problem.tolerance for n in windows),
         remaining=max((after.rms[n] for n in windows), default=0.0) / max(problem.tolerance, 1e-15),
         least_nats=min((weight.total for _, weight in found), default=0.0),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,

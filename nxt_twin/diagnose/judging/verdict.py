@@ -26,8 +26,8 @@ class VerdictLimits:
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
         confirmed: error of windows that check or are held out, over that of the baseline, below which they confirm
             found effects.
-        surprising: error on held-out readings, over what noise and the doubt in parameters let expect, that shows
-            physics which no fitted reading shows.
+        surprising: error on held-out readings, over what noise, scatter and the doubt in parameters let expect, that
+            shows physics which no fitted reading shows.
         idle: error over that of the re-fitted baseline above which several effects hardly bring a simulation nearer.
         large_by_windows: as `large_torque`, where windows alone tell of it; coloured readings add to it.
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
@@ -79,11 +79,10 @@ class Record:
         worst_ratio: largest error of the improved plant over that of the baseline, of windows of two seconds or shorter
             where it matters.
         stalled_share: largest share of a recording's time in which the host or the link stood still.
-        surprise: error of the improved plant on held-out readings over what noise and the doubt in its parameters let
-            expect there.
+        surprise: error of the improved plant on held-out readings over what noise, scatter and the doubt in its
+            parameters let expect there.
         by_windows: whether windows of simulation alone chose the effects, as single steps are coloured.
         nearer: error of the improved plant on held-out readings over that of the baseline.
-        silent: whether the baseline errs by no more than the tolerance in windows of two seconds or shorter.
         least_nats: what speaks for the weakest of the found effects.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
     """
@@ -103,7 +102,6 @@ class Record:
     surprise: float
     by_windows: bool
     nearer: float
-    silent: bool
     least_nats: float
     remaining: float
 
@@ -143,8 +141,7 @@ def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether single steps call for an effect that makes no difference to a simulation, and not loudly."""
-    quiet = record.silent and record.nearer >= limits.no_nearer
-    return record.found and quiet and record.least_nats < limits.sure
+    return record.found and record.nearer >= limits.no_nearer and record.least_nats < limits.sure
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -17,7 +17,7 @@ from nxt_twin.physics.signals import Signals
 _CLEAR = 1.3
 _ABOVE = 1.1
 _PERIODS = 2.0
-_LEAST_SHARE = 0.06  # of the inertia of both bodies
+_LEAST_SHARE = 0.14  # of the inertia of both bodies
 _CLEAR_OF_JITTER = 3.0
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 

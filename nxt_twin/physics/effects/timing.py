@@ -138,6 +138,7 @@ CLOCK_SKEW = Effect(
     source="rate error as of Moon, Skelly and Towsley 1999; the lag wanders as a sine, our own",
     equation_of="timing",
     shows=("high_speed", "elapsed_time"),
+    notable=2e-3,  # a rate error alone is that of other parameters
     parameters=(
         # A triangle's first harmonic spans a fifth less than the triangle, a square's a quarter more.
         Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03, 0.09), 0.0, 0.5, law=0.12),

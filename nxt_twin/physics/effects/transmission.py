@@ -88,7 +88,7 @@ BACKLASH = Effect(
     source="the dead-zone model of Nordin and Gutman 2002, flanks critically damped",
     equation_of="torque_balance",
     shows=("reversal", "after_command"),
-    notable=0.4,
+    notable=0.8,
     parameters=(
         Parameter(
             "gap_deg",
