@@ -49,7 +49,9 @@ def scatter_of(simulator: Simulator, problem: Problem, plant: Plant) -> float:
     for part in problem.held_out:
         job = Job(part.signals, free(part.signals, 1.0), moving_start(part.signals))
         weight = simulator.run(values[None], active[None], [job])[0].weight[0]
-        found.append(1.0 / weight[part.counted & (weight > 0.0)] - 1.0)  # ordinary noise has a variance of 1 here
+        found.append(
+            1.0 / weight[part.counted & (weight > 0.0)] - 1.0
+        )  # ordinary noise has a variance of 1 here
     return float(np.sqrt(np.mean(np.concatenate(found))))
 
 

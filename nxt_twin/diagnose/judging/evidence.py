@@ -133,7 +133,9 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
     floors = floors_of(problem, final.noise, (given_errors, baseline_errors, final_errors))
     covariance = covariance_of(simulator, problem, linear)
     doubts = doubts_of(simulator, problem, final, covariance)
-    expected = np.sqrt(np.square(floors) + np.square(doubts) + scatter_of(simulator, problem, final.plant) ** 2)
+    expected = np.sqrt(
+        np.square(floors) + np.square(doubts) + scatter_of(simulator, problem, final.plant) ** 2
+    )
     left = leftover_nats(after), limit
     return Evidence(
         problem=problem,
