@@ -61,19 +61,30 @@ LOAD_NM = -0.045
 
 def main() -> None:
     """Write docs/pictures/dashboard-*.png and print what the session said."""
-    words = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
-    words.add_argument("--seconds", type=float, default=23.5)
-    chosen = words.parse_args()
-    if chosen.chromium is None:
-        sys.exit("there is no Chromium on this machine; name one with --chromium")
+    chosen = arguments(__doc__, 23.5)
     memory, told = _session(chosen.seconds)
-    for event in memory.events:
-        print(f"{event.time_s:6.1f} s  {event.words}")
+    print_events(memory)
     FOLDER.mkdir(parents=True, exist_ok=True)
     for tab, name in ((FOCUS, "dashboard"), (0, "dashboard-motor"), (len(PORTS), "dashboard-sensors")):
         _photograph(chosen.chromium, memory, tab, FOLDER / f"{name}.png")
     _photograph_report(chosen.chromium, told, FOLDER / "live-report.png")
+
+
+def arguments(text: str | None, seconds: float) -> argparse.Namespace:
+    """A browser's program and a session's length, s; ends the program where there is no browser."""
+    words = argparse.ArgumentParser(description=(text or "").partition("\n")[0])
+    words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
+    words.add_argument("--seconds", type=float, default=seconds)
+    chosen = words.parse_args()
+    if chosen.chromium is None:
+        sys.exit("there is no Chromium on this machine; name one with --chromium")
+    return chosen
+
+
+def print_events(memory: Memory) -> None:
+    """Print the events of a session, a line each."""
+    for event in memory.events:
+        print(f"{event.time_s:6.1f} s  {event.words}")
 
 
 @final
@@ -142,7 +153,7 @@ def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
         view="web", save=None, ports=PORTS, channels=channels, title="mock brick, loaded motor A", tab=tab
     )
     try:
-        _feed(dashboard, memory)
+        feed(dashboard, memory)
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=program, args=FLAGS)
             size = FOCUS_SIZE if tab == FOCUS else SIZE
@@ -154,7 +165,7 @@ def _photograph(program: str, memory: Memory, tab: int, place: Path) -> None:
         dashboard.close()
 
 
-def _feed(dashboard: Dashboard, memory: Memory) -> None:
+def feed(dashboard: Dashboard, memory: Memory) -> None:
     """Hand the session over, as fast as the dashboard takes it."""
     for event in memory.events:
         dashboard.event(event)

@@ -8,15 +8,11 @@ it until the smaller wheel is found and taken over.
 
 from __future__ import annotations
 
-import argparse
-import shutil
-import sys
 import tempfile
-import time
 from pathlib import Path
 
 import yaml
-from dashboard_picture import FLAGS, FOLDER, SIZE, save_small, settled, visit
+from dashboard_picture import FLAGS, FOLDER, SIZE, arguments, feed, print_events, save_small, settled, visit
 from playwright.sync_api import sync_playwright
 
 from nxt_twin.api.robots import WatchedRobot
@@ -34,7 +30,7 @@ from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import PACES
 from nxt_twin.twin.sinks import Memory, Several
-from nxt_twin.view.dashboard import Dashboard, open_dashboard
+from nxt_twin.view.dashboard import open_dashboard
 from nxt_twin.view.dashboard.drawing.colours import LINK
 from nxt_twin.view.dashboard.scene import WorldMessage
 
@@ -66,15 +62,9 @@ PROGRAM = MotorProgram.model_validate(
 
 def main() -> None:
     """Write docs/pictures/dashboard-world.png and print what the session said."""
-    words = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    words.add_argument("--chromium", default=shutil.which("chromium") or shutil.which("google-chrome"))
-    words.add_argument("--seconds", type=float, default=11.0)
-    chosen = words.parse_args()
-    if chosen.chromium is None:
-        sys.exit("there is no Chromium on this machine; name one with --chromium")
+    chosen = arguments(__doc__, 11.0)
     memory, world = _session(chosen.seconds)
-    for event in memory.events:
-        print(f"{event.time_s:6.1f} s  {event.words}")
+    print_events(memory)
     _photograph(chosen.chromium, memory, world, FOLDER / "dashboard-world.png")
 
 
@@ -108,7 +98,9 @@ def _photograph(program: str, memory: Memory, world: list[WorldMessage], place: 
         view="web", save=None, ports=PORTS, channels=["s4_ultrasonic_cm"], title=title, world=True
     )
     try:
-        _feed(dashboard, memory, world)
+        for message in world:
+            dashboard.show(message)
+        feed(dashboard, memory)
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=program, args=FLAGS)
             page = browser.new_page(viewport=SIZE, color_scheme="dark")  # type: ignore[arg-type]
@@ -117,21 +109,6 @@ def _photograph(program: str, memory: Memory, world: list[WorldMessage], place: 
             browser.close()
     finally:
         dashboard.close()
-
-
-def _feed(dashboard: Dashboard, memory: Memory, world: list[WorldMessage]) -> None:
-    """Hand the session over, as fast as the dashboard takes it."""
-    for event in memory.events:
-        dashboard.event(event)
-    for message in world:
-        dashboard.show(message)
-    for tick in memory.ticks:
-        while dashboard.waiting > 500:
-            time.sleep(0.05)
-        dashboard.tick(tick)
-    while dashboard.waiting:
-        time.sleep(0.1)
-    time.sleep(3.0)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.spread import SessionSpread
 from nxt_twin.diagnose.robot.tellable import tellable
+from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.recording.robot_path import squares_and_lines
 
 _ONE_WAY: Final = 0.1
@@ -70,13 +71,6 @@ def below_tolerance(small: Mapping[str, float], tolerance_m: float | None) -> st
         f" {whole[0].upper()}{whole[1:]} {'moves' if len(named) == 1 else 'move'} the path by less than "
         f"the tolerance of {1e3 * tolerance_m:.3g} mm."
     )
-
-
-def listed(items: Sequence[str]) -> str:
-    """Items as a person lists them."""
-    if len(items) < 2:
-        return "".join(items)
-    return f"{', '.join(items[:-1])} and {items[-1]}"
 
 
 def notes(

@@ -9,8 +9,9 @@ from nxt_twin.diagnose.changed.answer import Change, ChangeVerdict
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.robot.effects import LIBRARY
 from nxt_twin.diagnose.robot.leftover import RobotLeft
-from nxt_twin.diagnose.robot.words import leftover_words, listed, slip_words, untold_words
+from nxt_twin.diagnose.robot.words import leftover_words, slip_words, untold_words
 from nxt_twin.diagnose.robot_changed.side import RobotSide
+from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.diagnose.units import after_number
 
 _WORDS: Final = {
