@@ -3,8 +3,11 @@
 `python -m benchmarks.consistency` takes more seeds, and prints where this does not hold (docs/results.md).
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from diagnose_cases import LONG, concealed, diagnosed
 
 from benchmarks.consistency import (
     MOST_OVER_THE_PLAIN_FIT,
@@ -17,6 +20,7 @@ from benchmarks.consistency import (
 from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
+from nxt_twin.diagnose.engine import fit_as_it_stands
 from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
@@ -69,6 +73,19 @@ def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any
     for other in (evidence.baseline_errors, evidence.given_errors):
         most = np.maximum(allowed * np.array(other.rms), problem.tolerance)
         assert (np.array(written.rms) <= most).all()
+
+
+def test_a_diagnosis_and_a_fit_of_the_structure_that_it_found_agree_within_their_intervals():
+    case, found = concealed(("gravity_load",), **LONG), diagnosed(("gravity_load",), **LONG)
+    (effect,) = found.diagnosis.effects
+    started = {"gravity_load": {"gravity_torque_nm": 0.02, "phase_deg": 0.0}}
+    values = fit_as_it_stands(replace(case, plant={**case.plant, "effects": started})).plant.to_config()
+    fitted = {**values, **values["effects"]["gravity_load"]}
+    told = {name: (one.after, one.std) for name, one in found.diagnosis.refit.items()}
+    told |= {name: (one.value, one.std) for name, one in effect.params.items()}
+    assert {"inertia_kg_m2", "gravity_torque_nm"} <= told.keys()
+    for name, (value, std) in told.items():
+        assert abs(fitted[name] - value) < 2.0 * std, name
 
 
 SECONDS = (0.5, 2.0, 10.0, np.inf)
