@@ -63,7 +63,8 @@ def regimes(found: Residuals, seed: int) -> tuple[RegimeFinding, ...]:
         spread = float(np.std(centred))
         if spread < 1e-9:
             continue
-        chance = np.array([np.dot(np.roll(values, shift), centred) for shift in shifts])
+        twice = np.concatenate([values, values])  # each shift is a view of it, and no copy
+        chance = np.array([twice[size - shift : 2 * size - shift] @ centred for shift in shifts])
         observed = float(np.dot(values, centred))
         if signed:
             chance, observed = np.abs(chance), abs(observed)
