@@ -85,7 +85,9 @@ def _motor_tab(port: Port) -> Any:  # noqa: ANN401
             ["effects/**"],
             "probability of each explanation",
             legend=True,
-            axis_y=rrb.ScalarAxis(range=(-0.02, 1.4)),  # the viewer's legend lies in the plot: above the curves
+            axis_y=rrb.ScalarAxis(
+                range=(-0.02, 1.4)
+            ),  # the viewer's legend lies in the plot: above the curves
         ),
         grid_columns=2,
         name=name,
