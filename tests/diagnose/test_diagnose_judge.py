@@ -1,7 +1,13 @@
-import numpy as np
+from types import SimpleNamespace
 
+import numpy as np
+import pytest
+from diagnose_motors import clean_case
+
+from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.noise import first_guess
 from nxt_twin.diagnose.fitting.residuals import Residuals
-from nxt_twin.diagnose.judging.judge import leftover_nats
+from nxt_twin.diagnose.judging.judge import leftover_nats, stale_readings
 from nxt_twin.diagnose.where.locate import regimes, spells
 
 SIZE = 3000
@@ -57,3 +63,16 @@ def test_a_stretch_of_large_innovations_is_found_in_time():
     assert found[0].recording == "run.csv"
     assert (found[0].start_s, found[0].end_s) == (12.0, 13.0)
     assert spells(calm, ["run.csv"]) == ()
+
+
+@pytest.mark.parametrize(("doubted", "left_out"), [(0.0, 0.0), (0.45, 0.45), (0.55, 0.0), (1.0, 0.0)])
+def test_a_plant_that_doubts_most_of_a_recording_does_not_choose_what_judges_it(doubted, left_out):
+    problem = problem_for(clean_case(41))
+    signals = problem.held_out[0].signals
+    plant = problem.plant.with_effect("stale_samples", {"stale_fraction": 0.02})
+    trust = np.where(np.arange(signals.time_s.size) < doubted * signals.time_s.size, 0.1, 0.9)
+    simulator = SimpleNamespace(trace=lambda *_: {"weight": trust})
+    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    stale = stale_readings(simulator, signals, plant, noise)
+    assert np.mean(stale) == pytest.approx(left_out, abs=0.02)
+

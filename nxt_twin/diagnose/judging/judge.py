@@ -23,6 +23,7 @@ _FOLDS = 6
 _SPEED_BINS = 8
 _BLOCK_S = 1.0
 _RECENT_S = 0.05
+_MOST_STALE = 0.5  # of the readings
 
 
 @final
@@ -115,13 +116,17 @@ def _features(residuals: Residuals) -> FloatArray:
 
 
 def stale_readings(simulator: Simulator, signals: Signals, plant: Plant, noise: Noise) -> BoolArray:
-    """Readings that a fault in `plant` explains better than the motor's motion does, shape (samples,)."""
+    """Readings that a fault in `plant` explains better than the motor's motion does, shape (samples,).
+
+    None where those were most of them: a plant that doubts a recording does not choose what judges it.
+    """
     if not any("outlier" in effect.terms for effect in plant.effects):
         return np.zeros(signals.time_s.size, dtype=bool)
     job = Job(signals, observer(signals, noise), moving_start(signals), noise.disturbance_time_s)
     weight = simulator.trace(plant, job)["weight"]
-    stale: BoolArray = np.isfinite(signals.measured) & ~job.start.at & (weight < 0.5)
-    return stale
+    read = np.isfinite(signals.measured) & ~job.start.at
+    stale: BoolArray = read & (weight < 0.5)
+    return stale if np.sum(stale) <= _MOST_STALE * np.sum(read) else np.zeros_like(stale)
 
 
 def _rms(errors: FloatArray) -> float:
