@@ -75,4 +75,3 @@ def test_a_plant_that_doubts_most_of_a_recording_does_not_choose_what_judges_it(
     noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
     stale = stale_readings(simulator, signals, plant, noise)
     assert np.mean(stale) == pytest.approx(left_out, abs=0.02)
-
