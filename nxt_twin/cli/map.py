@@ -41,7 +41,7 @@ def map(  # noqa: A001  # the command's name
     from nxt_twin.recording.mapping import mapping_of
 
     if joint is None and is_recording(table):
-        _tell(f"# {table.name} has a recording's own columns and needs no mapping\n", json, None)
+        _tell(_unneeded(table, out), json, None)
         return
     guessed = guess_mapping(table, joint)
     if guessed.lacking is not None:
@@ -60,6 +60,15 @@ def map(  # noqa: A001  # the command's name
         out.write_text(text, encoding="utf-8")
     written = f"# written to {out}; now: {_next(table, out)}\n" if out else ""
     _tell(text + written, json, guessed)
+
+
+def _unneeded(table: Path, out: Path | None) -> str:
+    """What is said of a recording, for which no mapping is written."""
+    unwritten = f"; {out} is not written" if out else ""
+    return (
+        f"# {table.name} has a recording's own columns and needs no mapping{unwritten}\n"
+        f"# now: nxt-twin diagnose {quote(str(table))}\n"
+    )
 
 
 def _next(table: Path, out: Path) -> str:

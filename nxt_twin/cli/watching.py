@@ -112,7 +112,7 @@ def get_ready(
         PlantError: the plants cannot stand side by side.
     """
     with progress("getting ready") as tell:
-        tell("the first session compiles the model, which takes half a minute")
+        tell("the first session on a machine compiles the model: 13 s of a core")
         rehearse(plants, options, adopting=adopting)
 
 

@@ -15,6 +15,7 @@ from typing import final
 import platformdirs
 
 from nxt_twin.physics.assemble import fingerprint, outline, source, turning_source
+from nxt_twin.physics.late_blas import import_without_blas
 from nxt_twin.physics.layout import Layout
 
 CACHE_VARIABLE = "NXT_TWIN_CACHE"
@@ -61,6 +62,7 @@ def _name(plan: Layout, kind: str, text: str) -> str:
 
 def _compiled(plan: Layout, kind: str, told: str, write: Callable[[Layout], str]) -> ModuleType:
     """The module of what `write` writes for `plan`; `told` is a text that differs where that differs."""
+    import_without_blas()
     name = _name(plan, kind, told)
     path = _folder() / f"{name}.py"
     if not path.exists():

@@ -73,6 +73,27 @@ def test_a_prediction_needs_no_data_frames(tmp_path):
     assert not found & (PICTURES | {"pandas"})
 
 
+def test_a_prediction_imports_no_linear_algebra(tmp_path):
+    (tmp_path / "run.csv").write_text("time_s,a_power_pct\n0,50\n0.5,50\n1,0\n")
+    asked = TELL.replace("{name.partition('.')[0] for name in sys.modules}", "sys.modules")
+    found, said = imported(RUN.format(tell=asked), "simulate", "nxt_motor", str(tmp_path / "run.csv"))
+    assert "a_tacho_deg: predicted" in said
+    assert "numba.np.arraymath" in found
+    assert "scipy.linalg" not in found
+
+
+def test_a_function_compiled_afterwards_multiplies_matrices():
+    code = (
+        "import sys\n"
+        "from nxt_twin.physics.late_blas import import_without_blas\n"
+        "import_without_blas()\n"
+        "import numba, numpy as np\n"
+        "product = numba.njit(lambda a: a @ a)(np.diag([2.0, 3.0]))\n"
+        "print(product[0, 0], product[1, 1], 'scipy.linalg' in sys.modules)"
+    )
+    assert imported(code)[1] == "4.0 9.0 True\n"
+
+
 THREADS = (
     "import atexit, os, sys\n"
     "atexit.register(lambda: print(os.environ.get('OPENBLAS_NUM_THREADS'), file=sys.stderr))\n"

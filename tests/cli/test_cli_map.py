@@ -44,4 +44,9 @@ def test_what_cannot_be_guessed_is_refused_after_what_can(tmp_path):
 
 def test_a_recording_is_told_to_need_no_mapping(tmp_path):
     (tmp_path / "run.csv").write_text("time_s,a_power_pct,a_tacho_deg\n0,0,1\n0.1,0,2\n")
-    assert "needs no mapping" in run("map", tmp_path / "run.csv").output
+    assert "needs no mapping\n" in run("map", tmp_path / "run.csv").output
+    told = run("map", tmp_path / "run.csv", "--out", tmp_path / "run.yaml").output
+    assert (
+        f"{tmp_path / 'run.yaml'} is not written\n# now: nxt-twin diagnose {tmp_path / 'run.csv'}\n" in told
+    )
+    assert not (tmp_path / "run.yaml").exists()
