@@ -1,4 +1,4 @@
-"""Numba without scipy's linear algebra, which no kernel here uses and which takes a fifth of a command's start to import."""
+"""Numba without scipy's linear algebra, which no kernel here uses and which is a fifth of a start."""
 
 from __future__ import annotations
 
