@@ -57,7 +57,7 @@ def report() -> Iterator[str]:
 
 
 def counted(hours: float, first_seed: int, kept: Ledger) -> Iterator[str]:
-    """Watch what is missing of so many hours over each link, three new motors a minute; lines now and then."""
+    """Watch what is missing of a number of hours over each link, three new motors a minute; lines now and then."""
     minutes = round(hours * 3600.0 / DURATION_S)
     for number in range(len(kept.pieces()), minutes):
         found = watched(first_seed + number)
@@ -149,7 +149,7 @@ def _torque_nm(rng: Generator, polls_s: FloatArray) -> FloatArray:
 
 
 def at_most_per_hour(alarms: int, hours: float) -> float:
-    """The upper 95 % bound of a rate of which so many were counted (Poisson)."""
+    """The upper 95 % bound of a rate, from the number of alarms counted (Poisson)."""
     return float(chi2.ppf(0.95, 2 * (alarms + 1))) / 2.0 / hours
 
 

@@ -1,7 +1,7 @@
 """How soon the live monitor calls a divergence where something is missing, and how well it dates it.
 
 Motors of the benchmark's own simulator under a random torque, over links whose stamps are off, beside their true base
-parameters. `python -m benchmarks.twin_detection SEEDS [EFFECT…]` takes so many motors of each effect.
+parameters. `python -m benchmarks.twin_detection SEEDS [EFFECT…]` takes SEEDS motors of each effect.
 """
 
 from __future__ import annotations

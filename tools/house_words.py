@@ -17,7 +17,7 @@ PAGES: Final = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "example
 
 _FORBIDDEN: Final = {
     r"\bfore(?:tell|tells|told)\b": "predict",
-    r"\b(?:so many|so much|that much|as many) (?:again|seconds|s\b)": "the number",
+    r"\b(?:so many|so much|that much)\b": "the number or the quantity",
     r"\bthe same(?=[.,;:)]|$)": "the noun",
     r"\bmade[- ]up\b": "synthetic",
     r"\brun-?outs?\b": "coast-down",

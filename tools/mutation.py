@@ -73,7 +73,7 @@ _IMPORTED: Final = [
 _TIMEOUT_S: Final = 600.0
 _SLOWER: Final = 3.0
 _SPARE_S: Final = 5.0
-"""A change may make tests so many times slower, and by so much; then a loop never ends, and the change is noticed."""
+"""A change may make tests slower by this factor and this time; then a loop never ends, and the change is noticed."""
 
 
 @final
@@ -141,7 +141,7 @@ def _score(
 
 
 def _sampled(code: str, count: int, chance: random.Random) -> list[Mutation]:
-    """Mutations at so many places of the file, any of those that are possible there."""
+    """Mutations at a number of places of the file, any of those that are possible there."""
     places: dict[object, list[Mutation]] = defaultdict(list)
     for place, mutation in _possible(code):
         places[place].append(mutation)
@@ -168,7 +168,7 @@ def _spent_s() -> float:
 
 
 def _passes(copy: Path, tests: tuple[str, ...], most_s: float = _TIMEOUT_S) -> bool:
-    """Whether the tests pass within so much processor time."""
+    """Whether the tests pass within a limit of processor time."""
     child = multiprocessing.get_context("fork").Process(target=_run, args=(copy, tests, most_s))
     child.start()
     child.join(_TIMEOUT_S)

@@ -38,7 +38,7 @@ class Far(Protocol):
     """The brick's end of a link."""
 
     def read(self, size: int) -> bytes:
-        """Up to so many bytes."""
+        """Up to a number of bytes."""
         ...
 
     def write(self, data: bytes) -> None:
@@ -51,7 +51,7 @@ class Far(Protocol):
 
 
 def report(every: int = 1) -> Iterator[str]:
-    """What came of a cut after every (or every so many) byte of a request and of its reply, closed or held."""
+    """What came of cuts after each `every`-th byte of a request and of its reply, closed or held."""
     places = [*((n, 0) for n in range(len(_REQUEST))), *((len(_REQUEST), n) for n in range(len(_REPLY)))][
         ::every
     ]

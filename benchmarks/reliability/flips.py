@@ -19,7 +19,7 @@ _ROWS: Final = 200
 
 
 def report(places: int, seed: int) -> Iterator[str]:
-    """What came of so many flips."""
+    """What came of a number of flips."""
     random = Random(seed)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.csv"

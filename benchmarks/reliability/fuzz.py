@@ -66,7 +66,7 @@ class Tally:
 
 
 def fuzz(count: int, seed: int | str, only: str = "") -> Iterator[tuple[Parser, Tally]]:
-    """Put so many inputs to the parsers, by their shares."""
+    """Put a number of inputs to the parsers, by their shares."""
     for parser in parsers():
         if only.lower() in parser.name.lower():
             yield parser, _fuzz_one(parser, max(1, round(count * parser.share)), seed)
@@ -160,7 +160,7 @@ def _keep(name: str, data: bytes) -> None:
 
 
 def main(count: int, seed: int, only: str) -> int:
-    """Put what is missing of so many inputs, then print a line for each parser; 1 if a rule was broken."""
+    """Put what is missing of a number of inputs, then print a line for each parser; 1 if a rule was broken."""
     kept = Ledger(ledger.FOLDER / "fuzz.jsonl", f"seed {seed}, {only or 'all'}")
     while (done := sum(piece["inputs"] for piece in kept.pieces())) < count:
         number = len(kept.pieces())

@@ -59,7 +59,7 @@ Work = Callable[[Path], None]
 
 
 def report(kills: int, seed: int, only: str = "") -> Iterator[str]:
-    """What came of so many kills of each, or of `only` one of them; those of earlier runs count."""
+    """What came of a number of kills of each, or of `only` one of them; those of earlier runs count."""
     plants = {"a": plant_from_config(load_plant_config("nxt_motor"), "power_pct")}
     rehearse(plants)
     works = {"record": _record, "live": lambda out: _live(out, plants)}
@@ -69,7 +69,7 @@ def report(kills: int, seed: int, only: str = "") -> Iterator[str]:
 
 
 def _counted(name: str, kills: int, seed: int, work: Work | None) -> Iterator[str]:
-    """Kill in pieces what is missing of so many; recover where no work is given."""
+    """Kill in pieces what is missing of a number of kills; recover where no work is given."""
     kept = Ledger(ledger.FOLDER / "kills.jsonl", f"seed {seed}, {name}")
     while (done := sum(piece["kills"] for piece in kept.pieces())) < kills:
         size, random = min(_PIECE, kills - done), Random(f"{seed} {name} {len(kept.pieces())}")

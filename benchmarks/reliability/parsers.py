@@ -76,7 +76,7 @@ class Parser:
         name: what it reads.
         seeds: valid inputs.
         read: takes a folder of its own and an input.
-        share: of all inputs, so many; few where each costs a process.
+        share: the part of all inputs that it gets; few where each costs a process.
     """
 
     name: str

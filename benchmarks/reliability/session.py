@@ -47,7 +47,7 @@ _MB: Final = 2**20
 
 
 def report(hours: float, seed: int) -> Iterator[str]:
-    """What became of a session of so many hours."""
+    """What became of a session of a number of hours."""
     rig, watcher = _Rig(hours, seed), _Watcher()
     plant = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
     began_s = time.monotonic()

@@ -11,7 +11,7 @@ GAIN_PER_DEG, RAMP, SLOWEST, QUICKEST, NEAR_DEG = 0.2, 1, 2, 50, 2
 
 
 def turn_by(motors, degrees):
-    """Turn each motor by so many degrees: quicker at first, slower towards the end, so that no tyre slips."""
+    """Turn each motor by its number of degrees: quicker at first, slower towards the end, so that no tyre slips."""
     goals = {motor: motor.get_tacho().rotation_count + by for motor, by in zip(motors, degrees)}
     top = 0
     while goals:

@@ -11,7 +11,7 @@ from nxt_twin.blind.verdict import CaseKind, Judged
 
 DETECTABLE_NATS: Final = 10.0
 """A case counts as detectable where the true structure itself, fitted from its true sizes, beats the re-fitted
-baseline by so many nats on the readings that are fitted."""
+baseline by this number of nats on the readings that are fitted."""
 
 
 @final

@@ -39,7 +39,7 @@ def plan_set(
     together: Callable[[tuple[str, ...]], bool] = compatible,
     prefix: str = "case",
 ) -> tuple[CasePlan, ...]:
-    """Plan a set: each effect alone in each size, and so many clean, double, triple and unknown cases.
+    """Plan a set: each effect alone in each size, and the given numbers of clean, double, triple and unknown cases.
 
     Pairs and triples are drawn from `effects` that may stand `together`, unknown ones in turn from `strangers`,
     which no library holds. The order is shuffled and the names are numbers behind `prefix`, so that neither tells

@@ -1,4 +1,4 @@
-"""So many of so many, and how sure that is."""
+"""A share: a count of a total, and how sure it is."""
 
 from __future__ import annotations
 

@@ -22,9 +22,11 @@ def proof(
     chosen: Annotated[str, typer.Option("--range", help="A named range: sample or scored.")] = "sample",
     family: Annotated[str, typer.Option(help="Truth families, comma-separated, or all.")] = "all",
     minutes: Annotated[
-        float | None, typer.Option(min=0.0, help="Begin no case after so many minutes; 0 prints the tables.")
+        float | None, typer.Option(min=0.0, help="Minutes after which no case begins; 0 prints the tables.")
     ] = None,
-    cases: Annotated[int | None, typer.Option(min=1, help="Only the first so many cases.")] = None,
+    cases: Annotated[
+        int | None, typer.Option(min=1, help="Only this number of cases, from the first on.")
+    ] = None,
     peers: Annotated[bool, typer.Option(help="Let other methods answer the cases, too.")] = True,
     jobs: Annotated[int, typer.Option(min=1, help="Processes that share the work.")] = os.cpu_count() or 1,
     cluster: Annotated[

@@ -60,7 +60,7 @@ class Contradiction:
 
 
 def powers(value: float, decimals: int) -> str:
-    """`8.451e-3`: so many decimals and a power of ten without leading zeros."""
+    """`8.451e-3`: a number with `decimals` and a power of ten without leading zeros."""
     mantissa, _, exponent = f"{value:.{decimals}e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
 

@@ -12,7 +12,7 @@ from nxt_twin.recording.source import quoted
 
 DEEPEST: Final = 64
 UNFOLDED_MOST: Final = 100_000
-"""So many values a text may hold that writes some of them once and means them often (aliases)."""
+"""The number of values that a text may hold that writes some of them once and means them often (aliases)."""
 _LARGEST_INTEGER: Final = 2**63
 _LONGEST_NUMBER: Final = 400
 _NUMBER: Final = re.compile(r"[-+.]?[0-9]")

@@ -152,7 +152,7 @@ class KnownLags:
         return self._acted.get(port, 0.0), self._acted_std.get(port, 0.0)
 
     def acting_sooner(self, port: str, by_s: float) -> KnownLags:
-        """The same, with commands that acted so much sooner."""
+        """These lags, with commands that acted `by_s` sooner."""
         acted = {**self._acted, port: self._acted.get(port, 0.0) - by_s}
         lags = {_READ: self._read, _READ_STD: self._read_std, _ACTED: acted, _ACTED_STD: self._acted_std}
         return KnownLags({_KEY: lags})

@@ -73,7 +73,7 @@ class TimeSource(BaseModel):
         column: of the stamps.
         unit: of the stamps. `iso`: dates as ISO 8601; `clock`: text that holds hh:mm:ss.
         period_s: the constant period, s.
-        wraps_at: the stamps start anew after so much, in their own unit, and are to be unwrapped.
+        wraps_at: the value at which the stamps start anew, in their own unit; they are unwrapped.
         sort: rows are to be put in the order of their stamps.
     """
 
@@ -109,7 +109,7 @@ class InputSource(BaseModel):
     """A column, or a constant value, that is `kind` once multiplied by `gain` and moved by `offset`.
 
     A value may differ by file: `value: {"*_20_*": 20, "*_40_*": 40}`. A column without a sign may have one beside it,
-    as drivers with a pin for the direction do. Goals that start anew after so much (`wraps_at`, in the column's unit)
+    as drivers with a pin for the direction do. Goals that start anew at a value (`wraps_at`, in the column's unit)
     are taken in the turn in which the reading is. Both columns then need one unit.
     """
 
@@ -142,7 +142,7 @@ class OutputSource(BaseModel):
         step: the smallest step of the reading, in the unit of `kind`.
         quantum: that of the column, in the column's own unit. Where both are left out, it is 1 if the column
             holds whole numbers only, and otherwise 0.
-        wraps_at: the column starts anew after so much, in its own unit, and is to be unwrapped.
+        wraps_at: the value at which the column starts anew, in its own unit; it is unwrapped.
     """
 
     model_config = _STRICT

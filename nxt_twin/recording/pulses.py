@@ -32,7 +32,7 @@ def known_pulse_steps(sidecar: Mapping[str, Any], where: str) -> int:
 
 
 def pulsed(duty: FloatArray, steps: int) -> FloatArray:
-    """The duties (-1…1) that a bridge with so many steps really gives; with 0, any."""
+    """The duties (-1…1) that a bridge with a number of steps really gives; with 0 steps, any."""
     if not steps:
         return duty
     return np.copysign(np.floor(np.abs(duty) * steps + _SLACK) / steps, duty)

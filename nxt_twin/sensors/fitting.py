@@ -65,7 +65,7 @@ class FittedSensor(Generic[ParametersT]):
 
 
 def chosen(known: Sequence[Free], names: Sequence[str], readings: FloatArray, sensor: str) -> list[Free]:
-    """The parameters of these names, if so many readings can tell them.
+    """The parameters of these names, if the number of readings can tell them.
 
     Raises:
         SensorError: a name that cannot be fitted, or no more readings than parameters.

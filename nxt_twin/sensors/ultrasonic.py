@@ -304,7 +304,7 @@ def fit(
 
 
 def between_targets_mm(distance_mm: FloatArray, highest_mm: float, most: int = 80) -> FloatArray:
-    """Distances halfway between neighbouring targets, at most so many: where a threshold may lie."""
+    """Distances halfway between neighbouring targets, up to a number of them: where a threshold may lie."""
     places = np.unique(distance_mm[distance_mm <= highest_mm])
     halfway = 0.5 * (places[1:] + places[:-1])
     return (

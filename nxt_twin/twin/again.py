@@ -39,7 +39,7 @@ class Adoption:
         return now_s - self.began_s <= _LATEST_S
 
     def is_due(self, now_s: float) -> bool:
-        """Whether there are so many more readings that its numbers are worth another fit."""
+        """Whether enough readings came since that its numbers are worth another fit."""
         return now_s - self.began_s >= _TIMES * self.seconds
 
 

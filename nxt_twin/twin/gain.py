@@ -49,7 +49,7 @@ class Gain:
 
     @property
     def large(self) -> bool:
-        """Whether the other is nearer by so much that nobody has to ask for it."""
+        """Whether the other is so clearly nearer that nobody has to ask for it."""
         return self.after_deg < _LARGE * self.before_deg and self.before_deg > _SMALL_DEG
 
 

@@ -83,7 +83,7 @@ class Logbook:
         pace: when, between request and reply, the brick acts.
 
     Attributes:
-        rows: so many were written.
+        rows: the number of rows that were written.
         row_lags: by how much what is in a row is off its stamp.
     """
 

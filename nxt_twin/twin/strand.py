@@ -21,7 +21,7 @@ _LEAST_SPREAD = (1e-4, 1e-3, 1e-5, 1e-9)
 exact."""
 _CLEARLY = 2.0
 _WORTHWHILE = 0.1
-"""A number differs by so many of its standard deviations, and by so much of what would be typical."""
+"""A number differs by this number of its standard deviations, and by this share of what would be typical."""
 _ANGLE_FLOOR = 0.01
 _SPEED_FLOOR = 0.02
 """Standard deviations that angle (rad) and speed (rad/s) gain in a second at least: how a motor comes to rest within a

@@ -39,7 +39,7 @@ class Drain:
     """An open-circuit voltage that falls in time, as a motor's model has it.
 
     Attributes:
-        v_per_s: by so much.
+        v_per_s: the rate of change.
         began_s: since then.
     """
 
@@ -73,7 +73,7 @@ class Supply:
         return self._open_v
 
     def under(self, drawn_a: float) -> float:
-        """The voltage at the terminals while so much is drawn, V."""
+        """The voltage at the terminals while `drawn_a` is drawn, V."""
         return max(self._open_v - self._resistance_ohm * max(drawn_a, 0.0), 0.0)
 
     def read(self, terminal_v: float, drawn: Draught, at_s: float = 0.0) -> None:
@@ -114,7 +114,7 @@ class Lately:
         self._drawn: deque[tuple[float, float]] = deque(maxlen=_STEPS_KEPT)
 
     def add(self, at_s: float, drawn_a: float) -> None:
-        """Until this moment, since the last one, so much was drawn."""
+        """Take the current that was drawn until `at_s`, since the last call."""
         self._drawn.append((at_s, max(drawn_a, 0.0)))
 
     def since(self, from_s: float) -> Draught:
@@ -126,7 +126,7 @@ class Lately:
 
 @final
 class Company:
-    """How much all motors together draw while one of them draws so much: the slope of the one over the other.
+    """The current that all motors draw together for each ampere that one of them draws.
 
     Whoever looks at that motor alone takes what the battery loses to the others for its own doing.
     """

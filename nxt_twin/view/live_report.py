@@ -61,7 +61,7 @@ class Keeper:
         ticks: the polls that are kept.
         events: every event, up to a limit that no ordinary session reaches.
         count: how many polls there were.
-        every: one of so many polls is kept.
+        every: the number of polls of which one is kept.
         tallies: by channel, over all polls.
     """
 

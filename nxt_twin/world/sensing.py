@@ -49,7 +49,7 @@ class LightMount(Mounted):
         model, unlit_model: its configuration with the lamp on and off.
         spot_mm: diameter of what it sees at `best_mm`.
         best_mm: the distance for which the model's numbers hold.
-        fade_mm: beyond it, so much further away the lamp's light comes back half as strong.
+        fade_mm: the distance beyond it over which the lamp's light halves.
     """
 
     kind: Literal["light"]

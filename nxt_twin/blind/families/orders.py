@@ -56,7 +56,7 @@ def plan_orders(
     links: Sequence[LinkName] = ("usb", "bluetooth"),
     duration_s: float | None = None,
 ) -> tuple[Order, ...]:
-    """Plan so many cases for each family; of the effects that are asked for, each takes those that it can hide.
+    """Plan a number of cases for each family; of the effects that are asked for, each takes those that it can hide.
 
     Raises:
         CaseError: for an effect that none of them can hide.

@@ -13,7 +13,7 @@ _MOST_READINGS = 1_000_000  # in one batch; a run gives three numbers a reading
 
 
 def batches(sets: int, readings: int) -> Iterator[slice]:
-    """Parts of so many `sets`, of so many `readings` each, that stay small in memory."""
+    """Parts of a number of `sets`, with a number of `readings` each, that stay small in memory."""
     size = max(1, _MOST_READINGS // max(readings, 1))
     for first in range(0, sets, size):
         yield slice(first, min(first + size, sets))

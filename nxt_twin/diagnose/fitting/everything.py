@@ -43,7 +43,7 @@ def _likeliest(fitter: Fitter, near: Structure) -> Plant:
 def roughly_everything(fitter: Fitter, plant: Plant, noise: Noise, *, rounds: int) -> Structure:
     """Fit `plant` on target and check together, as closely as a structure is weighed.
 
-    Noise and parameters are estimated in turn for so many `rounds`; without a round, `noise` stays as it is. No
+    Noise and parameters are estimated in turn for a number of `rounds`; without a round, `noise` stays as it is. No
     fitter fits one plant so twice.
     """
     key = (id(plant), noise, rounds)

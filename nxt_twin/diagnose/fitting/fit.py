@@ -243,7 +243,7 @@ def fit(
     Slopes are measured at the start and wherever a step gives less than they promised, and follow the steps otherwise.
     A caller may pass slopes from an earlier fit of these variables on these readings. They hold while the
     noise has changed little; inexact slopes are measured anew before the fit ends, unless it is to fit `roughly`.
-    Stops after so many `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
+    Stops after a number of `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
     search = _FitSurroundings(simulator, plant, tuple(variables), target.pulling())

@@ -108,7 +108,7 @@ class Trial:
 
 
 def trials_of(effect: Effect, scale: Scale, most: int = 6) -> list[Trial]:
-    """`effect` at its starting values, at most so many, spread evenly over them; the typical one first."""
+    """`effect` at its starting values, up to a number of them, spread evenly over them; the typical one first."""
     starts = starts_of(effect, scale)
     chosen = np.unique(np.linspace(0, len(starts) - 1, min(most, len(starts))).astype(int))
     return [Trial(effect, starts[int(n)]) for n in chosen]

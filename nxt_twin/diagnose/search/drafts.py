@@ -46,7 +46,7 @@ class Drafts:
     def of(
         self, structure: Structure, effects: list[Effect], most: int, least_nats: float = 0.0
     ) -> list[tuple[Effect, Draft]]:
-        """The likeliest of `effects`, so many at most, added to `structure` and fitted roughly; best first.
+        """The likeliest of `effects`, up to a number of them, added to `structure` and fitted roughly; best first.
 
         Those that promise less than `least_nats` are left out.
         """

@@ -58,6 +58,6 @@ def simulates_worse(best: Structure, trial: Structure, other: Effect) -> bool:
 
 
 def probability(behind: float, others: list[float]) -> float:
-    """The share of belief for a structure `behind` the best by so many nats, among `others` so far behind."""
+    """The share of belief for a structure `behind` the best by these nats; `others` lie behind it by theirs."""
     nearest = min(behind, *others, behind)
     return math.exp(nearest - behind) / sum(math.exp(nearest - other) for other in [behind, *others])

@@ -133,5 +133,5 @@ def _choice_nats(effect: Effect) -> float:
 
 
 def keeps_its_place(weight: Weight, needed: float) -> bool:
-    """Whether an effect that is in stays, for so many nats `needed`."""
+    """Whether an effect that is in stays, given the nats `needed`."""
     return weight.total > needed and weight.borne_out(0.0) and not weight.runs_worse

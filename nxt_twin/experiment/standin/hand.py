@@ -16,7 +16,7 @@ class Hand:
     Args:
         put: is told the number in each request, 0 if there is none, and gives the true value to be answered, None
             for "it is there".
-        ends_after: answers `q` after so many requests; never if negative.
+        ends_after: answers `q` after this number of requests; never if negative.
 
     Attributes:
         asked: everything that was asked.

@@ -28,7 +28,7 @@ class RobotState:
         reach_mm: how far from the start a coordinate may be sent.
         remote, servo_on, held, alarm: as the controller's panel shows.
         refuse_session: another host is connected.
-        alarm_after: raises an alarm when so many moves were begun; none if negative.
+        alarm_after: raises an alarm when this number of moves was begun; none if negative.
     """
 
     clock: Clock

@@ -78,7 +78,7 @@ def _of_unknown(sessions: Sessions) -> tuple[list[Lack], FloatArray]:
 
 
 def _chance(sessions: Sessions, units: IntArray, found: IntArray, of: IntArray) -> FloatArray:
-    """How often so many of a clean unit's sessions would be false alarms."""
+    """How often a clean unit would have this number of false alarms."""
     alarm = np.where(np.isfinite(sessions.alarm), sessions.alarm, _USUAL_ALARM)
     largest = np.zeros(len(sessions.units))
     np.maximum.at(largest, sessions.unit, alarm)

@@ -33,7 +33,7 @@ HERE: Final[Place] = Here()
 
 
 def place_of(jobs: int, cluster: str | None) -> Place:
-    """The place that a command's options name: the cluster where there is one, else so many processes."""
+    """The place that a command's options name: the cluster where there is one, else a number of processes."""
     if cluster is not None:
         return Cluster(cluster)
     return Here() if jobs == 1 else Processes(jobs)

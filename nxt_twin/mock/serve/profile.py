@@ -16,7 +16,7 @@ class Profile:
         to_brick_ms: from the host's writing to the firmware's receive buffer.
         to_host_ms: from the firmware's reply to the host.
         turnaround_ms: what a reply waits in addition, because the radio has to switch directions.
-        jitter_ms: up to so much more, evenly distributed, either way.
+        jitter_ms: the most that is added, evenly distributed, either way.
         drop: that a byte is lost.
         corrupt: that a byte is changed.
     """

@@ -37,7 +37,7 @@ def axle_path(geometry: Geometry, left_rad: FloatArray, right_rad: FloatArray) -
 
 
 def integrated(travel_m: FloatArray, turn_rad: FloatArray) -> PosePath:
-    """The path from the origin that steps of so much travel and turn make, shape (steps + 1,)."""
+    """The path from the origin that steps of travel and turn make, shape (steps + 1,)."""
     heading = np.concatenate([[0.0], np.cumsum(turn_rad)])
     chord = travel_m * np.sinc(turn_rad / (2.0 * np.pi))
     middle = heading[:-1] + 0.5 * turn_rad

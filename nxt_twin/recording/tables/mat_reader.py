@@ -22,7 +22,7 @@ _CPU_MOST_S = 60
 
 
 def main(path: str, most_bytes: int) -> None:
-    """Read `path` in the two steps, in no more than so much memory beyond what the libraries take."""
+    """Read `path` in the two steps, in no more than a limit of memory beyond what the libraries take."""
     _bound(most_bytes)
     try:
         found = whosmat(path, appendmat=False)
