@@ -151,7 +151,11 @@ def _chooser(path: Path, mapping: Mapping) -> Choose:
                 continue
             count = "no column" if name not in found else "more than one column"
             near = f"write `{key}: {{column: …}}` anew; nearest known: {nearest(name, found)}"
-            mend = near if name not in found else "rename one, or write `table: {header: false}`"
+            mend = (
+                near
+                if name not in found
+                else "rename one, or write `table: {header: false, skip: 1}` and name columns c1, c2, …"
+            )
             raise MappingError(f"has {count} {quoted(name)}", where=f"{path}, mapping key {key}", mend=mend)
         chosen: dict[str, CellKind] = {name: "label" for key, name in wanted if key in labels}
         return {**chosen, **{name: "number" for key, name in wanted if key not in labels}}

@@ -163,7 +163,7 @@ with zipfile.ZipFile(_BOOK, "w") as _archive:
 
 REFUSED = {
     "a spreadsheet": (_BOOK.getvalue(), "export the sheet as CSV"),
-    "two columns of one name": (_lines("time,motor,motor", T, U, DEG), "write `table: {header: false}`"),
+    "two columns of one name": (_lines("time,motor,motor", T, U, DEG), "`table: {header: false, skip: 1}`"),
     "a stamp that is missing": (
         _lines("t,pwm,deg", ["" if n == 99 else _cell(t) for n, t in enumerate(T)], U, DEG),
         "row 101, column t: has no time stamp",

@@ -1,6 +1,7 @@
 """Mappings guessed of strangers' tables, and `--columns`."""
 
 import json
+import re
 
 import numpy as np
 import pyarrow as pa
@@ -123,6 +124,29 @@ def test_ticks_that_start_anew_each_turn_and_dates_and_speeds(tmp_path):
     keys, (recording,) = guessed(tmp_path / "frame.csv")
     assert keys["time"] == {"column": "datetime", "unit": "iso"}
     np.testing.assert_allclose(recording.columns["output"], rpm * np.pi / 30, rtol=1e-6)
+
+
+def test_what_a_refusal_of_two_columns_of_one_name_says_reads_the_table(put):
+    rpm = np.round(DEG / 6, 2)
+    rpm[5::37] = np.nan
+    text = lines(
+        "Zeit [ms];PWM (%);Drehzahl [rpm];Drehzahl [rpm]", 1e3 * T, U, rpm, rpm, sep=";", decimal=","
+    )
+    path = put("messung.csv", text.replace("nan", ""))
+    refused = guess_mapping(path)
+    assert "`table: {header: false, skip: 1}`" in str(refused.lacking)
+    keys = {
+        "table": {**refused.keys["table"], "header": False, "skip": 1},
+        "time": {"column": "c1", "unit": "ms"},
+        "input": {"column": "c2", "kind": "power_pct"},
+        "output": {"column": "c3", "kind": "speed_rad_per_s", "gain": np.pi / 30},
+    }
+    holds(read_all_mapped(path, mapping_of(keys, "by hand")), reading=6 * rpm)
+
+
+def test_the_span_of_a_speed_is_told_in_its_unit(put):
+    path = put("speeds.csv", lines("t_ms,pwm,speed [rpm]", 1e3 * T, U, np.round(DEG / 6, 1)))
+    assert re.search(r"spans [\d.]+ rad/s", mapping_text(guess_mapping(path), []))
 
 
 def test_matrices_and_structs_of_mat_files(tmp_path):

@@ -100,7 +100,8 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
 
 def _named_twice(profile: TableProfile) -> MappingError:
     what = f"has several columns named {quoted(profile.twice[0])}"
-    mend = "rename them, or write `table: {header: false}` and name columns c1, c2, … in a mapping"
+    skip = 1 + (profile.layout.skip if profile.layout else 0)
+    mend = f"rename them, or write `table: {{header: false, skip: {skip}}}` and name columns c1, c2, … in a mapping"
     return MappingError(what, where=str(profile.path), mend=mend)
 
 
@@ -211,9 +212,8 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     why += f"; {slope} is its slope" if slope else ""
     joints = ", ".join(c.joint or c.name for c in rest[:12])
     others = f"; others that might be meant: {joints} (--joint)" if rest else ""
-    return Guess(
-        "output", keys, f"{why}; spans {_short(column.span * gain)} {kind.rpartition('_')[2]}{others}"
-    )
+    shown = kind.partition("_")[2].replace("_per_", "/")
+    return Guess("output", keys, f"{why}; spans {_short(column.span * gain)} {shown}{others}")
 
 
 def _alike(one: TableColumn, other: TableColumn) -> bool:
