@@ -70,6 +70,8 @@ def main() -> None:
     parser.add_argument("--cluster", help="address of a Dask scheduler; its workers can import this package")
     chosen = parser.parse_args()
     names = [name for name in STUDIES if chosen.study in name]
+    if not names:
+        parser.error(f"no study's name holds '{chosen.study}'; there are: {'; '.join(STUDIES)}")
     for line in _tables(
         names, chosen.first_seed, chosen.repetitions, place_of(chosen.workers, chosen.cluster)
     ):

@@ -157,6 +157,10 @@ def test_joint_states_are_read_from_a_bag_and_a_damaged_one_is_refused(tmp_path,
     whole = (folder / "bag_0.mcap").read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
     assert "no readable bag" in refusal(RecordingError, read_mapped, tmp_path / "cut.mcap", mapping)
+    older = tmp_path / "older"
+    older.mkdir()
+    (older / "bag_0.db3").write_bytes(b"SQLite format 3\0")
+    assert "ros2 bag convert" in refusal(RecordingError, read_mapped, older, mapping)
 
 
 def test_a_table_is_split_into_recordings_and_one_is_named_by_its_value(put):

@@ -28,7 +28,7 @@ _READERS: Mapping[TableKind, Callable[[Path, Choose], Table]] = MappingProxyType
         "mcap": read_rosbag,
     }
 )
-_BAG = "*.mcap"
+_BAGS = ("*.mcap", "*.db3")  # the second is refused by its content, with the way to convert it
 
 
 def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mapping[str, object]) -> Table:
@@ -59,7 +59,7 @@ def table_file(path: Path) -> Path:
     """
     if not path.is_dir() or is_data_set(path):
         return path
-    for file in sorted(path.glob(_BAG)):
+    for file in (file for bag in _BAGS for file in sorted(path.glob(bag))):
         return file
     mend = "name a file in it"
     raise RecordingError("is a folder with neither a bag nor a data set", where=str(path), mend=mend)
