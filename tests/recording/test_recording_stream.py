@@ -51,6 +51,8 @@ def test_what_was_written_is_read_back_and_the_stream_is_gone(tmp_path):
     with RecordingWriter(path, COLUMNS) as writer:
         for row in rows(120):
             writer.row(row)
+        assert writer.finish() == path
+    assert writer.finish() == path  # again, which does nothing
     recording = read_recording(path)
     assert recording.rows == 120
     np.testing.assert_array_equal(recording.columns["a_tacho_deg"], np.arange(120.0))
