@@ -76,6 +76,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "idle",
         "no_nearer",
         "sure",
+        "loud",
         "nearly",
     }
 
@@ -106,6 +107,8 @@ def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle)
         ({"nearer": 0.99 * LIMITS.worse}, False),
         ({"named": 1}, False),
         ({"matters": False}, False),
+        ({"least_nats": 199.0}, True),
+        ({"least_nats": 201.0}, False),
     ],
 )
 def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may_go(changes, spoiled):

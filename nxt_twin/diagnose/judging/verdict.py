@@ -33,6 +33,7 @@ class VerdictLimits:
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
             no difference to it.
         sure: gain in nats that names such an effect nevertheless.
+        loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none.
         nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error.
     """
 
@@ -52,6 +53,7 @@ class VerdictLimits:
     large_by_windows: float = 4e-2
     no_nearer: float = 0.98
     sure: float = 40.0
+    loud: float = 200.0
     nearly: float = 2.0
 
 
@@ -135,8 +137,9 @@ def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether several effects were found that together predict unseen readings worse than none would."""
-    return record.named > 1 and record.matters and record.nearer > limits.worse
+    """Whether several effects were found that together predict unseen readings worse than none, one of them quietly."""
+    quietly = record.least_nats < limits.loud
+    return record.named > 1 and record.matters and record.nearer > limits.worse and quietly
 
 
 def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
