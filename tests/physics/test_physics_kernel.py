@@ -187,6 +187,14 @@ def test_the_kernel_is_loaded_at_the_first_step_unless_all_may_rest(
     assert bool(stepped) is loaded
 
 
+def test_a_stepper_gives_room_for_two_columns_and_shows_the_first(monkeypatch):
+    """The compiled kernel writes an angle and a speed for each plant, and checks no bounds."""
+    read = np.array([[1.0, 10.0], [2.0, 20.0]])
+    fake = SimpleNamespace(read_many=lambda *arguments: np.copyto(arguments[-1], read))
+    monkeypatch.setattr(stepper_module, "kernel", lambda _: fake)
+    np.testing.assert_array_equal(Stepper([with_effect("encoder_eccentricity")] * 2).shown, [1.0, 2.0])
+
+
 @pytest.mark.parametrize("rests_s", [0.0, 0.2])
 def test_a_late_command_counts_from_when_it_was_given_though_the_plant_rested_before(rests_s):
     plant = plant_from_config({**NXT, "effects": {"command_delay": {"delay_s": 0.03}}}, "power_pct")
