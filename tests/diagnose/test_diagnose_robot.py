@@ -2,6 +2,7 @@
 
 import json
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -93,6 +94,24 @@ def test_a_floor_that_pushes_one_way_is_known_to_no_effect_and_refused():
     assert said.verdict == "unexplained"
     assert said.next_experiment is not None
     assert any("goes with the direction" in note for note in said.notes)
+
+
+def stretched(run, *, backwards):
+    """The run in a picture that is 5 % too wide; backwards, the robot drives it with its tail ahead."""
+    columns = {**run.columns, "pose_x_m": 1.05 * run.columns["pose_x_m"]}
+    if backwards:
+        left, right = columns["b_tacho_deg"], columns["c_tacho_deg"]
+        columns |= {"b_tacho_deg": -right, "c_tacho_deg": -left}
+        columns["pose_heading_deg"] = columns["pose_heading_deg"] + 180.0
+    return Recording(run.name, columns)
+
+
+def test_a_picture_that_is_too_wide_is_known_to_no_effect_where_the_robot_drives_both_ways():
+    case = robot_case(runs=6)
+    runs = tuple(stretched(run, backwards=n >= 3) for n, run in enumerate(case.recordings))
+    said = diagnose_robot(Case("robot", Path(), PLANT, runs, (), None)).diagnosis
+    assert said.verdict == "unexplained"
+    assert any("goes with the axis of travel" in note for note in said.notes)
 
 
 def test_the_json_is_that_of_the_contract_and_the_model_predicts_unseen_runs():

@@ -123,6 +123,15 @@ def weigh(
     return WeighedSubsets(best, probability, {one: _rivals(one, best, second) for one in best}, second)
 
 
+def beyond(off: FloatArray, least: FloatArray) -> FloatArray:
+    """How far deviations go beyond the sizes that matter; zero for smaller ones.
+
+    Evidence has to speak for a size that matters. A place that is exact and tiny would else lend its evidence to
+    another that is large and uncertain.
+    """
+    return np.asarray(np.sign(off) * np.maximum(np.abs(off) - least, 0.0))
+
+
 def _matters(off: FloatArray, given: FloatArray, effect: RobotEffect) -> bool:
     least = _MATTERS.copy()
     least[[0, 2]] *= given[[0, 2]]

@@ -162,6 +162,7 @@ def _covariates(short: ShortErrors) -> Mapping[str, list[FloatArray]]:
     begin, end = short.ends
     return {
         "direction": [np.abs(travel) * wave(k * heading) for k in (1, 2) for wave in (np.cos, np.sin)],
+        "axis of travel": [travel * wave(2.0 * heading) for wave in (np.cos, np.sin)],
         "heading": [wave(k * end) - wave(k * begin) for k in (1, 2) for wave in (np.cos, np.sin)],
         "place": [
             amount * place

@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect
-from nxt_twin.diagnose.robot.choice import weigh
+from nxt_twin.diagnose.robot.choice import beyond, weigh
 from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
@@ -77,7 +77,7 @@ def search_powered(
     robot = powered_robot(drive)
     full, stack = fit_body(recordings, drive, geometry)
     able = {name: places for name, places in PLACES.items() if _matters(name, full.off[places])}
-    weighed = weigh(able, full.off, full.covariance, full.clusters)
+    weighed = weigh(able, beyond(full.off, _least()), full.covariance, full.clusters)
     off, covariance = _given_none_of(full, weighed.best)
     values = values_at(robot.values, off)
     effects = tuple(
@@ -111,6 +111,14 @@ def fit_body(
         recordings, robot_runs(recordings, drive), drive, geometry, robot.caster_back_m, robot.supply_v
     )
     return fit_powered(stack, robot.values, np.ones(len(NAMES), dtype=bool)), stack
+
+
+def _least() -> FloatArray:
+    """The sizes that matter, in the order of `dynamics.NAMES`; zero where no effect has a place."""
+    least = np.zeros(len(NAMES))
+    for name, places in PLACES.items():
+        least[places] = _MATTERS[name]
+    return least
 
 
 def _matters(name: str, off: FloatArray) -> bool:
