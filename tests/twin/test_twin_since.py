@@ -51,6 +51,13 @@ def test_another_battery_changes_no_motor_and_is_told(since):
     assert "the supply was 8.00 V before and 6.9" in " ".join(found.notes)
 
 
+def test_a_worn_gear_is_named_as_friction(since):
+    found = since(coulomb_friction_nm=0.025)
+    (change,) = found.changes
+    assert (found.verdict, change.of) == ("changed", "coulomb_friction_nm")
+    assert change.after == pytest.approx(0.025, rel=0.1)
+
+
 def test_a_session_that_saw_too_little_is_refused(since):
     with pytest.raises(DiagnosisError, match="too little to compare"):
         since(seconds=2.0)

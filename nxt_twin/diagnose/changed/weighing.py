@@ -24,6 +24,7 @@ _OF_ITS_MAKE = frozenset(
         "asymmetric_viscous_friction",
         "cogging",
         "commutation_ripple",
+        "current_limit",
         "inductance",
         "power_curve",
         "presliding",
