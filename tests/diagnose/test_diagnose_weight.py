@@ -35,7 +35,7 @@ def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0):
     )
 
 
-@pytest.mark.parametrize("further", [0, 1, 3])
+@pytest.mark.parametrize("further", [0, 1, 3, 9])
 def test_each_further_parameter_costs_half_a_logarithm_of_the_readings(further):
     gain = weigh(structure(cost=200.0), structure(cost=150.0, variables=7 + further)).gain
     assert gain == pytest.approx(50.0 - 0.5 * further * math.log(READINGS))
