@@ -6,13 +6,19 @@ BIN := $(VENV)/bin
 # Bytecode is kept between runs: each worker of the tests would rewrite every test file anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
+.PHONY: demo test real check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
 
 test: $(VENV)/ready-dev
 	$(BIN)/python -m pytest -n auto --dist worksteal
+
+# The tests of real recordings alone, which nobody may pass on (docs/real-data.md): minutes.
+REAL_DATA := $(or $(NXT_TWIN_DATA),$(wildcard ../shared/data))
+real: $(VENV)/ready-dev
+	@test -d "$(REAL_DATA)" || { echo "make real: no folder of real recordings; set NXT_TWIN_DATA (docs/real-data.md)" >&2; exit 1; }
+	NXT_TWIN_DATA=$(abspath $(REAL_DATA)) $(BIN)/python -m pytest -n auto --dist worksteal -m real_data
 
 check: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .

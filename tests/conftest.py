@@ -13,7 +13,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from nxt_twin.recording.realdata import DATA_VARIABLE
 from nxt_twin.threads import one_of_many
+
+_LEFT_OUT = f"a real recording: `make real`, or set {DATA_VARIABLE}"
 
 # Matrices are small here: a second thread of BLAS only waits in a loop, a third of a diagnosis' processor time.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -52,6 +55,26 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
     if whole and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
         _compile_ahead()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of real recordings run only where they are asked for: they take minutes, and few people have the data."""
+    if os.environ.get(DATA_VARIABLE):
+        return
+    for item in items:
+        if item.get_closest_marker("real_data"):
+            item.add_marker(pytest.mark.skip(reason=_LEFT_OUT))
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
+    """Say in the last line how many were left out, and which command runs them."""
+    yield
+    skipped = terminalreporter.stats.get("skipped", [])
+    left_out = sum(_LEFT_OUT in str(report.longrepr) for report in skipped)
+    if left_out:
+        said = f"{left_out} tests of real recordings were left out; `make real` runs them"
+        terminalreporter.write_line(said)
 
 
 def pytest_collection_finish() -> None:
