@@ -9,6 +9,7 @@ import platform
 import sys
 
 import benchmarks
+from nxt_twin.threads import ask_for_one_thread
 
 
 def main(wanted: list[str]) -> None:
@@ -16,6 +17,7 @@ def main(wanted: list[str]) -> None:
     names = [module.name for module in pkgutil.iter_modules(benchmarks.__path__)]
     if unknown := sorted(set(wanted) - set(names)):
         sys.exit(f"benchmarks: there is no {', '.join(unknown)}; there are {', '.join(names)}")
+    ask_for_one_thread()  # as the command line does, before anything imports numpy
     print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
     for name in wanted or names:
         if name == "__main__":
