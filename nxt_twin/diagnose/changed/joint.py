@@ -13,7 +13,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.sides import Side, Which
 from nxt_twin.diagnose.fitting.batch import predictions
-from nxt_twin.diagnose.fitting.fit import SOFT
+from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.simulate import Simulator
 
 _DIFFERENCE = 2e-3

@@ -9,7 +9,7 @@ import numpy as np
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.changed.candidates import new_effects, promises
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
-from nxt_twin.diagnose.fitting.fit import SOFT
+from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.parameter import Scale
 
 _PATTERNS = ((0, 1), (0, 1, 1, 0))

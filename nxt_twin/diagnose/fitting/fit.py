@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -10,6 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting import losses
 from nxt_twin.diagnose.fitting.batch import batches, one_of, predictions, samples_of
 from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
 from nxt_twin.diagnose.fitting.tamed import tamed
@@ -20,9 +20,6 @@ from nxt_twin.physics.simulate import Job, Result, Simulator
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
 _DIFFERENCE = 2e-3
 _PATIENCE_NATS = 0.05
-SOFT = 2.0  # standard deviations of a simulated reading from which its loss grows linearly
-_LENIENT = 4.0  # likewise of a reading that only checks
-_HALF_LOG_2PI = 0.5 * math.log(2.0 * math.pi)
 _LEAST_SHARE = 1e-3  # of its scale: the least value of a positive variable
 _LONGEST_LOG_STEP = 1.0
 _TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
@@ -165,21 +162,21 @@ class Target:
         if self.corrected[number] is None:
             return result.weight
         z = self.errors(number, result)
-        return np.asarray(1.0 / np.hypot(1.0, z / SOFT))
+        return np.asarray(1.0 / np.hypot(1.0, z / losses.SOFT))
 
-    def reading_costs(self, number: int, result: Result) -> FloatArray:
-        """Negative log-likelihood of each reading of a job, nats, shape (sets, samples).
+    def costs(self, number: int, result: Result) -> FloatArray:
+        """Negative log-likelihood of the counted readings of a job, nats, shape (sets,).
 
         Of simulated readings by a soft loss: a model on the edge of sticking is at times far off.
         """
+        counted = self.counted[number]
         if self.corrected[number] is None and not self.lenient:
-            return result.cost
-        z = self.errors(number, result)
+            return losses.summed(result.cost, counted)
+        job = self.jobs[number]
+        measured, std = job.signals.measured, job.observer.innovation_std
         if self.corrected[number] is None:
-            far = _LENIENT**2 * (np.hypot(1.0, z / _LENIENT) - 1.0) + _HALF_LOG_2PI
-            return np.minimum(result.cost, far + np.log(self.jobs[number].observer.innovation_std))
-        soft = SOFT**2 * (np.hypot(1.0, z / SOFT) - 1.0)
-        return np.asarray(soft + np.log(self.jobs[number].observer.innovation_std))
+            return losses.lenient(result.cost, measured, result.predicted, std, counted)
+        return losses.soft(measured, result.predicted, std, counted)
 
     def worth(self) -> int:
         """How many independent readings the counted ones are worth."""
@@ -198,10 +195,8 @@ class Target:
 
     def cost(self, results: Sequence[Result]) -> FloatArray:
         """Negative log-likelihood of the counted readings for each parameter set, nats."""
-        total = sum(
-            worth * self.reading_costs(n, result)[:, mask].sum(axis=1)
-            for n, (result, mask, worth) in enumerate(zip(results, self.counted, self.evidence, strict=True))
-        )
+        parts = zip(results, self.evidence, strict=True)
+        total = sum(worth * self.costs(n, result) for n, (result, worth) in enumerate(parts))
         return np.asarray(np.nan_to_num(total, nan=np.inf), dtype=np.float64)
 
     def costs_of(self, simulator: Simulator, plants: Sequence[Plant]) -> FloatArray:
