@@ -6,13 +6,17 @@ BIN := $(VENV)/bin
 # Bytecode is kept between runs: each worker of the tests would rewrite every test file anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test real check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
+.PHONY: demo test slow real check bench proof proof-blind proof-identify fuzz soak mutation docs docs-check licences audit wheel-check effects picture lock clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/nxt-twin demo
 
 test: $(VENV)/ready-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal --quick
+
+# The tests that take longest, which `make test` leaves out and names at its end.
+slow: $(VENV)/ready-dev
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
 
 # The tests of real recordings alone, which nobody may pass on (docs/real-data.md): minutes.
 REAL_DATA := $(or $(NXT_TWIN_DATA),$(wildcard ../shared/data))

@@ -16,7 +16,12 @@ import pytest
 from nxt_twin.recording.realdata import DATA_VARIABLE
 from nxt_twin.threads import one_of_many
 
-_LEFT_OUT = f"a real recording: `make real`, or set {DATA_VARIABLE}"
+_REAL = f"a real recording: `make real`, or set {DATA_VARIABLE}"
+_SLOW = "slow: `make slow`"
+_LEFT_OUT = {
+    _REAL: "tests of real recordings were left out; `make real` runs them",
+    _SLOW: "slow tests were left out; `make slow` runs them",
+}
 
 # Matrices are small here: a second thread of BLAS only waits in a loop, a third of a diagnosis' processor time.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -26,6 +31,7 @@ hypothesis.settings.load_profile("untimed")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--quick", action="store_true", help="leave out the tests that are marked slow")
     parser.addoption(
         "--brick",
         metavar="URL",
@@ -57,24 +63,25 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         _compile_ahead()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests of real recordings run only where they are asked for: they take minutes, and few people have the data."""
-    if os.environ.get(DATA_VARIABLE):
-        return
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out real recordings, which few people have, unless they are named; and slow tests if asked to."""
+    left_out = {} if os.environ.get(DATA_VARIABLE) else {"real_data": _REAL}
+    if config.getoption("--quick"):
+        left_out["slow"] = _SLOW
     for item in items:
-        if item.get_closest_marker("real_data"):
-            item.add_marker(pytest.mark.skip(reason=_LEFT_OUT))
+        for name, reason in left_out.items():
+            if item.get_closest_marker(name):
+                item.add_marker(pytest.mark.skip(reason=reason))
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
-    """Say in the last line how many were left out, and which command runs them."""
+    """Say in the last lines how many were left out, and which commands run them."""
     yield
-    skipped = terminalreporter.stats.get("skipped", [])
-    left_out = sum(_LEFT_OUT in str(report.longrepr) for report in skipped)
-    if left_out:
-        said = f"{left_out} tests of real recordings were left out; `make real` runs them"
-        terminalreporter.write_line(said)
+    skipped = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
+    for reason, said in _LEFT_OUT.items():
+        if count := sum(reason in text for text in skipped):
+            terminalreporter.write_line(f"{count} {said}")
 
 
 def pytest_collection_finish() -> None:

@@ -67,6 +67,7 @@ def test_the_score_counts_exact_names_only():
     assert "seed 2, wheel_slip: explained, wheel_slip, wrong_track" in text
 
 
+@pytest.mark.slow
 def test_a_slope_and_a_wrong_track_are_named_together_with_their_sizes(tmp_path):
     plan = RobotPlan("pair", ("floor_slope", "wrong_track"), 7)
     (outcome,) = solve_robots([plan], tmp_path)

@@ -78,6 +78,7 @@ def test_motor_never_gains_energy_without_a_battery(drive):
     assert energy_j[-1] < 0.7 * energy_j[0]
 
 
+@pytest.mark.slow
 def test_a_shorter_time_step_changes_nothing_visible(drive, monkeypatch):
     motor = Motor(stiction_excess_nm=0.02, drop_v=0.5)
     duty = 0.4 * np.sin(np.arange(1001) / 60.0)

@@ -33,6 +33,7 @@ def test_more_inertia_is_found_with_its_size_and_the_motor_stays():
     assert "http://" not in page.replace("http://www.w3.org", "")
 
 
+@pytest.mark.slow
 def test_a_load_behind_play_is_told_from_one_that_is_fixed():
     (change,) = answer(0, "load behind play").changes
     assert change.of == "backlash"

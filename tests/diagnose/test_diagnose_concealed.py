@@ -18,8 +18,8 @@ def named_or_confused(diagnosis):
     [
         ("gravity_load", LONG),
         ("command_delay", {"seed": 12}),
-        ("stiction", {"seed": 13}),
-        ("shaft_compliance", TWISTING),
+        pytest.param("stiction", {"seed": 13}, marks=pytest.mark.slow),
+        pytest.param("shaft_compliance", TWISTING, marks=pytest.mark.slow),
     ],
 )
 def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, made):

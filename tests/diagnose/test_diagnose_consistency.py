@@ -62,6 +62,7 @@ def test_a_clean_motor_is_re_fitted_as_well_as_by_a_plain_fit_of_windows(make):
     assert off[2] <= MOST_OVER_THE_PLAIN_FIT * off[1]
 
 
+@pytest.mark.slow
 def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any_horizon():
     problem = problem_of(home(SEED, "backlash", duration_s=8.0))
     with Simulator(problem.plant.layout) as simulator:

@@ -143,6 +143,7 @@ def test_noise_is_searched_for_a_body_that_nothing_damps(damping_per_s):
     assert math.isfinite(likeliest.reading_std)
 
 
+@pytest.mark.slow
 def test_effects_are_found_that_free_runs_speak_against_one_by_one():
     """With a twisting shaft but without the spring a free run is further off than with neither."""
     concealing = ("spring_load", "inductance", "shaft_compliance")

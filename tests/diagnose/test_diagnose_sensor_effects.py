@@ -20,7 +20,17 @@ CONCEALED = (
 )
 
 
-@pytest.mark.parametrize(("kind", "effect", "near"), CONCEALED, ids=[name for _, name, _ in CONCEALED])
+SLOW = {"ultrasonic_blind_zone", "ultrasonic_near_offset", "ultrasonic_dropout"}
+"""These take three to eight seconds each."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "effect", "near"),
+    [
+        pytest.param(*each, id=each[1], marks=pytest.mark.slow if each[1] in SLOW else ())
+        for each in CONCEALED
+    ],
+)
 def test_an_effect_is_named_and_measured(kind, effect, near):
     answer, truth = sensor_diagnosis(kind, (effect,), every=EVERY[kind])
     said = answer.diagnosis
@@ -36,7 +46,7 @@ def test_an_effect_is_named_and_measured(kind, effect, near):
 
 
 @pytest.mark.parametrize("kind", EVERY)
-@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=pytest.mark.slow)])
 def test_nothing_is_found_where_nothing_is_missing(kind, seed):
     said = sensor_diagnosis(kind, (), seed=seed, every=EVERY[kind])[0].diagnosis
     assert said.verdict == "adequate"
@@ -48,7 +58,7 @@ def test_nothing_is_found_where_nothing_is_missing(kind, seed):
 @pytest.mark.parametrize(
     ("kind", "surprise"),
     [
-        ("ultrasonic_sensor", "unknown_bent_scale"),
+        pytest.param("ultrasonic_sensor", "unknown_bent_scale", marks=pytest.mark.slow),
         ("ultrasonic_sensor", "unknown_drift"),
         ("light_sensor", "unknown_wavy_gradient"),
         ("touch_sensor", "unknown_creep"),

@@ -116,6 +116,7 @@ def one_way(seed):
     return replace(case, recordings=tuple(made[:2]), holdout=tuple(made[2:]))
 
 
+@pytest.mark.slow
 def test_a_single_speed_in_one_direction_is_said_to_be_too_little():
     case = one_way(62)
     said = " ".join(lacks(problem_for(case)))

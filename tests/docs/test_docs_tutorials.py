@@ -19,6 +19,7 @@ PAGES = {
     "only-a-csv": {},
     "robot-world": {},
 }
+SLOW = {"without-a-brick", "only-a-csv"}
 
 
 @pytest.fixture
@@ -43,7 +44,9 @@ def here(monkeypatch):
     return run
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in PAGES]
+)
 def test_every_command_of_the_tutorial_says_what_the_page_says(name, root, tmp_path, monkeypatch, here):
     import tutorials
 

@@ -23,6 +23,7 @@ def executed():
     return notebook
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::RuntimeWarning")
 def test_the_notebook_finds_the_concealed_load_and_draws_it(executed):
     cells = [cell for cell in executed.cells if cell.cell_type == "code"]

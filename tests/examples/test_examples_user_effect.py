@@ -22,7 +22,7 @@ from nxt_twin.recording.case import read_case
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "user_effect"
 OFFLINE = ("--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--disable-pip-version-check")
-pytestmark = pytest.mark.usefixtures("installed")
+pytestmark = [pytest.mark.usefixtures("installed"), pytest.mark.slow]
 TRUE = {
     "kind": "dc_motor",
     "resistance_ohm": 7.9,

@@ -128,6 +128,7 @@ def test_nothing_is_missing_from_a_sensor_that_was_identified(tmp_path: Path, ki
     assert json.loads(result.stdout)["verdict"] == "adequate"
 
 
+@pytest.mark.slow
 def test_what_the_mock_conceals_is_in_the_motor_that_is_tried(tmp_path: Path) -> None:
     (tmp_path / "secret.yaml").write_text("effects: [spring_load]\nsize: large\nseed: 3\n", encoding="utf-8")
     (tmp_path / "world.yaml").write_text("battery: {internal_resistance_ohm: 0.0}\n", encoding="utf-8")

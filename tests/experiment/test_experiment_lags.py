@@ -44,7 +44,7 @@ def named(out: Path) -> list[str]:
     return [effect["id"] for effect in found["effects"]]
 
 
-@pytest.mark.parametrize("profile", ["none", "bluetooth"])
+@pytest.mark.parametrize("profile", ["none", pytest.param("bluetooth", marks=pytest.mark.slow)])
 def test_nothing_is_missing_from_a_motor_that_is_the_models(tmp_path: Path, profile: str) -> None:
     out = identified(tmp_path, PLAIN, profile)
     assert sorted(path.stem for path in (out / "recordings").glob("*.yaml")) == sorted(
@@ -57,6 +57,7 @@ def test_nothing_is_missing_from_a_motor_that_is_the_models(tmp_path: Path, prof
     assert named(out) == expected
 
 
+@pytest.mark.slow
 def test_what_is_in_the_mock_is_all_that_is_named(tmp_path: Path) -> None:
     """Its battery has a resistance that is so small that it need not show."""
     assert named(identified(tmp_path, STICKY, "usb")) in (["stiction"], ["stiction", "battery_sag"])

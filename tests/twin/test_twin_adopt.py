@@ -114,6 +114,7 @@ def test_a_battery_is_another_if_the_diagnosis_is_sure(interval, sure):
     assert battery_is_another({"internal_resistance_ohm": moved}) is sure
 
 
+@pytest.mark.slow
 def test_what_is_adopted_of_one_motor_leaves_the_others_in_peace(tmp_path):
     """Twelve seconds of one motor hardly tell the battery's resistance, which all three share."""
     rig = Rig(world_with(tmp_path, effects={"constant_load": {"load_torque_nm": -0.045}}))

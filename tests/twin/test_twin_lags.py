@@ -77,6 +77,7 @@ def test_three_motors_played_again_hold_as_they_did_live(tmp_path, record, profi
     assert _divergences(path, KnownLags()) != []
 
 
+@pytest.mark.slow
 def test_lags_are_no_delay_to_a_diagnosis(tmp_path):
     path = tmp_path / "run.csv"
     _written_down(path, "bluetooth", 25.0)

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 WATCHED = """
 from pathlib import Path
 from numba import njit
@@ -43,6 +45,7 @@ print(",".join(sorted(set(late))))
 """
 
 
+@pytest.mark.slow
 def test_a_session_that_was_rehearsed_compiles_nothing(tmp_path):
     """A function that the rehearsal does not know shows that the watch sees what is compiled."""
     done = subprocess.run(

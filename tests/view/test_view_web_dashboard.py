@@ -32,7 +32,7 @@ _FLAGS = [
 _TRIES = 120
 _PAUSE_MS = 1000
 
-pytestmark = pytest.mark.skipif(_CHROMIUM is None, reason="no Chromium")
+pytestmark = [pytest.mark.skipif(_CHROMIUM is None, reason="no Chromium"), pytest.mark.slow]
 
 
 @pytest.fixture

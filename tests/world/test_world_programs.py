@@ -22,6 +22,7 @@ def test_a_castor_bot_drives_a_square():
     assert abs(driven.trace.column("z_m")).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_a_castor_bot_drives_a_written_path(tmp_path):
     write_path(
         squares_and_lines("test", side_m=0.2, laps=1, straight_m=0.3, rest_s=0.3), tmp_path / "path.yaml"
