@@ -1,7 +1,6 @@
-"""An extended Kalman filter whose motion comes from outside, and the one seam to filterpy: its multiple models.
+"""The one seam to filterpy: an extended Kalman filter whose motion comes from outside, and its multiple models.
 
-What filterpy gives is wrapped in plain arrays here; nothing else of the tool knows that library. Its general filter
-would take four times as long for one number that is read as it is.
+What filterpy gives is wrapped in plain arrays here; nothing else of the tool knows that library.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, final
 
 import numpy as np
-from filterpy.kalman import IMMEstimator, KalmanFilter
+from filterpy.kalman import ExtendedKalmanFilter, IMMEstimator, KalmanFilter
 
 from nxt_twin.arrays import FloatArray
 
@@ -29,11 +28,9 @@ class ComparedReading(NamedTuple):
     log_likelihood: float
 
 
-def _compared(predicted: float, doubt: float, reading: float, variance: float) -> ComparedReading:
-    """A reading of that variance beside a prediction in doubt by another."""
-    total = doubt + variance
-    square = (reading - predicted) ** 2 / total
-    return ComparedReading(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
+def _first_of(state: FloatArray) -> FloatArray:
+    """What is read."""
+    return state[:1]
 
 
 @final
@@ -46,23 +43,31 @@ class Estimator:
     """
 
     def __init__(self, mean: FloatArray, variances: FloatArray) -> None:
-        self._whole = np.eye(mean.size)
+        size = mean.size
+        self._filter = ExtendedKalmanFilter(dim_x=size, dim_z=1)
+        self._first = np.eye(1, size)
         self.set(mean, np.diag(variances))
+
+    def _slope(self, _: FloatArray) -> FloatArray:
+        """How what is read depends on the state."""
+        return self._first
 
     @property
     def mean(self) -> FloatArray:
         """The estimate, shape (n,)."""
-        return self._mean
+        found: FloatArray = self._filter.x[:, 0]
+        return found
 
     @property
     def covariance(self) -> FloatArray:
         """Its covariance, shape (n, n)."""
-        return self._covariance
+        found: FloatArray = self._filter.P
+        return found
 
     def set(self, mean: FloatArray, covariance: FloatArray) -> None:
         """Replace the estimate."""
-        self._mean = np.array(mean, dtype=np.float64)
-        self._covariance = np.array(covariance, dtype=np.float64)
+        self._filter.x = np.array(mean, dtype=np.float64).reshape(-1, 1)
+        self._filter.P = np.array(covariance, dtype=np.float64)
 
     def predict(self, moved: FloatArray, transition: FloatArray, process: FloatArray) -> None:
         """Let time pass.
@@ -72,22 +77,23 @@ class Estimator:
             transition: how it depends on where it was, shape (n, n).
             process: covariance of what came in addition, shape (n, n).
         """
-        self._mean = moved.copy()
-        self._covariance = transition.dot(self._covariance).dot(transition.T) + process
+        self._filter.F, self._filter.Q = transition, process
+        self._filter.predict()
+        self._filter.x = moved.reshape(-1, 1).copy()
 
     def compare(self, reading: float, variance: float) -> ComparedReading:
         """The innovation of a reading of the first component; the state stays as it is."""
-        return _compared(float(self._mean[0]), float(self._covariance[0, 0]), reading, variance)
+        predicted = float(self._filter.x[0, 0])
+        total = float(self._filter.P[0, 0]) + variance
+        square = (reading - predicted) ** 2 / total
+        return ComparedReading(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
 
     def update(self, reading: float, variance: float) -> ComparedReading:
-        """Believe a reading of the first component, by Joseph's form, which keeps the covariance positive."""
+        """Believe a reading of the first component."""
         compared = self.compare(reading, variance)
-        gain = self._covariance[:, 0] / compared.variance
-        kept = self._whole.copy()
-        kept[:, 0] -= gain
-        self._mean = self._mean + gain * (reading - compared.predicted)
-        believed = np.multiply.outer(variance * gain, gain)
-        self._covariance = kept.dot(self._covariance).dot(kept.T) + believed
+        self._filter.update(
+            np.array([[reading]]), HJacobian=self._slope, Hx=_first_of, R=np.array([[variance]])
+        )
         return compared
 
 
@@ -216,7 +222,10 @@ class Drift:
 
     def compare(self, reading: float, variance: float) -> ComparedReading:
         """The innovation of a reading; the state stays as it is."""
-        return _compared(self.value, float(self._filter.P[0, 0]), reading, variance)
+        predicted = self.value
+        total = float(self._filter.P[0, 0]) + variance
+        square = (reading - predicted) ** 2 / total
+        return ComparedReading(predicted, total, square, -0.5 * (square + math.log(total) + _LOG_TAU))
 
     def update(self, reading: float, variance: float) -> None:
         """Believe a reading."""
