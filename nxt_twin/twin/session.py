@@ -147,7 +147,8 @@ class Session:
         brick = self._parts.open_brick()
         self._began_s = self._clock.now_s()
         try:
-            self._tell("started", f"the twin watches motors {', '.join(p.upper() for p in self._twin.ports)}")
+            watched = [port.upper() for port in self._twin.ports]
+            self._tell("started", f"the twin watches motor{'s' * (len(watched) > 1)} {', '.join(watched)}")
             while not self._over(seconds):
                 brick = self._through(brick, seconds)
             self._tell("stopped", "; ".join(filter(None, (self._length(), self.stalls.words()))))

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from nxt_twin.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import palette
 from nxt_twin.view.thinning import envelope
@@ -27,6 +27,7 @@ def telling_part(run: HeldOutRun, baseline: ModelTrace) -> slice:
     motion = float(np.nanmax(measured) - np.nanmin(measured)) or np.inf
     error = np.abs(baseline.error)
     error[error > motion] = np.nan  # a prediction that has run away shows nothing up close
+    error[~_in_company(run)] = np.nan
     if np.isnan(error).all():
         return whole
     centre, half = int(np.nanargmax(error)), run.time_s.size // 16
@@ -36,6 +37,14 @@ def telling_part(run: HeldOutRun, baseline: ModelTrace) -> slice:
         part = _around(centre, half, run.time_s.size)
     part = _unbroken(run, part, centre)
     return part if run.time_s[part.stop - 1] > run.time_s[part.start] else whole
+
+
+def _in_company(run: HeldOutRun) -> BoolArray:
+    """The samples of stretches that are long enough to show a motion."""
+    empty = np.isnan(run.stale)
+    edges = np.flatnonzero(np.concatenate(([True], empty, [True])))
+    long_enough = np.diff(edges) > 2 * _FEWEST_ASIDE
+    return np.asarray(~empty & long_enough[np.cumsum(empty)], dtype=np.bool_)
 
 
 def _unbroken(run: HeldOutRun, part: slice, centre: int) -> slice:

@@ -27,6 +27,7 @@ _NIS_MEMORY: Final = 50
 _MARKED: Final = ("divergence", "effect_named", "adopted", "stall", "slip", "link_lost")
 _LEAST_TOLD: Final = 0.05
 _MOST_TOLD: Final = 4
+_LETTERS_IN_A_ROW: Final = 32
 _EFFECTS: Final = ("#56616c", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6a00")
 
 
@@ -262,8 +263,10 @@ def _mark(axes: Axes, events: Sequence[Event]) -> None:
 
 
 def _legend(axes: Axes) -> None:
-    """Name the curves above the panel, beside its title, where they hide nothing."""
+    """Name the curves above the panel, beside its title, where they hide nothing; long names in two rows."""
+    letters = sum(map(len, axes.get_legend_handles_labels()[1]))
+    columns = 4 if letters <= _LETTERS_IN_A_ROW else 2
     axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=4, columnspacing=1.0,
+        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=columns, columnspacing=1.0,
         fontsize=palette.SMALL_PT, frameon=False, labelcolor=palette.MUTED, handlelength=1.4, borderaxespad=0.2,
     )  # fmt: skip

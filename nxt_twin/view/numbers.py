@@ -74,7 +74,7 @@ def change(before: float, after: float) -> str:
     percent = 100.0 * (after - before) / abs(before)
     if abs(percent) >= 9.95:
         return _signed(f"{percent:+.0f} %")
-    return _signed(f"{percent:+.1f} %")
+    return "0.0 %" if abs(percent) < 0.05 else _signed(f"{percent:+.1f} %")
 
 
 def times_smaller(before: float, after: float) -> str:
@@ -108,7 +108,8 @@ def p_value(p: float) -> str:
     if p < 1e-16:
         return f"p < {power_of_ten(-16)}"
     if p < 1e-3:
-        return f"p = {p / 10.0 ** _exponent(p):.0f} × {power_of_ten(_exponent(p))}"
+        digit, exponent = f"{p:.0e}".split("e")
+        return f"p = {digit} × {power_of_ten(int(exponent))}"
     return f"p = {plain(p, 2)}"
 
 

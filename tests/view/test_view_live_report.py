@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from view_ticks import CHANNELS, PORTS, some_events, some_ticks
 
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event, Innovation, Tick
+from nxt_twin.view.live_plot import motor_figure
 from nxt_twin.view.live_report import Keeper, LinkedDiagnosis, render_live_report, write_live_report
 
 
@@ -85,6 +88,18 @@ def test_pictures_are_drawn_in_the_page(page: str):
     ):
         assert words in page
     assert "viscous friction" in page
+
+
+def test_long_names_of_effects_do_not_cover_the_title_of_their_panel():
+    names = ("nothing", "unknown", "load_dependent_friction", "regulator_delay")
+    ticks = [
+        replace(tick, motors=tuple(replace(one, effects=dict.fromkeys(names, 0.25)) for one in tick.motors))
+        for tick in some_ticks(20, ports=("a",))
+    ]
+    figure = motor_figure("a", ticks, ())
+    FigureCanvasAgg(figure).draw()
+    panel = next(axes for axes in figure.axes if axes.get_title(loc="left") == "probability")
+    assert not panel.get_legend().get_window_extent().overlaps(panel._left_title.get_window_extent())
 
 
 def test_the_page_needs_nothing_from_elsewhere(page: str):

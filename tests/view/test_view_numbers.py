@@ -87,6 +87,7 @@ def test_plain_numbers_carry_three_digits(value, text):
         (95.0, 123456.7, "× 1300"),
         (0.0, 20.0, "–"),
         (2.0, 1.0, "−50 %"),
+        (2.0, 1.9995, "0.0 %"),
     ],
 )
 def test_a_moved_parameter_says_how_far(before, after, text):
@@ -124,7 +125,14 @@ def test_no_probability_reads_as_certain(probability, text):
 
 
 @pytest.mark.parametrize(
-    ("p", "text"), [(0.0, "p < 10⁻¹⁶"), (2.1e-9, "p = 2 × 10⁻⁹"), (0.034, "p = 0.034"), (math.nan, "p –")]
+    ("p", "text"),
+    [
+        (0.0, "p < 10⁻¹⁶"),
+        (2.1e-9, "p = 2 × 10⁻⁹"),
+        (9.97e-4, "p = 1 × 10⁻³"),
+        (0.034, "p = 0.034"),
+        (math.nan, "p –"),
+    ],
 )
 def test_p_values_are_short(p, text):
     assert p_value(p) == text

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from nxt_twin.errors import DiagnosisError, NxtTwinError
+from nxt_twin.view.close_look import telling_part
 from nxt_twin.view.picture import write_picture
 from nxt_twin.view.telling import most_telling
 from nxt_twin.view.thinning import envelope, scattered, some, steps, trend
+from nxt_twin.view.traces import picture_of, traces_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -63,6 +65,18 @@ def test_the_first_run_shown_is_the_one_that_tells_most():
     assert gains == sorted(gains, reverse=True)
     left = [run.improved_rmse for run in most_telling(samples.unexplained(helped=True))]
     assert left == sorted(left, reverse=True)
+
+
+def test_three_readings_beyond_a_gap_are_not_what_is_drawn_large():
+    diagnosis = samples.explained()
+    run = diagnosis.held_out[0]
+    stale, baseline = np.array(run.stale), np.array(run.baseline)
+    stale[600:-3] = np.nan
+    baseline[-3:] += 200.0
+    picture = picture_of(diagnosis, replace(run, stale=stale, baseline=baseline))
+    part = telling_part(picture.run, traces_of(picture)[0])
+    assert part.stop <= 600
+    assert part.stop - part.start > 12
 
 
 @settings(deadline=None)

@@ -86,12 +86,21 @@ class PairOutcome:
         return self.verdict == ("changed" if self.done else "unchanged") and set(self.named) == set(self.done)
 
 
+def done_to(seed: int) -> tuple[str, ...]:
+    """What `make_pair` does between the sides under that seed; it makes no recording."""
+    return _done(seed, _chance(seed))
+
+
+def _chance(seed: int) -> Generator:
+    return np.random.default_rng([seed, 19])
+
+
 def make_pair(seed: int) -> RobotPair:
     """A robot whose model may be off, recorded three times before and three times after; equal seeds, equal pairs.
 
     Of ten seeds in a row, three change nothing, four one thing, two two things, and one something unknown.
     """
-    rng = np.random.default_rng([seed, 19])
+    rng = _chance(seed)
     done = _done(seed, rng)
     powered = bool({*NEEDS_POWER, *_FRICTION, "unknown_patch", "unknown_tether"} & set(done)) or bool(
         rng.random() < 0.5
