@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nxt_twin.blind.robot import world
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
 
@@ -75,3 +76,15 @@ def robot_case(runs=5, plant=PLANT, lags=(0.0,), slips=(), hold_out=0, **truth):
         for n in range(runs)
     )
     return Case("robot", Path(), plant, recordings[: runs - hold_out], recordings[runs - hold_out :], None)
+
+
+def robot_of_seed(seed):
+    """A true robot without effects."""
+    return world.drawn_robot(np.random.default_rng(seed))
+
+
+def powered_case(name, robot, seed):
+    """Three recordings of a true robot with powers."""
+    rng = np.random.default_rng(seed)
+    runs = tuple(world.recorded_run(f"{name}{n}.csv", robot, {}, 0.0, rng, powered=True) for n in range(3))
+    return Case(name, Path(), world.nominal_robot(powered=True), runs, (), None)

@@ -4,30 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
-from diagnose_robot_cases import robot_case
+from diagnose_robot_cases import powered_case, robot_case, robot_of_seed
 
-from nxt_twin.blind.robot import world
 from nxt_twin.diagnose.changed.to_json import to_json
 from nxt_twin.diagnose.dispatch import changed_any, changed_since
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import drive_from_config
-from nxt_twin.recording.case import Case
 from nxt_twin.recording.recording import Recording
 from nxt_twin.view.changes_report import render_changes
-
-
-def robot_of_seed(seed):
-    return world.drawn_robot(np.random.default_rng(seed))
-
-
-def powered_case(name, robot, seed):
-    rng = np.random.default_rng(seed)
-    runs = tuple(world.recorded_run(f"{name}{n}.csv", robot, {}, 0.0, rng, powered=True) for n in range(3))
-    return Case(name, Path(), world.nominal_robot(powered=True), runs, (), None)
 
 
 def sides(before=(), after=()):

@@ -5,7 +5,7 @@ import pytest
 
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.robot.drive import drive_from_config
-from nxt_twin.physics.robot.dynamics import GRAVITY, wheel_angles
+from nxt_twin.physics.robot.dynamics import GRAVITY, LOAD_GYRATION, wheel_angles
 from nxt_twin.physics.robot.powered import dynamics_config, powered_robot
 
 BACK_EMF, RESISTANCE, ROTOR, MASS, YAW = 0.49, 7.6, 1.2e-3, 1.0, 0.005
@@ -39,9 +39,11 @@ def test_a_straight_start_carries_the_body_on_both_wheels(added):
     np.testing.assert_array_equal(found[:, 0], found[:, 1])
 
 
-def test_a_turn_on_the_spot_carries_the_yaw_inertia():
-    found = driven((-6.0, 6.0))
-    expected = first_order(6.0, ROTOR + 2.0 * YAW * RADIUS**2 / TRACK**2)
+@pytest.mark.parametrize("added", [0.0, 0.6])
+def test_a_turn_on_the_spot_carries_the_yaw_inertia_and_the_loads(added):
+    found = driven((-6.0, 6.0), added_mass=added)
+    yaw = YAW * (1.0 + LOAD_GYRATION * added / MASS)
+    expected = first_order(6.0, ROTOR + 2.0 * yaw * RADIUS**2 / TRACK**2)
     np.testing.assert_allclose(found[:, 1], expected, atol=2e-3 * expected[-1])
     np.testing.assert_allclose(found[:, 0], -found[:, 1])
 

@@ -19,7 +19,7 @@ from nxt_twin.diagnose.robot.powered_runs import PoweredStack, powered_stack
 from nxt_twin.diagnose.robot.runs import robot_runs
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
-from nxt_twin.physics.robot.dynamics import NAMES
+from nxt_twin.physics.robot.dynamics import LOAD_GYRATION, NAMES
 from nxt_twin.physics.robot.powered import powered_robot
 from nxt_twin.recording.recording import Recording
 
@@ -29,7 +29,7 @@ PLACES: Final = {
     "centre_of_mass_offset": [15, 16],
     "payload_mass": [17],
 }
-_MATTERS: Final = {
+MATTERS: Final = {
     "caster_drag": 0.05,
     "floor_slope": 5e-3,
     "centre_of_mass_offset": 3e-3,
@@ -77,12 +77,12 @@ def search_powered(
     robot = powered_robot(drive)
     full, stack = fit_body(recordings, drive, geometry)
     able = {name: places for name, places in PLACES.items() if _matters(name, full.off[places])}
-    weighed = weigh(able, beyond(full.off, _least()), full.covariance, full.clusters)
+    weighed = weigh(able, beyond(full.off, sizes_that_matter()), full.covariance, full.clusters)
     off, covariance = _given_none_of(full, weighed.best)
     values = values_at(robot.values, off)
     effects = tuple(
         replace(
-            found_powered(effect, off, covariance, full.clusters),
+            found_powered(effect, off, with_unknown_load(covariance, values, geometry), full.clusters),
             probability=weighed.probability[effect.id],
             confusable_with=tuple(
                 Confusion(one, why_confusable(effect.id, one)) for one in weighed.rivals[effect.id]
@@ -113,18 +113,18 @@ def fit_body(
     return fit_powered(stack, robot.values, np.ones(len(NAMES), dtype=bool)), stack
 
 
-def _least() -> FloatArray:
-    """The sizes that matter, in the order of `dynamics.NAMES`; zero where no effect has a place."""
+def sizes_that_matter() -> FloatArray:
+    """Sizes below which no effect is named, in the order of `dynamics.NAMES`; zero where no effect has a place."""
     least = np.zeros(len(NAMES))
     for name, places in PLACES.items():
-        least[places] = _MATTERS[name]
+        least[places] = MATTERS[name]
     return least
 
 
 def _matters(name: str, off: FloatArray) -> bool:
     if name in _ONE_WAY and off[0] <= 0.0:
         return False
-    return bool(np.max(np.abs(off)) > _MATTERS[name])
+    return bool(np.max(np.abs(off)) > MATTERS[name])
 
 
 def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, FloatArray]:
@@ -137,6 +137,20 @@ def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, 
         covariance = covariance - gain @ covariance[gone]
         off[gone] = 0.0
     return off, covariance
+
+
+def with_unknown_load(covariance: FloatArray, values: FloatArray, geometry: Geometry) -> FloatArray:
+    """A covariance that admits that nobody knows how far a payload reaches.
+
+    A load that reaches farther out slows turns more. Straight starts then speak of more mass beside the gear trains'.
+    """
+    mass, yaw, added = values[[10, 11, 17]]
+    half_m = 0.5 * geometry.track_m
+    trains = values[8] / geometry.left_wheel_radius_m**2 + values[9] / geometry.right_wheel_radius_m**2
+    slower = LOAD_GYRATION * yaw * added / mass / (yaw + half_m**2 * trains)
+    found = covariance.copy()
+    found[17, 17] += (slower * (mass + added + trains)) ** 2
+    return found
 
 
 def found_powered(effect: RobotEffect, off: FloatArray, covariance: FloatArray, clusters: int) -> FoundEffect:

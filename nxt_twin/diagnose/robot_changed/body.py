@@ -7,15 +7,24 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import FoundEffect
-from nxt_twin.diagnose.robot.choice import WeighedSubsets, weigh
+from nxt_twin.diagnose.robot.choice import WeighedSubsets, beyond, weigh
 from nxt_twin.diagnose.robot.effects import LIBRARY
-from nxt_twin.diagnose.robot.powered_fit import PoweredFit
-from nxt_twin.diagnose.robot.powered_search import PLACES, fit_body, found_powered
+from nxt_twin.diagnose.robot.powered_fit import PoweredFit, values_at
+from nxt_twin.diagnose.robot.powered_search import (
+    MATTERS,
+    PLACES,
+    fit_body,
+    found_powered,
+    sizes_that_matter,
+    with_unknown_load,
+)
 from nxt_twin.diagnose.robot_changed.joint import FittedSide, JointSides, joint
 from nxt_twin.diagnose.robot_changed.side import RobotSide
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import NAMES
+from nxt_twin.physics.robot.powered import powered_robot
 
 _MOTORS: Final = range(10)
 _SUSPECT_SIGMAS: Final = 3.0
@@ -23,12 +32,6 @@ _MOST_SUSPECTS: Final = 6
 _DAILY_SHARE: Final = 0.015
 _LEAST_SHARE: Final = 0.03
 """A motor's number that differs by less is not named."""
-_SMALLEST: Final = {
-    "caster_drag": 0.05,
-    "floor_slope": 5e-3,
-    "centre_of_mass_offset": 3e-3,
-    "payload_mass": 0.05,
-}
 _KEYS: Final = {
     "back_emf": "back_emf_v_s_per_rad",
     "resistance": "resistance_ohm",
@@ -49,16 +52,22 @@ class BodyChanges:
         sides: both sides' numbers, by `dynamics.NAMES`; those of motors are logarithms of their share of the given.
         places: of each candidate.
         clusters: how many independent parts they rest on.
+        given: the numbers of `dynamics.NAMES` as the model came.
+        geometry: wheels and track after.
     """
 
     weighed: WeighedSubsets
     sides: JointSides
     places: dict[str, list[int]]
     clusters: int
+    given: FloatArray
+    geometry: Geometry
 
     def effect(self, of: str) -> FoundEffect:
         """An effect of the body as it is after."""
         covariance = self.sides.before_covariance + self.sides.off_covariance
+        values = values_at(self.given, self.sides.after)
+        covariance = with_unknown_load(covariance, values, self.geometry)
         return found_powered(LIBRARY[of], self.sides.after, covariance, self.clusters)
 
 
@@ -90,14 +99,16 @@ def body_changes(
     able = {
         name: places
         for name, places in PLACES.items()
-        if float(np.max(np.abs(freed.off[places]))) > _SMALLEST[name]
+        if float(np.max(np.abs(freed.off[places]))) > MATTERS[name]
     }
     able |= {motor_key(place): [place] for place in suspects}
     clusters = min(before.clusters, after.clusters)
-    weighed = weigh(able, freed.off, freed.off_covariance, clusters)
+    least = sizes_that_matter()
+    least[suspects] = _LEAST_SHARE
+    weighed = weigh(able, beyond(freed.off, least), freed.off_covariance, clusters)
     differs = [place for name in weighed.best for place in able[name]]
     both = joint(one, other, range(len(NAMES)), differs)
-    return BodyChanges(weighed, both, able, clusters)
+    return BodyChanges(weighed, both, able, clusters, powered_robot(drive).values, geometries[1])
 
 
 def _suspects(before: FittedSide, after: FittedSide) -> list[int]:

@@ -9,7 +9,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.diagnose.changed.answer import Changes
-from nxt_twin.diagnose.robot.choice import WeighedSubsets, weigh
+from nxt_twin.diagnose.robot.choice import WeighedSubsets, beyond, weigh
 from nxt_twin.diagnose.robot.engine import STRUCTURED_NATS, STRUCTURED_SHARE, robot_of
 from nxt_twin.diagnose.robot.held_out import JudgedRun, judged_run
 from nxt_twin.diagnose.robot.judge import RobotModel
@@ -92,7 +92,12 @@ def _geometries(before: RobotSide, after: RobotSide, given: Geometry) -> _Geomet
             if place in told_places
         )
     }
-    weighed = weigh(able, off, one.covariance + other.covariance, min(one.clusters, other.clusters))
+    least = np.zeros(off.size)
+    for each in CHANGED_PARTS:
+        least[list(each.places)] = np.array(each.matters) * size[list(each.places)]
+    weighed = weigh(
+        able, beyond(off, least), one.covariance + other.covariance, min(one.clusters, other.clusters)
+    )
     differs = [place for of in weighed.best for place in able[of]]
     return _Geometries(weighed, joint(one, other, told_places, differs), told_places, differs)
 

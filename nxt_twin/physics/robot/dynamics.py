@@ -18,6 +18,8 @@ NAMES: Final = (
 """What `wheel_angles` reads, SI; slopes are the floor's rise along the frame in which headings are measured."""
 
 GRAVITY: Final = 9.81
+LOAD_GYRATION: Final = 0.15
+"""Square of a payload's radius of gyration by the robot's own; of a second brick or a box of cells it is 0.1 to 0.3."""
 _STEP_S: Final = 1e-2
 _STICK_RAD_PER_S: Final = 0.08
 _STILL_M_PER_S: Final = 4e-3
@@ -65,7 +67,11 @@ def _accelerations(
     along = left_n + right_n + down[0] - drag * v + mass * ahead * w * w
     about = half * (right_n - left_n) + ahead * down[1] - left * down[0]
     about -= drag * back * back * w + mass * ahead * v * w
-    inertia = p[11] + mass * (ahead * ahead + left * left) + half * half * (left_rotor + right_rotor)
+    inertia = (
+        p[11] * (1.0 + LOAD_GYRATION * p[17] / p[10])
+        + mass * (ahead * ahead + left * left)
+        + half * half * (left_rotor + right_rotor)
+    )
     heavy = mass + left_rotor + right_rotor
     mixed = half * (right_rotor - left_rotor) - mass * left
     whole = heavy * inertia - mixed * mixed
