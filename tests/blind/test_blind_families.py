@@ -78,8 +78,16 @@ def test_ten_kinds_of_unknown_physics_and_no_two_of_a_name():
     assert len(unknown) >= 10
 
 
-@pytest.mark.parametrize("effect", STRONG)
-@pytest.mark.parametrize("family", FOREIGN)
+@pytest.mark.parametrize(
+    ("family", "effect"),
+    [
+        pytest.param(
+            family, effect, marks=pytest.mark.slow if family == "mujoco" and effect in STRONG[:2] else ()
+        )
+        for family in FOREIGN
+        for effect in STRONG
+    ],
+)
 def test_a_large_effect_moves_the_reading_and_the_answer_is_in_the_contracts_terms(family, effect):
     if effect not in FAMILIES[family].known:
         pytest.skip("left out of this family")

@@ -9,6 +9,8 @@ from nxt_twin.blind.truth.motor import Motor
 
 SLOWEST_LEVEL_NM = 1e-9
 STEEPEST = 2.0
+DEAD_PACE = 28.0
+"""Beyond it the damping is 0 to the last digit: its logarithm is below that of the smallest number."""
 
 
 @compiled
@@ -46,7 +48,9 @@ def bristle_rate(motor: Motor, stiffness: float, level: float, omega: float, ben
     if stiffness <= 0.0 or level <= SLOWEST_LEVEL_NM:
         return 0.0
     ratio = stiffness * bend / level
-    yielding = min(abs(ratio), STEEPEST) ** motor.bristle_exponent
+    yielding = min(abs(ratio), STEEPEST)
+    if motor.bristle_exponent != 1.0:
+        yielding **= motor.bristle_exponent
     return omega - abs(omega) * math.copysign(yielding, ratio)
 
 
@@ -58,5 +62,7 @@ def bristle_torque(
     if stiffness <= 0.0:
         return 0.0
     pace = omega / motor.bristle_damping_speed_rad_s
+    if abs(pace) > DEAD_PACE:
+        return stiffness * bend
     damping = 2.0 * motor.bristle_damping_ratio * math.sqrt(stiffness * inertia) * math.exp(-pace * pace)
     return stiffness * bend + damping * rate

@@ -40,7 +40,9 @@ def _rates(
     elif int(motor.surprise) == surprises.BELT_SLIP:
         out[OMEGA_LOAD] = surprises.load_rate(motor, omega, x[OMEGA_LOAD])
 
-    carried = math.sqrt(math.sqrt(drive**4 + outside**4))  # about the larger of the two
+    carried = 0.0
+    if motor.friction_per_torque != 0.0:
+        carried = math.sqrt(math.sqrt(drive**4 + outside**4))  # about the larger of the two
     film = surprises.film_torque(motor, memory)
     level = friction.sliding_level(motor, t, theta, omega, carried, film)
     stiffness = friction.bristle_stiffness(motor)

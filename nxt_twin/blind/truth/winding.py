@@ -10,6 +10,8 @@ from nxt_twin.blind.truth.motor import Motor
 DRIVE, FLOAT, COAST, BRAKE = 0, 1, 2, 3
 SETTLE_S = 2e-4
 BRUSH_ROUNDING_A = 0.005
+WHOLE_DROP = 20.0
+"""So many widths of the rounding away from 0 A, nothing of it is left in the last digit."""
 FOLDBACK_V_PER_A = 300.0
 
 
@@ -23,6 +25,17 @@ def terminal_v(motor: Motor, t: float, duty: float, current: float, mode: int) -
         drawn = 0.0
     open_circuit = motor.battery_v - motor.drain_v_per_s * t
     return open_circuit - motor.internal_resistance_ohm * drawn
+
+
+@compiled
+def _brush_drop(motor: Motor, current: float) -> float:
+    """Voltage (V) lost at the brushes, against the current."""
+    if motor.drop_v == 0.0:
+        return 0.0
+    ratio = current / BRUSH_ROUNDING_A
+    if abs(ratio) > WHOLE_DROP:
+        return math.copysign(motor.drop_v, ratio)
+    return motor.drop_v * math.tanh(ratio)
 
 
 @compiled
@@ -42,7 +55,7 @@ def current_rate(
     if mode == FLOAT:
         return (_floating_current(motor, supply, emf, resistance, duty) - current) / SETTLE_S
     volts = duty * supply if mode == DRIVE else 0.0
-    volts -= emf + motor.drop_v * math.tanh(current / BRUSH_ROUNDING_A)
+    volts -= emf + _brush_drop(motor, current)
     if motor.current_limit_a > 0.0 and abs(current) > motor.current_limit_a:
         volts -= FOLDBACK_V_PER_A * (current - math.copysign(motor.current_limit_a, current))
     return (volts - resistance * current) / motor.inductance_h
