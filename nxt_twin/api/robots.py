@@ -22,7 +22,8 @@ from nxt_twin.recording.columns import PORTS, tacho_column
 from nxt_twin.recording.configs import configs_dir, load_plant_config
 from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.records import Event, Tick
-from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
+from nxt_twin.twin.robot_twin import RobotTwin
+from nxt_twin.twin.wheel_ghost import RobotReading
 from nxt_twin.view.dashboard.scene import (
     DrawnShape,
     SceneFrame,

@@ -1,112 +1,31 @@
-"""A robot beside its ghost: the pose that a model of its wheels has, by their counts alone, from one seen pose on."""
+"""A robot beside its ghost: told when they part, diagnosed, and watched on with what was found."""
 
 from __future__ import annotations
 
-import cmath
-import math
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
-
-import numpy as np
 
 from nxt_twin.diagnose.diagnosis import Diagnosis
 from nxt_twin.diagnose.robot.engine import RobotAnswer, diagnose_robot
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.recording.case import Case
-from nxt_twin.recording.columns import POSE_HEADING, POSE_X, POSE_Y, tacho_column
-from nxt_twin.recording.recording import Recording
 from nxt_twin.twin.records import Event, EventKind
+from nxt_twin.twin.wheel_ghost import RobotReading, WheelGhost, recording_of, without_slip
 
-APART_M: Final = 0.010
-APART_PER_M: Final = 0.03
-"""Robot and ghost are apart from a distance on that grows with the way since they were together."""
-APART_DEG: Final = 5.0
-APART_PER_DEG: Final = 0.01
 TOGETHER_M: Final = 0.5
 """After adoption the ghost has to hold for so long a way."""
 GATHERED_S: Final = 12.0
 """A diagnosis needs so much driving; after one that named nothing, twice as much."""
 CLEARLY: Final = 0.5
 """A model is taken over where its held-out error is below this share of the given model's."""
+HARD_TIMES: Final = 2.0
+"""Where wheels slip at hard starts, a diagnosis needs so many times the driving."""
+LOST_S: Final = 0.4
+"""Slip is located once it is over; so long a ghost may be lost before it counts."""
 ROW_S: Final = 0.018
 """Readings that follow sooner are left out."""
-
-
-@final
-@dataclass(frozen=True)
-class RobotReading:
-    """Where a robot is, as somebody outside sees it, and what its wheels counted (deg).
-
-    Attributes:
-        time_s: when, s since the session began.
-        left_deg: count of the left wheel.
-        right_deg: count of the right wheel.
-        x_m: place.
-        y_m: place.
-        heading_deg: not wrapped.
-    """
-
-    time_s: float
-    left_deg: float
-    right_deg: float
-    x_m: float
-    y_m: float
-    heading_deg: float
-
-
-@final
-class WheelGhost:
-    """A pose by wheels alone.
-
-    Args:
-        drive: the model.
-        start: where it begins.
-    """
-
-    def __init__(self, drive: DifferentialDrive, start: RobotReading) -> None:
-        self._geometry, self._last = drive.geometry, start
-        self._lever = drive.geometry.offset_forward_m + 1j * drive.geometry.offset_left_m
-        self._turn = math.radians(start.heading_deg - drive.geometry.heading_offset_deg)
-        self._axle = complex(start.x_m, start.y_m) - self._lever * cmath.rect(1.0, self._turn)
-        self.path_m = self.turned_deg = 0.0
-
-    def follow(self, reading: RobotReading) -> None:
-        """Move as the wheels did since the last reading."""
-        left, right = (
-            math.radians(after - before) * radius
-            for after, before, radius in (
-                (reading.left_deg, self._last.left_deg, self._geometry.left_wheel_radius_m),
-                (reading.right_deg, self._last.right_deg, self._geometry.right_wheel_radius_m),
-            )
-        )
-        turn, travel = (right - left) / self._geometry.track_m, 0.5 * (left + right)
-        chord = travel * float(np.sinc(turn / (2.0 * math.pi)))
-        self._axle += cmath.rect(chord, self._turn + 0.5 * turn)
-        self._turn += turn
-        self._last = reading
-        self.path_m += abs(travel)
-        self.turned_deg += abs(math.degrees(turn))
-
-    @property
-    def pose(self) -> tuple[float, float, float]:
-        """Where it expects the robot to be seen: x, y (m) and heading (deg)."""
-        seen = self._axle + self._lever * cmath.rect(1.0, self._turn)
-        return seen.real, seen.imag, math.degrees(self._turn) + self._geometry.heading_offset_deg
-
-    def apart(self) -> tuple[float, float]:
-        """How far from the robot it is (m), and by how much the robot is turned further (deg)."""
-        x_m, y_m, heading_deg = self.pose
-        away_m = math.hypot(self._last.x_m - x_m, self._last.y_m - y_m)
-        return away_m, self._last.heading_deg - heading_deg
-
-    def lost(self) -> bool:
-        """Whether robot and ghost are apart."""
-        away_m, turned_deg = self.apart()
-        far = away_m > APART_M + APART_PER_M * self.path_m
-        return far or abs(turned_deg) > APART_DEG + APART_PER_DEG * self.turned_deg
 
 
 @final
@@ -131,6 +50,8 @@ class RobotTwin:
         self._driven_s = 0.0
         self._needed_s = GATHERED_S
         self._apart = self._adopted = False
+        self._lost_s: float | None = None
+        self._slipping = False
         self._waiting: Future[RobotAnswer] | None = None
 
     @property
@@ -156,16 +77,39 @@ class RobotTwin:
         away_m, turned_deg = ghost.apart()
         where = f"{1e3 * away_m:.0f} mm and {abs(turned_deg):.1f}° apart after {ghost.path_m:.2f} m"
         said: list[Event] = []
-        if not self._apart and ghost.lost():
-            self._apart, self._adopted = True, False
-            said.append(_event(reading, "divergence", f"robot and ghost are {where}"))
+        if not self._apart and self._lost_for_long(reading, ghost):
+            mended, spells = without_slip(self._rows, self.drive)
+            if spells and not mended.lost():
+                self._ghost, self._lost_s = mended, None
+                said += self._slips(reading, spells)
+            else:
+                self._apart, self._adopted = True, False
+                self._needed_s *= HARD_TIMES if spells else 1.0
+                said.append(_event(reading, "divergence", f"robot and ghost are {where}"))
         elif self._adopted and not self._apart and ghost.path_m > TOGETHER_M:
             self._adopted = False
             said.append(_event(reading, "calm", f"robot and ghost are together again: {where}"))
         if self._apart and self._waiting is None and self._driven_s > self._needed_s:
-            case = Case("live", Path(), self.drive.to_config(), (self._recording(),), (), None)
+            case = Case(
+                "live", Path(), self.drive.to_config(), (recording_of(self._rows, self.drive),), (), None
+            )
             self._waiting = self._executor.submit(diagnose_robot, case)
         return said
+
+    def _lost_for_long(self, reading: RobotReading, ghost: WheelGhost) -> bool:
+        if not ghost.lost():
+            self._lost_s = None
+            return False
+        self._lost_s = reading.time_s if self._lost_s is None else self._lost_s
+        return reading.time_s - self._lost_s >= LOST_S
+
+    def _slips(self, reading: RobotReading, spells: int) -> list[Event]:
+        """Told once: the ghost goes on without the counts that slipped."""
+        if self._slipping:
+            return []
+        self._slipping = True
+        words = f"the wheels slip at hard starts ({spells} so far); the ghost leaves out what slipped"
+        return [_event(reading, "slip", words)]
 
     def _answered(self, reading: RobotReading) -> list[Event]:
         if self._waiting is None or not self._waiting.done():
@@ -195,18 +139,6 @@ class RobotTwin:
     def _begin(self, reading: RobotReading) -> None:
         self._ghost = WheelGhost(self.drive, reading)
         self.ghosts += 1
-
-    def _recording(self) -> Recording:
-        rows, first = self._rows, self._rows[0]
-        columns = {
-            "time_s": [row.time_s for row in rows],
-            tacho_column(self.drive.left): [row.left_deg for row in rows],
-            tacho_column(self.drive.right): [row.right_deg for row in rows],
-            POSE_X: [row.x_m - first.x_m for row in rows],
-            POSE_Y: [row.y_m - first.y_m for row in rows],
-            POSE_HEADING: [row.heading_deg for row in rows],
-        }
-        return Recording("live", {name: np.array(values) for name, values in columns.items()})
 
 
 def _clearly_better(said: Diagnosis) -> bool:

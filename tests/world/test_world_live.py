@@ -18,7 +18,8 @@ from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.twin import robot_twin
 from nxt_twin.twin.legs import LEGS
 from nxt_twin.twin.records import Innovation, Tick
-from nxt_twin.twin.robot_twin import RobotReading, RobotTwin
+from nxt_twin.twin.robot_twin import RobotTwin
+from nxt_twin.twin.wheel_ghost import RobotReading
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.load import load_setting
 from nxt_twin.world.pose import Heading
@@ -91,6 +92,33 @@ def test_a_robot_in_a_world_is_watched_by_the_plant_that_it_is_like(tmp_path, ro
 def test_robot_and_ghost_stay_together_where_the_model_is_right(watched):
     twin, arena = watched(28.0)
     assert drive(twin, arena, LEGS[:16]) == []
+
+
+def hard(power):
+    """Squares of the usual size at a higher power, at whose starts tyres slip."""
+    faster = power / 35
+    return [
+        (max(seconds / faster, 0.25), power * np.sign(left), power * np.sign(right))
+        if left
+        else (seconds, 0, 0)
+        for seconds, left, right in LEGS
+    ]
+
+
+@pytest.mark.parametrize("power", [80, 100])
+def test_slip_at_hard_starts_does_not_part_robot_and_ghost(watched, power):
+    twin, arena = watched(28.0)
+    assert [event.kind for event in drive(twin, arena, 2 * hard(power))] == ["slip"]
+
+
+@pytest.mark.parametrize("power", [80, 100])
+def test_a_smaller_wheel_is_named_and_adopted_beside_slip_at_hard_starts(watched, power):
+    twin, arena = watched(27.0)
+    said = drive(twin, arena, 3 * hard(power))
+    assert [event.kind for event in said] == ["slip", "divergence", "effect_named", "adopted", "calm"]
+    assert "unequal_wheels" in said[3].words
+    assert "wheel_slip" in said[3].words
+    assert twin.drive.geometry.wheel_radius_ratio == pytest.approx(27.0 / 28.0, abs=0.005)
 
 
 def test_a_session_shows_the_world_and_how_robot_and_ghost_part(tmp_path):
