@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -13,8 +14,9 @@ from nxt_twin.view import numbers, wording
 _LONGEST_FILE_NAME = 200  # bytes: file systems refuse more than 255
 
 
+@cache
 def environment() -> Environment:
-    """The templates of all pages, with the words and numbers that they use."""
+    """The templates of all pages, with the words and numbers that they use; one for all, so each is compiled once."""
     environment = Environment(
         loader=PackageLoader("nxt_twin.view"),
         autoescape=True,

@@ -146,7 +146,9 @@ def test_a_recording_begins_with_the_motor_off_or_in_the_midst_of_a_program_or_o
         assert all(np.isfinite(one.columns["battery_v"][0]) for one in case.recordings)
 
 
-@pytest.mark.parametrize("family", FOREIGN)
+@pytest.mark.parametrize(
+    "family", [pytest.param(one, marks=pytest.mark.slow) if one == "mujoco" else one for one in FOREIGN]
+)
 def test_a_cut_recording_is_the_end_of_a_longer_motion_of_its_motor(family):
     case = begun("cut", family)
     reading_deg = [float(one.columns["a_tacho_deg"][0]) for one in case.recordings]

@@ -1,6 +1,7 @@
 """Robots before and after a touch: made by seed, compared, counted."""
 
 import numpy as np
+import pytest
 
 from nxt_twin.blind.robot.pairs import PairOutcome, done_to, make_pair, pairs_as_text, solve_pairs
 
@@ -15,6 +16,7 @@ def test_equal_seeds_make_equal_pairs_and_ten_in_a_row_hold_every_kind():
     assert kinds == ["nothing"] * 3 + ["one change"] * 4 + ["two changes"] * 2 + ["unknown"]
 
 
+@pytest.mark.slow
 def test_a_touched_robot_is_named_by_what_was_done():
     (found,) = solve_pairs([305])
     assert found.done

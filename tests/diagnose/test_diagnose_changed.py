@@ -40,6 +40,7 @@ def test_a_load_behind_play_is_told_from_one_that_is_fixed():
     assert change.params["gap_deg"].value == pytest.approx(8.0, rel=0.3)
 
 
+@pytest.mark.slow
 def test_a_rubber_band_and_more_friction_are_told_apart():
     found = {change.of: change for change in answer(0, "band and friction").changes}
     assert found.keys() == {"spring_load", "coulomb_friction_nm"}

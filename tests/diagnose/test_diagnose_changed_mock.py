@@ -41,6 +41,7 @@ def test_a_battery_that_was_swapped_changes_no_motor_and_is_told(recorded, befor
     assert "8.20 V before and 6.99 V after" in " ".join(found.notes)
 
 
+@pytest.mark.slow
 def test_a_worn_gear_is_named_as_friction(recorded, before):
     found = nt.find_changes(before, recorded("worn", coulomb_friction_nm=0.025))
     assert (found.verdict, [change.of for change in found.changes]) == ("changed", ["coulomb_friction_nm"])

@@ -33,6 +33,7 @@ SEED = 21
 WORKSHOP = Order("workshop", CasePlan(f"workshop-{SEED}", SEED, (), None), "usb", 6.0)
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_missing_does_not_spoil_the_re_fitted_baseline_nor_a_fit_from_the_truth():
     found = consistency(home(SEED, "backlash"))
     assert found.plain.at(WINDOW_S) < 0.2 * found.given.at(WINDOW_S)  # the plain fit is one

@@ -23,6 +23,7 @@ def test_a_clean_motor_that_only_the_held_out_recording_lets_go_is_said_to_be_ju
     assert "Record such coast-downs" in remark
 
 
+@pytest.mark.slow
 def test_what_to_record_next_is_then_a_program_that_lets_it_go():
     found = diagnosed(("shaft_compliance",), **TWISTING).diagnosis
     assert found.verdict == "explained"

@@ -84,9 +84,9 @@ def test_a_side_without_a_pose_is_refused_by_its_recording():
 @pytest.mark.parametrize(
     ("change", "of"),
     [
-        ({}, []),
+        pytest.param({}, [], marks=pytest.mark.slow),
         ({"mass_kg": 0.7}, ["payload_mass"]),
-        ({"dry_nm": 1.8}, ["right_motor.coulomb_friction_nm"]),
+        pytest.param({"dry_nm": 1.8}, ["right_motor.coulomb_friction_nm"], marks=pytest.mark.slow),
     ],
 )
 def test_powers_tell_what_changed_in_motors_and_body(change, of):

@@ -4,10 +4,13 @@ import pytest
 
 from benchmarks.identify_studies import STUDIES
 
+SLOW = ("motor, resistance as the anchor", "motor, disc as the anchor", "motor over Bluetooth's delays")
 OURS = [name for name in STUDIES if not name.startswith("NOT")]
 
 
-@pytest.mark.parametrize("name", OURS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in OURS]
+)
 def test_no_interval_is_far_from_the_truth(name: str) -> None:
     identified, truth = STUDIES[name](7001)
     assert truth
@@ -17,6 +20,7 @@ def test_no_interval_is_far_from_the_truth(name: str) -> None:
         assert abs(value.value - true) < 5.0 * value.std, parameter
 
 
+@pytest.mark.slow
 def test_a_battery_that_sags_is_taken_for_resistance() -> None:
     name = next(name for name in STUDIES if "battery" in name)
     identified, truth = STUDIES[name](7002)

@@ -16,7 +16,7 @@ from nxt_twin.blind.truth.sensing import Sensing
 SEEDS = range(7000, 7002)
 
 
-@pytest.mark.parametrize("link", ["usb", "bluetooth"])
+@pytest.mark.parametrize("link", ["usb", pytest.param("bluetooth", marks=pytest.mark.slow)])
 def test_no_alarm_where_nothing_is_missing(link):
     """Two minutes over both links, a random torque of 2 mN·m that no model has; docs/live.md has the long run."""
     for seed in SEEDS:

@@ -51,6 +51,7 @@ def test_another_battery_changes_no_motor_and_is_told(since):
     assert "the supply was 8.00 V before and 6.9" in " ".join(found.notes)
 
 
+@pytest.mark.slow
 def test_a_worn_gear_is_named_as_friction(since):
     found = since(coulomb_friction_nm=0.025)
     (change,) = found.changes
