@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.blind.case import NOMINAL
+from nxt_twin.blind.case import NOMINAL, rms
 from nxt_twin.blind.conceal import ConcealedMotor
 from nxt_twin.blind.record import Taken
 from nxt_twin.blind.truth.motor import Motor
@@ -47,12 +47,12 @@ def truth_of_recordings(
     recordings = {
         one.recording.name: {
             "family": family,
-            "effect_rms_deg": _rms(shift_deg),
+            "effect_rms_deg": rms(shift_deg),
             "hub_deg": [round(float(angle), 3) for angle in one.hub_deg],
         }
         for family, one, shift_deg in zip(families, taken, shifts_deg, strict=True)
     }
-    return {"effect_rms_deg": _rms(np.concatenate(shifts_deg)), "recordings": recordings}
+    return {"effect_rms_deg": rms(np.concatenate(shifts_deg)), "recordings": recordings}
 
 
 def _shift_deg(hidden: ConcealedMotor, commands: Commands, taken: Taken) -> FloatArray:
@@ -61,7 +61,3 @@ def _shift_deg(hidden: ConcealedMotor, commands: Commands, taken: Taken) -> Floa
         return np.zeros(taken.read_deg.size)
     plain = true_run(hidden.plain, Sensing(), commands)
     return taken.read_deg - np.interp(taken.recording.time_s, plain.stamp_s, plain.encoder_deg)
-
-
-def _rms(values: FloatArray) -> float:
-    return round(float(np.sqrt(np.mean(values**2))), 4)

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, final
 
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
 from nxt_twin.recording.recording import Recording
 
 SEAL_FILE: Final = "answer.sha256"
@@ -42,3 +45,8 @@ class ConcealedCase:
     recordings: tuple[Recording, ...]
     answer: Mapping[str, Any]
     sidecar: Mapping[str, Any] = field(default_factory=dict)
+
+
+def rms(values: FloatArray) -> float:
+    """The root mean square to four digits after the point, as answers state it."""
+    return round(float(np.sqrt(np.mean(values**2))), 4)

@@ -4,23 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from blind_numbers import PLAIN
 from scipy.integrate import solve_ivp
 
 from nxt_twin.blind.families.mujoco.machine import MuJoCo
-from nxt_twin.blind.families.numbers import Numbers
 
 pytest.importorskip("mujoco")
 
-PLAIN = Numbers(
-    resistance_ohm=7.6,
-    inductance_h=4.88e-3,
-    torque_constant_nm_per_a=0.49,
-    viscous_friction_nm_s_per_rad=1.9e-3,
-    inertia_kg_m2=1.2e-3,
-    supply_v=8.0,
-    coulomb_forward_nm=8.5e-3,
-    coulomb_reverse_nm=8.5e-3,
-)
 STOPS_S = np.linspace(0.02, 1.0, 50)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.blind.case import ConcealedCase
+from nxt_twin.blind.case import ConcealedCase, rms
 from nxt_twin.blind.families.beginnings import BeginningName, draw_beginning, draw_kind
 from nxt_twin.blind.families.habits import Habits, draw_habits, draw_length_s, polls_s
 from nxt_twin.blind.families.host import Driven, Rows, Script, drive, follow, shown_deg, write_rows
@@ -174,12 +174,12 @@ def _truth_of(
         script.name: {
             "family": script.program,
             "begins": script.begins,
-            "effect_rms_deg": _rms(shift),
+            "effect_rms_deg": rms(shift),
             "hub_deg": [round(float(angle), 3) for angle in one.hub_deg],
         }
         for script, shift, one in zip(scripts, shifts, rows, strict=True)
     }
-    return {"effect_rms_deg": _rms(np.concatenate(shifts)), "recordings": recordings}
+    return {"effect_rms_deg": rms(np.concatenate(shifts)), "recordings": recordings}
 
 
 def draw_scripts(
@@ -290,7 +290,3 @@ def _content(
     fitted = len(names) - held_out
     content = {"plant": plant, "port": "a", "recordings": names[:fitted]}
     return {**content, "holdout": names[fitted:]} if held_out else content
-
-
-def _rms(values: FloatArray) -> float:
-    return round(float(np.sqrt(np.mean(values**2))), 4)
