@@ -46,7 +46,7 @@ def test_wheels_are_told_where_tyres_slip_at_every_start(ratio):
     assert abs(blamed.mean_wheel_radius_m / truth.mean_wheel_radius_m - 1.0) > 0.012
 
 
-@pytest.mark.parametrize("lag_s", [0.0, 0.015, 0.04])
+@pytest.mark.parametrize("lag_s", [0.0, 0.015, 0.04, 0.12])
 def test_neither_grip_nor_a_late_pose_is_taken_for_slip(lag_s):
     assert hard_starts([driven(TRUE, lag_s=lag_s)], TRUE) == ()
     assert hard_starts([driven(Geometry(0.027, 0.97, 0.103), lag_s=lag_s)], TRUE) == ()

@@ -2,7 +2,7 @@
 
 Such slip is too short for the windows of `slip`, and comes at every start. A fit that knows nothing of it takes it for
 smaller wheels and a late clock. So it is located before any fit.
-It loses far more travel than a wrong radius does, and not in proportion to the acceleration, as a late clock does.
+It loses far more travel than a wrong radius does, and no shift of the clock accounts for it, as for a late pose's.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ _LEAST_M_S: Final = 0.03
 _LEAST_LOST_M: Final = 2e-3
 _SIGMAS: Final = 6.0
 _MAD: Final = 1.4826
-_LATE: Final = 0.6
-"""The share of the losses' variance from which on they are those of a late clock."""
+_LATE: Final = 0.85
+"""The share of the losses from which on they are those of a late clock; of slip that a lag mimics it was up to 0.77."""
+_LAGS_S: Final = np.arange(-0.3, 0.3005, 0.005)
 
 
 def hard_starts(runs: Sequence[RobotRun], geometry: Geometry) -> tuple[SlipSpell, ...]:
@@ -54,7 +55,7 @@ def _of_wheel(wheel: WheelTravel, radius_m: float) -> list[SlipSpell]:
     speed, loss = _rate(time_s, wheel.turned_m), _rate(time_s, wheel.lost_m)
     gain = _rate(time_s, speed)
     near = _about(time_s, np.abs(gain) > _HARD_M_S2)
-    if not near.any() or near.all() or _late(loss[near], gain[near]):
+    if not near.any() or near.all() or _late(wheel, speed, loss, near):
         return []
     noise_m = max(2.0 * _HALF_S * _MAD * float(np.median(np.abs(loss[~near]))), 1e-4)
     slips = np.abs(loss) > np.maximum(_RATIO * np.abs(speed), _LEAST_M_S)
@@ -73,10 +74,15 @@ def _reach(values: FloatArray) -> float:
     return float(np.ptp(values))
 
 
-def _late(loss: FloatArray, gain: FloatArray) -> bool:
-    """Whether what is lost goes with the acceleration, as where poses lag behind the counts."""
-    explained = float(np.dot(loss, gain)) ** 2 / max(float(np.dot(gain, gain)), 1e-12)
-    return explained > _LATE * max(float(np.dot(loss, loss)), 1e-12)
+def _late(wheel: WheelTravel, speed: FloatArray, loss: FloatArray, near: BoolArray) -> bool:
+    """Whether the body rolls as the wheel turned a moment before or after, as where poses have another clock."""
+    rolled, time_s = (speed - loss)[near], wheel.time_s
+    left = np.inf
+    for lag_s in _LAGS_S:
+        then = np.interp(time_s[near] - lag_s, time_s, speed)
+        share = float(np.dot(rolled, then)) / max(float(np.dot(then, then)), 1e-12)
+        left = min(left, float(np.sum((rolled - share * then) ** 2)))
+    return bool(left < (1.0 - _LATE) * float(np.dot(loss[near], loss[near])))
 
 
 def _spell(wheel: WheelTravel, rows: slice, radius_m: float, noise_m: float) -> SlipSpell:
