@@ -18,6 +18,8 @@ _COLUMNS = 260
 _DOTS_UP_TO = 140
 _FEWEST_ASIDE = 12
 _LABEL_GAP = 0.07
+_REACH = 3.0
+"""Up close an error may be larger than the motion, and is what the panel is there to show."""
 _LONG_STAMP_S = 1e4
 
 
@@ -31,11 +33,10 @@ def telling_part(run: HeldOutRun, baseline: ModelTrace) -> slice:
     if np.isnan(error).all():
         return whole
     centre, half = int(np.nanargmax(error)), run.time_s.size // 16
-    part = _around(centre, half, run.time_s.size)
+    part = _unbroken(run, _around(centre, half, run.time_s.size), centre)
     while half > _FEWEST_ASIDE and np.nanmax(measured[part]) - np.nanmin(measured[part]) > 5 * error[centre]:
         half = int(half / 1.5)
-        part = _around(centre, half, run.time_s.size)
-    part = _unbroken(run, part, centre)
+        part = _unbroken(run, _around(centre, half, run.time_s.size), centre)
     return part if run.time_s[part.stop - 1] > run.time_s[part.start] else whole
 
 
@@ -78,7 +79,7 @@ def draw_close_look(axes: Axes, picture: RunPicture, traces: list[ModelTrace], p
     near = [replace(trace, values=trace.values[part]) for trace in traces]
     for trace in near:
         axes.plot(*envelope(time_s, factor * trace.values, _COLUMNS), color=trace.colour, linewidth=1.5)
-    low, high = ordinate_bounds(measured, near)
+    low, high = ordinate_bounds(measured, near, reach=_REACH)
     axes.set_ylim(factor * low, factor * high)
     axes.set_xlim(time_s[0], time_s[-1])
     axes.xaxis.set_major_locator(MaxNLocator(5 if time_s[-1] < _LONG_STAMP_S else 3))

@@ -116,10 +116,12 @@ def stale_samples(run: HeldOutRun) -> BoolArray:
     return (run.stale > 0.5) & np.isfinite(run.measured)
 
 
-def ordinate_bounds(measured: FloatArray, traces: list[ModelTrace]) -> tuple[float, float]:
-    """Ordinate limits that show the measurement whole, and of a run-away prediction as much as fits."""
+def ordinate_bounds(
+    measured: FloatArray, traces: list[ModelTrace], *, reach: float = 0.6
+) -> tuple[float, float]:
+    """Ordinate limits that show the measurement whole, and of a run-away prediction `reach` times as much."""
     low, high = float(np.nanmin(measured)), float(np.nanmax(measured))
-    reach = 0.6 * (high - low) or np.inf
+    reach = reach * (high - low) or np.inf
     lowest = min(float(np.nanmin(trace.values, initial=low)) for trace in traces)
     highest = max(float(np.nanmax(trace.values, initial=high)) for trace in traces)
     return widened(max(lowest, low - reach), min(highest, high + reach))

@@ -79,6 +79,19 @@ def test_three_readings_beyond_a_gap_are_not_what_is_drawn_large():
     assert part.stop - part.start > 12
 
 
+def test_what_moved_in_a_gap_does_not_make_the_large_panel_narrow():
+    diagnosis = samples.explained()
+    run = diagnosis.held_out[0]
+    measured = np.array(run.measured)
+    stale, baseline = np.full(measured.size, np.nan), measured.copy()
+    stale[500:600] = 0.0
+    measured[600:] += 5000.0
+    baseline[590:600] += 60.0
+    picture = picture_of(diagnosis, replace(run, stale=stale, measured=measured, baseline=baseline))
+    part = telling_part(picture.run, traces_of(picture)[0])
+    assert (part.start, part.stop) == (500, 600)
+
+
 @settings(deadline=None)
 @given(
     arrays.arrays(np.float64, st.integers(1, 400), elements=st.floats(-1e6, 1e6) | st.just(np.nan)),
