@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import final
 
-from nxt_twin.diagnose.changed.candidates import candidates_for, promising
+from nxt_twin.diagnose.changed.candidates import ChangeCandidate, candidates_for, promising
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
@@ -20,6 +20,7 @@ from nxt_twin.physics.parameter import Scale
 
 MOST_CHANGES = 3
 _TRIED = 5
+_SECONDS = 3
 _RIVALS = 3
 _EXCHANGES = 2
 _BETTER_NATS = 1.0
@@ -58,23 +59,47 @@ class Chooser:
         self._play = PlayTest(fitter, close, self.weighing, scale)
         self._signals = fitter.sides[1].jobs[0].signals
         self._lacking: set[str] = set()
+        self._may_be_motor = True
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
         """Add to `joint` while something earns its place, then take out what no longer does.
 
         Where one plant predicts both sides within the tolerance, nothing that matters has changed.
         """
-        if max(joint.check_rms) <= self._fitter.tolerance:
-            return Chosen(joint, {}, ())
         best = Chosen(joint, {}, ())
-        for number, step in enumerate(self._steps(joint)):
+        if max(joint.check_rms) <= self._fitter.tolerance:
+            return best
+        best = self._searched(best, self._steps(joint), progress)
+        if not self._is_finished(best.joint):
+            best = self._searched(best, self._pairs(joint), progress)
+        if best.joint.model.motor_constants:
+            best = self._sparing_the_motor(joint, best, progress)
+        return replace(best, lacking=tuple(sorted(self._lacking)))
+
+    def _searched(self, best: Chosen, beginnings: Iterator[JointFit], progress: Progress) -> Chosen:
+        """`best`, or what is likelier and grows from one of the first `beginnings`."""
+        start = best
+        for number, step in enumerate(beginnings):
             found = self._exchanged(self._pruned(self._grown(step, progress)))
             found = self._loosened(found)
             if self.weighing.worth(best.joint, found.joint) > 0.0:
                 best = found
-            if self._is_finished(best.joint) or number + 1 == _BEGINNINGS:
+            if (best is not start and self._is_finished(best.joint)) or number + 1 == _BEGINNINGS:
                 break
-        return replace(best, lacking=tuple(sorted(self._lacking)))
+        return best
+
+    def _sparing_the_motor(self, joint: JointFit, best: Chosen, progress: Progress) -> Chosen:
+        """`best`, or what is likelier where the motor's constants stay as they were.
+
+        Two changes of a load together often look like another winding, which then is the first step of a search.
+        """
+        self._may_be_motor = False
+        for beginnings in (self._steps(joint), self._pairs(joint)):
+            best = self._searched(best, beginnings, progress)
+            if not best.joint.model.motor_constants:
+                break
+        self._may_be_motor = True
+        return best
 
     def _is_finished(self, joint: JointFit) -> bool:
         """Whether the side after is simulated about as well as the side before."""
@@ -139,9 +164,7 @@ class Chooser:
         model = self._without(joint.model, each)
         bare = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
         found = []
-        for other in promising(
-            self._fitter, bare, candidates_for(self._fitter, model, self._scale), self._scale, _RIVALS
-        ):
+        for other in self._promising(bare, _RIVALS):
             wider = other.put(model, self._scale)
             if wider.changes <= MOST_CHANGES and (wider.differs, wider.effects) != (
                 joint.model.differs,
@@ -150,19 +173,39 @@ class Chooser:
                 found.append(self._fitter.fit(wider, wider.moved_from(model, bare.x)))
         return [(bare, rival) for rival in found if sum(rival.check_rms) < _WORSE * sum(joint.check_rms)]
 
+    def _promising(self, joint: JointFit, most: int) -> list[ChangeCandidate]:
+        """What promises most beside `joint`, best first."""
+        every = candidates_for(self._fitter, joint.model, self._scale)
+        if not self._may_be_motor:
+            ways = joint.model.ways
+            every = [each for each in every if not any(ways[n].is_motor_constant for n in each.slots)]
+        return promising(self._fitter, joint, every, self._scale, most)
+
+    def _wider(self, joint: JointFit, most: int) -> list[JointFit]:
+        """`joint` with each of what promises most."""
+        models = [each.put(joint.model, self._scale) for each in self._promising(joint, most)]
+        return [self._fitter.fit(model, model.moved_from(joint.model, joint.x)) for model in models]
+
     def _steps(self, joint: JointFit) -> Iterator[JointFit]:
         """`joint` with one change more: all that earn their place, the likeliest first."""
-        every = candidates_for(self._fitter, joint.model, self._scale)
-        found = []
-        for each in promising(self._fitter, joint, every, self._scale, _TRIED):
-            wider = each.put(joint.model, self._scale)
-            found.append(self._fitter.fit(wider, wider.moved_from(joint.model, joint.x)))
+        found = self._earned(joint, self._wider(joint, _TRIED))
+        yield from (tried for tried in found if not self._is_on_both(joint, tried))
+
+    def _pairs(self, joint: JointFit) -> Iterator[JointFit]:
+        """`joint` with two changes more, which earn their place together: alone, one may look worse than none."""
+        firsts = self._wider(joint, _TRIED)
+        pairs = [(first, pair) for first in firsts for pair in self._wider(first, _SECONDS)]
+        bare = {id(pair): first for first, pair in pairs}
+        found = self._earned(joint, [pair for _, pair in pairs if pair.model.changes <= MOST_CHANGES])
+        yield from (pair for pair in found if not self._is_on_both(bare[id(pair)], pair))
+
+    def _earned(self, joint: JointFit, found: list[JointFit]) -> list[JointFit]:
+        """Those that earn their place, the likeliest first."""
         limit = self.weighing.limit_nats
         found = [
-            tried for tried in found if self.weighing.net(joint, tried) > limit and self._lasts(joint, tried)
+            each for each in found if self.weighing.net(joint, each) > limit and self._lasts(joint, each)
         ]
-        found.sort(key=lambda tried: -self.weighing.worth(joint, tried))
-        yield from (tried for tried in found if not self._is_on_both(joint, tried))
+        return sorted(found, key=lambda each: -self.weighing.worth(joint, each))
 
     def _is_on_both(self, joint: JointFit, tried: JointFit) -> bool:
         """Whether the new effect of `tried` explains more on both sides: then the plant lacks it, and always did."""

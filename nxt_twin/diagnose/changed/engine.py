@@ -25,6 +25,7 @@ from nxt_twin.recording.configs import load_plant_config
 LIMIT_NATS = 5.0
 """What a change has to gain beyond its penalty where no repeats tell how far one state varies."""
 
+_CLOSE_NATS = 20.0  # in close windows: there are more of them, and their errors go together
 _SAFETY = 1.5  # times what repeats seem to differ: they are few
 _INEXACT = 2.0  # times what an effect helps before: another load asks more of what the model lacks
 
@@ -103,8 +104,30 @@ def compare(
                 (problems[0], problems[n]),
                 Windows((sides[0], sides[n]), (close[0], close[n]), window_s),
             )
-            found.append(_compared(simulator, own, pair, both, progress))
+            found.append(_at_both_lengths(simulator, own, pair, both, progress))
         return found
+
+
+def _at_both_lengths(
+    simulator: Simulator,
+    model: Model,
+    problems: tuple[Problem, Problem],
+    windows: Windows,
+    progress: Progress,
+) -> Compared:
+    """By long windows; where they show no change, by close ones, which show a slight change of a parameter.
+
+    Over a second, what the model leaves out adds up until it hides friction that is some percent higher.
+    """
+    found = _compared(simulator, model, problems, windows, LIMIT_NATS, progress)
+    within = max(found.shared.check_rms) <= found.tolerance
+    if found.chosen.joint.model.changes or within or windows.length_s <= CLOSE_WINDOW_S:
+        return found
+    progress("looking closer")
+    near = Windows(windows.close, windows.close, CLOSE_WINDOW_S)
+    closer = _compared(simulator, model, problems, near, _CLOSE_NATS, progress)
+    slight = closer.chosen.joint.model
+    return closer if slight.differs and not slight.effects and not slight.motor_constants else found
 
 
 def _side(case: Case, problem: Problem, window_s: float) -> Side:
@@ -131,6 +154,7 @@ def _compared(
     model: Model,
     problems: tuple[Problem, Problem],
     windows: Windows,
+    least_nats: float,
     progress: Progress,
 ) -> Compared:
     before, after = problems
@@ -145,7 +169,7 @@ def _compared(
     free = fitter.fit(every, every.moved_from(model, first.x))
     shared = fitter.fit(model, first.x)
     alarm = alarm_nats(alone, first)
-    limit = max(LIMIT_NATS, _SAFETY * (alarm or 0.0))
+    limit = max(least_nats, _SAFETY * (alarm or 0.0))
     inexact = max(0.0, _INEXACT * lacking_nats(alone, first, before.scale) - limit)
     chooser = Chooser(fitter, close, before.scale, limit, inexact)
     chosen = chooser.chosen(shared, progress)
