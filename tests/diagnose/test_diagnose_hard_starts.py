@@ -46,6 +46,13 @@ def test_wheels_are_told_where_tyres_slip_at_every_start(ratio):
     assert abs(blamed.mean_wheel_radius_m / truth.mean_wheel_radius_m - 1.0) > 0.012
 
 
+@pytest.mark.parametrize("grip_rad_s2", [50.0, 70.0, 100.0])
+def test_slip_that_is_too_small_to_be_located_lends_no_effect_its_name(grip_rad_s2):
+    found = search((driven(TRUE, grip_rad_s2=grip_rad_s2),), TRUE, lambda _: None)
+    assert found.slips
+    assert found.choice.named == ()
+
+
 @pytest.mark.parametrize("lag_s", [0.0, 0.015, 0.04, 0.12])
 def test_neither_grip_nor_a_late_pose_is_taken_for_slip(lag_s):
     assert hard_starts([driven(TRUE, lag_s=lag_s)], TRUE) == ()

@@ -51,14 +51,17 @@ def places_of(effect: RobotEffect) -> list[int]:
     return [PARAMETERS.index(name) for name in effect.units]
 
 
-def choose(full: FittedGeometry, given: FloatArray) -> GeometryChoice:
+def choose(full: FittedGeometry, given: FloatArray, blur: FloatArray | None = None) -> GeometryChoice:
     """Weigh every subset of the effects of the geometry.
 
     Args:
         full: a fit in which all parameters were free.
         given: the values as the model came, shape (6,).
+        blur: by how much slip that nobody located may move the fit, shape (6,); None where there is none.
     """
     off = full.state.geometry - given
+    if blur is not None:
+        off = beyond(off, blur)
     able = {
         effect.id: [place for place in places_of(effect) if full.free[place]]
         for effect in GEOMETRY

@@ -8,7 +8,8 @@ It loses far more travel than a wrong radius does, and no shift of the clock acc
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, final
 
 import numpy as np
 
@@ -33,6 +34,20 @@ _LATE: Final = 0.85
 _LAGS_S: Final = np.arange(-0.3, 0.3005, 0.005)
 
 
+@final
+@dataclass(frozen=True)
+class Unlocated:
+    """What slip below the size that is located may do to a fit.
+
+    Attributes:
+        geometry: by how much each parameter may be off, in the order of `windows.PARAMETERS`.
+        lag_s: by how much a clock may be.
+    """
+
+    geometry: FloatArray
+    lag_s: float
+
+
 def hard_starts(runs: Sequence[RobotRun], geometry: Geometry) -> tuple[SlipSpell, ...]:
     """Spells in which wheels that gain or lose speed fast turn without travel, strongest first.
 
@@ -48,6 +63,39 @@ def hard_starts(runs: Sequence[RobotRun], geometry: Geometry) -> tuple[SlipSpell
             for wheel, radius_m in zip(wheels, radii_m, strict=True):
                 found += _of_wheel(wheel, radius_m)
     return tuple(sorted(found, key=lambda spell: -spell.strength))
+
+
+def unlocated(runs: Sequence[RobotRun], slips: Sequence[SlipSpell], geometry: Geometry) -> Unlocated | None:
+    """By how much slip too small to be located may move a fit; None where no start was located.
+
+    Args:
+        runs: the recordings.
+        slips: located in them.
+        geometry: the robot, roughly.
+    """
+    starts = sum(spell.lost is not None for spell in slips)
+    if not starts:
+        return None
+    ahead_m, turning_m = (
+        sum(float(np.abs(np.diff(_both(run, geometry, sign))).sum()) for run in runs) for sign in (1.0, -1.0)
+    )
+    moving_s = sum(float(np.diff(run.time_s)[np.diff(run.left_rad) != 0.0].sum()) for run in runs)
+    lost_m = _LEAST_LOST_M * starts
+    straight, turn = (min(lost_m / max(path_m, 1e-9), 1.0) for path_m in (ahead_m, turning_m))
+    sizes = (
+        straight * geometry.left_wheel_radius_m,
+        straight,
+        turn * geometry.track_m,
+        _LEAST_LOST_M,
+        _LEAST_LOST_M,
+        np.degrees(straight),
+    )
+    return Unlocated(np.array(sizes), _LEAST_LOST_M * 2.0 * moving_s / (ahead_m + turning_m))
+
+
+def _both(run: RobotRun, geometry: Geometry, sign: float) -> FloatArray:
+    """Travels of both wheels together, or of the right against the left, m."""
+    return geometry.right_wheel_radius_m * run.right_rad + sign * geometry.left_wheel_radius_m * run.left_rad
 
 
 def _of_wheel(wheel: WheelTravel, radius_m: float) -> list[SlipSpell]:

@@ -12,7 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.robot.choice import GeometryChoice, choose, places_of
 from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
-from nxt_twin.diagnose.robot.hard_starts import hard_starts
+from nxt_twin.diagnose.robot.hard_starts import Unlocated, hard_starts, unlocated
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, without_slip
 from nxt_twin.diagnose.robot.spread import SessionSpread, spreads
@@ -77,15 +77,16 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
     baseline = fit_windows(stacked(runs), start, _BASE & told, clock=False)
     progress("fitting markers and clocks")
     slips = _hard_starts(runs, start, told)
+    unseen = unlocated(runs, slips, given)
     for _ in range(_ROUNDS):
         mended = mend(runs, slips)
-        full = _with_clock_if_needed(stacked(mended), start, told)
+        full = _with_clock_if_needed(stacked(mended), start, told, unseen)
         more = find_slip(mended, full.state.as_geometry, wheels_at(stacked(mended), full.state))
         if not more:
             break
         progress("locating slip")
         slips = merged(slips, more)
-    choice = choose(full, start.geometry)
+    choice = choose(full, start.geometry, unseen.geometry if unseen else None)
     free = _moved(full, start)
     for effect in choice.named:
         free[places_of(effect)] = True
@@ -157,12 +158,13 @@ def _moved(full: FittedGeometry, start: DriveState) -> BoolArray:
     return _BASE & full.free & (np.abs(full.state.geometry - start.geometry) > _MOVED_SIGMAS * std)
 
 
-def _with_clock_if_needed(stack: RunStack, start: DriveState, told: BoolArray) -> FittedGeometry:
+def _with_clock_if_needed(
+    stack: RunStack, start: DriveState, told: BoolArray, unseen: Unlocated | None
+) -> FittedGeometry:
     clocked = fit_windows(stack, start, told, clock=True)
     ends = np.abs(clocked.state.lag_s) + np.abs(clocked.state.rate) * stack.half_s
-    if (
-        clock_gain(clocked) > CLOCK_NATS
-        and np.max(ends[clocked.lag_nats > _SHARE_NATS], initial=0.0) > _LEAST_LAG_S
-    ):
+    if clock_gain(clocked) > CLOCK_NATS and np.max(
+        ends[clocked.lag_nats > _SHARE_NATS], initial=0.0
+    ) > _LEAST_LAG_S + (unseen.lag_s if unseen else 0.0):
         return clocked
     return fit_windows(stack, start, told, clock=False)
