@@ -1,7 +1,9 @@
 """Tables as strangers have them: the format is found by content, whatever the file is called."""
 
 import json
+import sqlite3
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -18,6 +20,7 @@ from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.mapped import read_all_mapped, read_mapped
 from nxt_twin.recording.mapping import mapping_of
 from nxt_twin.recording.mappings import read_mappings
+from nxt_twin.recording.tables.open import read_table
 from nxt_twin.recording.tacho_steps import tacho_step_deg
 
 KEYS = {
@@ -159,8 +162,63 @@ def test_joint_states_are_read_from_a_bag_and_a_damaged_one_is_refused(tmp_path,
     assert "no readable bag" in refusal(RecordingError, read_mapped, tmp_path / "cut.mcap", mapping)
     older = tmp_path / "older"
     older.mkdir()
-    (older / "bag_0.db3").write_bytes(b"SQLite format 3\0")
-    assert "ros2 bag convert" in refusal(RecordingError, read_mapped, older, mapping)
+    _into_sqlite(folder / "bag_0.mcap", older / "bag_0.db3")
+    again = read_mapped(older, mapping)
+    np.testing.assert_array_equal(again.time_s, recording.time_s)
+    np.testing.assert_array_equal(again.columns["output"], recording.columns["output"])
+    np.testing.assert_array_equal(again.columns["input"], recording.columns["input"])
+    whole = (older / "bag_0.db3").read_bytes()
+    (tmp_path / "cut.db3").write_bytes(whole[: len(whole) // 2])
+    assert "no readable bag" in refusal(RecordingError, read_mapped, tmp_path / "cut.db3", mapping)
+    (older / "bag_1.db3").write_bytes(whole)
+    assert "is a bag in 2 parts" in refusal(RecordingError, read_mapped, older, mapping)
+
+
+def _into_sqlite(bag: Path, path: Path) -> None:
+    """Write the messages of a bag as ROS 2 Humble does: types by name, without definitions."""
+    from mcap.reader import make_reader
+
+    with bag.open("rb") as file, sqlite3.connect(path) as out:
+        out.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
+        out.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data BLOB)")
+        out.execute("INSERT INTO topics VALUES (99, '/chatter', 'std_msgs/msg/String', 'cdr')")
+        out.execute("INSERT INTO messages VALUES (NULL, 99, 7, ?)", (b"\0\1\0\0\2\0\0\0a\0",))
+        for schema, channel, message in make_reader(file).iter_messages():
+            topic = (channel.id, channel.topic, schema.name, "cdr")
+            out.execute("INSERT OR IGNORE INTO topics VALUES (?, ?, ?, ?)", topic)
+            row = (channel.id, message.log_time, message.data)
+            out.execute("INSERT INTO messages VALUES (NULL, ?, ?, ?)", row)
+
+
+def test_a_database_that_is_no_bag_is_refused(tmp_path, refusal):
+    pytest.importorskip("mcap_ros2")
+    with sqlite3.connect(tmp_path / "log.db") as out:
+        out.execute("CREATE TABLE readings(t, y)")
+    assert "no bag of ROS 2" in refusal(RecordingError, read_mapped, tmp_path / "log.db", keys())
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "value"),
+    [
+        ("Bool", b"\1", True),
+        ("Int32", b"\xfe\xff\xff\xff", -2),
+        ("UInt64", b"\7" + bytes(7), 7),
+        ("Float32", b"\0\0\xc0\x3f", 1.5),
+        ("Float32MultiArray", bytes(4) + bytes(4) + b"\1\0\0\0" + b"\0\0\xc0\x3f", 1.5),
+    ],
+)
+def test_numbers_of_a_bag_need_no_definition_in_it(tmp_path, kind, data, value):
+    pytest.importorskip("mcap_ros2")
+    path = tmp_path / "bag.db3"
+    with sqlite3.connect(path) as out:
+        out.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)")
+        out.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data BLOB)")
+        out.execute("INSERT INTO topics VALUES (1, '/x', ?, 'cdr')", (f"std_msgs/msg/{kind}",))
+        out.execute("INSERT INTO messages VALUES (1, 1, 2000000000, ?)", (b"\0\1\0\0" + data,))
+    column = "x.data[0]" if "Multi" in kind else "x.data"
+    table = read_table(path, lambda names: dict.fromkeys(names, "number"), None, {})
+    assert table.numbers[column][0] == value
+    assert table.numbers["logged_s"][0] == 2.0
 
 
 def test_a_table_is_split_into_recordings_and_one_is_named_by_its_value(put):

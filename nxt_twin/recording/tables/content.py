@@ -15,7 +15,7 @@ from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.labels import is_labelled
 from nxt_twin.recording.tables.lines import MARKS, WHITESPACE, TextLayout
 
-TableKind = Literal["csv", "json", "labels", "parquet", "feather", "mat", "mcap", "lerobot"]
+TableKind = Literal["csv", "json", "labels", "parquet", "feather", "mat", "mcap", "db3", "lerobot"]
 
 EMPTY_WORDS = ("", "nan", "NaN", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "none", "-nan")
 """What other programs write into a cell that is empty."""
@@ -26,12 +26,13 @@ _SIGNATURES: tuple[tuple[bytes, TableKind], ...] = (
     (b"MATLAB 5.0 MAT", "mat"),
     (b"\x89HDF", "mat"),
     (b"\x89MCAP0", "mcap"),
+    (b"SQLite format 3\0", "db3"),
 )
 _REFUSED = (
     (b"PK\x03\x04", "is a zip archive or a spreadsheet", "export the sheet as CSV UTF-8"),
     (b"\xd0\xcf\x11\xe0", "is an old spreadsheet", "export the sheet as CSV UTF-8"),
-    (b"SQLite format 3", "is a SQLite database", "turn a bag into MCAP: ros2 bag convert"),
     (b"\x1f\x8b", "is compressed by gzip", "unpack it"),
+    (b"\x28\xb5\x2f\xfd", "is compressed by Zstandard", "unpack it: unzstd FILE"),
     (b"#ROSBAG", "is a bag of ROS 1", "turn it into MCAP: mcap convert"),
 )
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
@@ -60,7 +61,7 @@ def kind_of(path: Path) -> TableKind:
     if b"\0" in head and not head.startswith(_UTF_16):
         if path.suffix.lower() == ".mat":  # version 4 has no signature
             return "mat"
-        mend = "a table is CSV, JSON, Parquet, Feather, MAT or MCAP"
+        mend = "a table is CSV, JSON, Parquet, Feather, MAT or a bag of ROS 2"
         raise RecordingError("is a binary file of no known kind", where=str(path), mend=mend)
     if head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return "json"
@@ -77,7 +78,7 @@ def check_stated_kind(path: Path, stated: TableKind) -> None:
         return
     head = read_table_head(path, RecordingError)
     found = next((kind for signature, kind in _SIGNATURES if head.startswith(signature)), None)
-    if found is None and stated in ("parquet", "feather", "mcap"):
+    if found is None and stated in ("parquet", "feather", "mcap", "db3"):
         found = kind_of(path)
     if found not in (None, stated):
         mend = f"write `table: {{format: {found}}}`, or leave `table` out"

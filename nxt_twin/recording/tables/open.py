@@ -26,9 +26,10 @@ _READERS: Mapping[TableKind, Callable[[Path, Choose], Table]] = MappingProxyType
         "feather": read_feather,
         "mat": read_mat,
         "mcap": read_rosbag,
+        "db3": read_rosbag,
     }
 )
-_BAGS = ("*.mcap", "*.db3")  # the second is refused by its content, with the way to convert it
+_BAGS = ("*.mcap", "*.db3", "*.db3.zstd")  # the third is refused by its content, with the way to unpack it
 
 
 def read_table(path: Path, choose: Choose, kind: TableKind | None, given: Mapping[str, object]) -> Table:
@@ -55,11 +56,15 @@ def table_file(path: Path) -> Path:
     """The file itself; of a bag, the one in its folder; of a LeRobot data set, the folder.
 
     Raises:
-        RecordingError: the folder holds none.
+        RecordingError: the folder holds none, or a bag in several parts.
     """
     if not path.is_dir() or is_data_set(path):
         return path
-    for file in (file for bag in _BAGS for file in sorted(path.glob(bag))):
-        return file
+    parts = next(filter(None, (sorted(path.glob(bag)) for bag in _BAGS)), [])
+    if len(parts) > 1:
+        mend = f"name one, such as {parts[0].name}; ros2 bag convert joins them"
+        raise RecordingError(f"is a bag in {len(parts)} parts", where=str(path), mend=mend)
+    if parts:
+        return parts[0]
     mend = "name a file in it"
     raise RecordingError("is a folder with neither a bag nor a data set", where=str(path), mend=mend)

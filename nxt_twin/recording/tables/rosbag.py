@@ -1,4 +1,4 @@
-"""Bags of ROS 2 in MCAP: joint states and plain numbers, one row a message."""
+"""Bags of ROS 2 in MCAP or SQLite: joint states and plain numbers, one row a message."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.loose import loose_table
+from nxt_twin.recording.tables.rosbag_sqlite import Message, sqlite_messages
 from nxt_twin.recording.tables.table import Choose, Table, check_unfolded
 
 STAMP = "stamp_s"
@@ -20,6 +21,12 @@ _NUMBERS = frozenset(
     for kind in (*(f"{sort}{bits}" for sort in ("Float", "Int", "UInt") for bits in (32, 64)), "Bool")
 )
 _LISTS = frozenset({"std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float32MultiArray"})
+_READ = frozenset({_JOINT_STATE, *_NUMBERS, *_LISTS})
+_SQLITE = b"SQLite format 3\0"
+_RECOVER = {
+    False: "mcap recover mends one that was not",
+    True: "ros2 bag reindex or sqlite3 .recover mends one",
+}
 _NANOSECOND_S = 1e-9
 
 
@@ -31,11 +38,11 @@ def read_rosbag(path: Path, choose: Choose) -> Table:
     are in the order of `stamp_s`; a cell is empty in the rows of other topics.
 
     Raises:
-        RecordingError: the extra `rosbag` is not installed, or the file is no bag of ROS 2 in MCAP. Or the bag holds
+        RecordingError: the extra `rosbag` is not installed, or the file is no bag of ROS 2. Or the bag holds
             no joint states and no numbers. `choose` may raise its own.
     """
-    read_table_head(path, RecordingError)
-    rows = sorted(_rows(path), key=lambda row: float(row[STAMP]))
+    sqlite = read_table_head(path, RecordingError).startswith(_SQLITE)
+    rows = sorted(_rows(path, sqlite=sqlite), key=lambda row: float(row[STAMP]))
     names = list(dict.fromkeys(name for row in rows for name in row))
     if not rows:
         mend = f"record a topic of {_JOINT_STATE}"
@@ -44,28 +51,37 @@ def read_rosbag(path: Path, choose: Choose) -> Table:
     return loose_table({name: [row.get(name) for row in rows] for name in names}, path, choose)
 
 
-def _rows(path: Path) -> Iterator[dict[str, float]]:
+def _rows(path: Path, *, sqlite: bool) -> Iterator[dict[str, float]]:
     try:
-        from mcap.reader import make_reader
-        from mcap_ros2.decoder import DecoderFactory
+        for kind, topic, logged_ns, decoded in (_sqlite if sqlite else _mcap)(path):
+            logged_s = logged_ns * _NANOSECOND_S
+            cells = _cells(kind, topic.strip("/").replace("/", "."), decoded)
+            yield {STAMP: _stamp_s(decoded) or logged_s, LOGGED: logged_s, **cells}
     except ImportError:
         mend = "pip install 'nxt-twin[rosbag]'"
         raise RecordingError(
             "is a bag, for which the extra rosbag is needed", where=str(path), mend=mend
         ) from None
-    try:
-        with path.open("rb") as file:
-            reader = make_reader(file, decoder_factories=[DecoderFactory()])
-            topics = _topics(reader)
-            for schema, channel, message, decoded in reader.iter_decoded_messages(topics=topics):
-                cells = _cells(
-                    schema.name if schema else "", channel.topic.strip("/").replace("/", "."), decoded
-                )
-                logged_s = message.log_time * _NANOSECOND_S
-                yield {STAMP: _stamp_s(decoded) or logged_s, LOGGED: logged_s, **cells}
+    except RecordingError:
+        raise
     except Exception as failure:  # a damaged bag makes the decoder fail in any way it can
-        mend = "check that the bag was closed; mcap recover mends one that was not"
+        mend = f"check that the bag was closed; {_RECOVER[sqlite]}"
         raise RecordingError(f"is no readable bag: {failure}", where=str(path), mend=mend) from None
+
+
+def _mcap(path: Path) -> Iterator[Message]:
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        topics = _topics(reader)
+        for schema, channel, message, decoded in reader.iter_decoded_messages(topics=topics):
+            yield Message(schema.name if schema else "", channel.topic, message.log_time, decoded)
+
+
+def _sqlite(path: Path) -> Iterator[Message]:
+    return sqlite_messages(path, _READ)
 
 
 def _topics(reader: Any) -> list[str]:  # noqa: ANN401  # mcap's reader comes without types
@@ -73,8 +89,7 @@ def _topics(reader: Any) -> list[str]:  # noqa: ANN401  # mcap's reader comes wi
     summary = reader.get_summary()
     if summary is None:
         return []
-    read = {_JOINT_STATE, *_NUMBERS, *_LISTS}
-    return [each.topic for each in summary.channels.values() if summary.schemas[each.schema_id].name in read]
+    return [each.topic for each in summary.channels.values() if summary.schemas[each.schema_id].name in _READ]
 
 
 def _stamp_s(decoded: Any) -> float:  # noqa: ANN401  # a message of any type
