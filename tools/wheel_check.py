@@ -36,6 +36,12 @@ _COMMANDS: Final[dict[str, tuple[tuple[str, ...], ...]]] = {
         (_TWIN, "fleet", "diagnose", "fleet", "--out", "fleet.parquet", "--jobs", "1"),
         ("distributed.cli.dask_scheduler", "--version"),
     ),
+    "rosbag": ((_TWIN, "export", "fleet/unit/session/run.csv", "--to", "mcap", "--out", "run.mcap"),),
+    "film": ((_TWIN, "world", "playground", "--seconds", "1", "--film", "square.mp4"),),
+    "proof": (
+        (*_BLIND, "mujoco", "cases", "answers"),
+        (_TWIN, "blind", "peers", "cases", "answers", "peers"),
+    ),
 }
 """By extra, and first without any, what is run once it is installed."""
 

@@ -222,6 +222,18 @@ def test_what_cannot_be_guessed_names_the_key_to_write(put, head, columns, part)
     assert part in str(guess_mapping(put("log.csv", lines(head, *columns))).lacking)
 
 
+def test_columns_with_cells_that_are_no_numbers_are_named(put):
+    text = lines("t,u,y_deg", T, U, DEG) + "Total,7,rows\n"
+    said = str(guess_mapping(put("log.csv", text)).lacking)
+    assert "its columns are u; cells that are no numbers are in t, y_deg" in said
+
+
+@pytest.mark.parametrize(("largest", "kind"), [(80.0, "power_pct"), (9.0, "voltage_v")])
+def test_a_command_named_u_is_a_voltage_only_where_one_could_be(put, largest, kind):
+    keys, _ = guessed(put("log.csv", lines("t,u,y_deg", T, np.sign(U) * largest, DEG)))
+    assert keys["input"]["kind"] == kind
+
+
 def test_a_table_without_numbers_is_refused(put, refusal):
     assert "holds no column of numbers" in refusal(
         RecordingError, guess_mapping, put("x.csv", "a,b\nc,d\ne,f\n")

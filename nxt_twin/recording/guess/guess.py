@@ -35,6 +35,7 @@ _IN_NAME = re.compile(
     r"(power|pwm|duty|volt(?:age)?|spannung)[^\d+-]{0,3}([+-]?\d+(?:\.\d+)?)", re.IGNORECASE
 )
 _HIGHEST_V = 24.0
+_NAMED_MOST = 6
 _WHY_JOINTS = (
     "other joints that move; those before it tilt it, those behind it change its load. CHECK each sign, and take out "
     "those that do not bear on its weight"
@@ -108,7 +109,7 @@ def _named_twice(profile: TableProfile) -> MappingError:
 def _check_joint(profile: TableProfile, joint: str) -> None:
     """Refuse a joint that no column is of."""
     if not any(is_of(column, joint) for column in profile.columns):
-        known = names(profile.columns)
+        known = _known(profile)
         what = f"has no column of the joint {quoted(joint)}"
         mend = f"write `output: {{column: …}}` in a mapping; its columns are {known}"
         raise MappingError(what, where=str(profile.path), mend=mend)
@@ -172,7 +173,7 @@ def _table(profile: TableProfile) -> Guess:
 
 def _time(profile: TableProfile, roles: Roles) -> Guess:
     if roles.time is None:
-        known = names(profile.columns)
+        known = _known(profile)
         which = "no column that grows from row to row as time does"
         mend = f"write `time: {{period_s: 0.01}}` in a mapping, with the log's own period; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
@@ -192,11 +193,20 @@ def _time(profile: TableProfile, roles: Roles) -> Guess:
     return Guess("time", roles.time.keys | {"unit": unit}, why)
 
 
+def _known(profile: TableProfile) -> str:
+    """The columns that may be meant, and those that may not, for people."""
+    numbers = names(profile.columns)
+    if not profile.others:
+        return numbers
+    words = ", ".join(list(profile.others)[:_NAMED_MOST])
+    return f"{numbers}; cells that are no numbers are in {words}"
+
+
 def _output(profile: TableProfile, roles: Roles) -> Guess:
     column = roles.output
     if column is None:
         which = "no column that looks like a measured angle, position or speed"
-        known = names(profile.columns)
+        known = _known(profile)
         mend = f"write `output: {{column: …, kind: position_deg}}` in a mapping; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
     role, unit, size, why = output_scale(column, roles.time)

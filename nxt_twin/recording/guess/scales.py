@@ -155,7 +155,8 @@ def _drive_scale(column: TableColumn) -> UnitScale:
     if measures in INPUTS:
         return measures, unit, 1.0, f"its name or unit says {unit}"
     few, most_volts = _LOW_VOLTS
-    is_share = column.largest <= few and set(column.words) <= {"u"}
+    is_letter = set(column.words) <= {"u"}  # a voltage in German, any command in control
+    is_share = is_letter and not few < column.largest <= most_volts
     for role in ("voltage", "current", "torque", "force"):
         if has(column, role) and not is_share:
             first = next(iter(INPUTS[role]))
