@@ -48,6 +48,7 @@ from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.far import moved_far
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
+from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.diagnose.where.mismatch import mismatch_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
@@ -100,6 +101,7 @@ def diagnose(
         if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
+        evidence = with_shapes(simulator, evidence)
         return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
 

@@ -10,6 +10,7 @@ from nxt_twin.diagnose.engine import _stood_still
 from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     VerdictLimits,
+    is_another_law,
     is_idle,
     is_needless,
     is_spoiled,
@@ -78,7 +79,30 @@ def test_each_limit_has_a_case_at_its_edge():
         "sure",
         "loud",
         "nearly",
+        "shaped",
     }
+
+
+ANOTHER_LAW = replace(FOUND, remaining=2.01, shape_nats=25.1, gained_nats=200.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "another"),
+    [
+        ({}, True),
+        ({"remaining": 2.0}, False),
+        ({"shape_nats": 25.0}, False),
+        ({"gained_nats": 230.0}, False),
+        ({"gained_nats": 230.0, "shape_left": 0.49}, True),
+        ({"gained_nats": 230.0, "shape_left": 0.5}, False),
+        ({"found": False}, False),
+        ({"matters": False}, True),
+    ],
+)
+def test_effects_stand_for_another_law_where_a_free_function_explains_much_beside_them(changes, another):
+    record = replace(ANOTHER_LAW, **changes)
+    assert is_another_law(record) is another
+    assert verdict_of(record) == ("unexplained" if another else "explained" if record.found else "adequate")
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():

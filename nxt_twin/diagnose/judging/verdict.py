@@ -34,7 +34,11 @@ class VerdictLimits:
             no difference to it.
         sure: gain in nats that names such an effect nevertheless.
         loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none.
-        nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error.
+        nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
+            nor `shaped` of any.
+        shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
+            these effects may stand for another law. They do where the function adds more than `most_left` of all gains,
+            or leaves less of the unseen error than `confirmed`.
     """
 
     structured_torque: float = 6e-3
@@ -55,6 +59,7 @@ class VerdictLimits:
     sure: float = 40.0
     loud: float = 200.0
     nearly: float = 2.0
+    shaped: float = 25.0
 
 
 LIMITS = VerdictLimits()
@@ -87,6 +92,8 @@ class Record:
         nearer: error of the improved plant on held-out readings over that of the baseline.
         least_nats: what speaks for the weakest of the found effects.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
+        shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects.
+        shape_left: error on unseen readings with the best of such functions, over that without.
     """
 
     named: int
@@ -106,6 +113,8 @@ class Record:
     nearer: float
     least_nats: float
     remaining: float
+    shape_nats: float = 0.0
+    shape_left: float = 1.0
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -114,7 +123,7 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
     if not record.found:
         return "unexplained" if missing else "adequate"
     doubtful = is_patchwork(record, limits) or is_worse(record, limits) or is_stalled(record, limits)
-    return "unexplained" if missing or doubtful else "explained"
+    return "unexplained" if missing or doubtful or is_another_law(record, limits) else "explained"
 
 
 def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -154,6 +163,18 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """
     confirmed = record.run_ratio < limits.confirmed and record.surprise < 1.0
     return record.found and record.worst_ratio > limits.worse and not confirmed
+
+
+def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the found effects stand for a near relative, which goes otherwise with speed, angle, time or command.
+
+    Fitted readings must call for the other law beside all that the effects gained, or unseen ones confirm it. Windows
+    that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong.
+    """
+    if not record.found or record.remaining <= limits.nearly or record.shape_nats <= limits.shaped:
+        return False
+    much = record.shape_nats > limits.most_left * (record.shape_nats + record.gained_nats)
+    return much or record.shape_left < limits.confirmed
 
 
 def _lacks_more(record: Record, limits: VerdictLimits) -> bool:

@@ -11,11 +11,10 @@ part, so this also speaks where none is known.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import final
 
 import numpy as np
 
@@ -26,9 +25,10 @@ from nxt_twin.diagnose.fitting.linear import Linear, linearise
 from nxt_twin.diagnose.fitting.noise import estimate, reading_floor
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, step_for
-from nxt_twin.diagnose.where.course import Course, course_of
-from nxt_twin.diagnose.where.response import Entry, response
-from nxt_twin.diagnose.where.shapes import RESTLESS, SHAPES, Yardstick, hats, yardstick
+from nxt_twin.diagnose.where.marginal import likeliest
+from nxt_twin.diagnose.where.response import Entry
+from nxt_twin.diagnose.where.shapes import RESTLESS, SHAPES, hats
+from nxt_twin.diagnose.where.staged import Staged, answers, staged, whitened
 from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
@@ -51,27 +51,10 @@ _FORMLESS_NATS = 7.0  # what chance gives the best of all shapes less than once 
 _SHIFTS_S = (4e-3, 8e-3, 0.013, 0.02, 0.03, 0.045, 0.065, 0.09)
 _WANDERING_SHIFTS_S = (0.03, 0.065)
 _LAGS_S = (5e-3, 0.015, 0.04)
-_SIZES = np.geomspace(1e-2, 1e8, 25)
-_TOLD = 1e-7
 _COARSE, _FINE = 8, 6
 _LEAST_SIZE, _MOST_SIZE = 1e-3, 1e4
 
 _Strength = tuple[Equation, float]
-
-
-@final
-@dataclass(frozen=True)
-class _Scene:
-    """The re-fitted baseline in these recordings: what it did, and how far readings are from it uncorrected.
-
-    Each reading counts for `evidence` readings.
-    """
-
-    simulator: Simulator
-    evidence: float
-    courses: tuple[Course, ...]
-    deviations: tuple[FloatArray, ...]
-    unit: Yardstick
 
 
 def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[SourceFinding, ...]:
@@ -84,7 +67,7 @@ def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tupl
         linearise(simulator, problem, replace(baseline, noise=noise))
         for noise in dict.fromkeys((asked, _between(asked, complete)))
     ]
-    scene = _scene(simulator, problem, linears[0])
+    scene = staged(simulator, problem, linears[0])
     heard = [_formless(scene, asked, complete)]
     for linear in linears:
         fitted = _log_likelihood(scene, linear) - _log_likelihood(scene, linears[0])
@@ -126,20 +109,7 @@ def _between(one: Noise, other: Noise) -> Noise:
     )
 
 
-def _scene(simulator: Simulator, problem: Problem, linear: Linear) -> _Scene:
-    plant, noise = linear.structure.plant, linear.structure.noise
-    begins_s: dict[str, float] = {}
-    courses: list[Course] = []
-    for job in linear.jobs:
-        ends_s = float(courses[-1].laid_s[-1]) if courses else 0.0
-        courses.append(course_of(simulator, plant, job, begins_s.setdefault(job.signals.name, ends_s)))
-    deviations = tuple(
-        deviation(job, predicted, noise) for job, predicted in zip(linear.jobs, linear.predicted, strict=True)
-    )
-    return _Scene(simulator, problem.target.evidence[0], tuple(courses), deviations, yardstick(courses))
-
-
-def _log_likelihood(scene: _Scene, linear: Linear) -> float:
+def _log_likelihood(scene: Staged, linear: Linear) -> float:
     """Of the readings, with the parameters of the re-fit at their best, nats but for a constant."""
     left = linear.left_of(linear.innovations)[0]
     widths = [
@@ -149,7 +119,7 @@ def _log_likelihood(scene: _Scene, linear: Linear) -> float:
     return -scene.evidence * float(np.sum(np.concatenate(widths))) - 0.5 * float(left @ left)
 
 
-def _formless(scene: _Scene, asked: Noise, complete: Noise) -> _Strength:
+def _formless(scene: Staged, asked: Noise, complete: Noise) -> _Strength:
     """What is missing without a shape: a torque or an error of readings, by what the baseline needs more of.
 
     However strong, it counts for no more than the best of all shapes may come to by chance.
@@ -161,76 +131,21 @@ def _formless(scene: _Scene, asked: Noise, complete: Noise) -> _Strength:
     return equation, min(max(torque, reading), _FORMLESS_NATS)
 
 
-def _shaped(scene: _Scene, linear: Linear) -> list[_Strength]:
+def _shaped(scene: Staged, linear: Linear) -> list[_Strength]:
     """What each family of shapes gains over the unknown torque and reading noise of `linear` alone, nats."""
     found: list[_Strength] = []
     for shape in SHAPES:
         rows = (shape.rows(course, scene.unit) for course in scene.courses)
-        found.append((shape.equation, _gain(linear, _answers(scene, linear, rows, shape.entry))))
+        found.append((shape.equation, likeliest(linear, answers(scene, linear, rows, shape.entry)).nats))
     moved = _moved(scene, linear)
-    late = np.array([_whitened(linear, parts) for parts in moved])
-    found += [("timing", _gain(linear, [late[n : n + 2]])) for n in range(len(late) - 1)]
-    found.append(("timing", _gain(linear, _wandering(scene, linear, moved))))
-    found.append(("electrical", _gain(linear, [_lagging(late)])))
+    late = np.array([whitened(linear, parts) for parts in moved])
+    found += [("timing", likeliest(linear, [late[n : n + 2]]).nats) for n in range(len(late) - 1)]
+    found.append(("timing", likeliest(linear, _wandering(scene, linear, moved)).nats))
+    found.append(("electrical", likeliest(linear, [_lagging(late)]).nats))
     return found
 
 
-def _gain(linear: Linear, parts: Iterable[FloatArray]) -> float:
-    """Marginal likelihood with any sum of some rows missing over that with none, at the likeliest size, nats.
-
-    The rows' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
-    They come as `parts` of the readings, one after another and each of shape (rows, its readings), so that an hour
-    of them need not be held at once.
-    """
-    power, common, likeness = _products(linear, parts)
-    shares = linear.shares_of(common)
-    gram = power - shares @ common
-    along = likeness - shares @ (linear.slopes @ linear.innovations)
-    if not np.isfinite(gram).all():  # a run that blew up
-        return 0.0
-    strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
-    told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
-    strengths, axes = strengths[told], axes[:, told]
-    variances = _SIZES[:, None] / strengths[-1:]
-    risen = variances * strengths
-    nats = 0.5 * np.sum(variances * (axes.T @ along) ** 2 / (1.0 + risen) - np.log1p(risen), axis=1)
-    return max(float(nats.max()), 0.0)
-
-
-def _products(linear: Linear, parts: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Of the rows with one another, of the slopes with the rows, and of the rows with the innovations."""
-    power = common = likeness = np.zeros(())
-    low = 0
-    for part in parts:
-        mine = slice(low, low + part.shape[1])
-        power = power + part @ part.T
-        common = common + linear.slopes[:, mine] @ part.T
-        likeness = likeness + part @ linear.innovations[mine]
-        low = mine.stop
-        del part  # the next one is made only now
-    return power, common, likeness
-
-
-def _answers(scene: _Scene, linear: Linear, rows: Iterator[FloatArray], entry: Entry) -> Iterator[FloatArray]:
-    """What `rows`, a part a job, add to the counted innovations, in standard deviations, by job."""
-    noise = linear.structure.noise
-    for number, (job, course) in enumerate(zip(linear.jobs, scene.courses, strict=True)):
-        yield _whitened_part(linear, number, response(job, course, noise, next(rows), entry))
-
-
-def _whitened(linear: Linear, parts: Sequence[FloatArray]) -> FloatArray:
-    """Innovations of all jobs, SI, in standard deviations at the counted readings, shape (..., readings)."""
-    return np.concatenate([_whitened_part(linear, *part) for part in enumerate(parts)], axis=-1)
-
-
-def _whitened_part(linear: Linear, number: int, part: FloatArray) -> FloatArray:
-    counted = np.flatnonzero(linear.counted[number])
-    found = np.take(part, counted, axis=-1)
-    found *= linear.gain[number][counted]
-    return found
-
-
-def _moved(scene: _Scene, linear: Linear) -> list[list[FloatArray]]:
+def _moved(scene: Staged, linear: Linear) -> list[list[FloatArray]]:
     """By how much the predicted readings move with all commands late by each of some shifts, by job, SI."""
     values, active = linear.structure.plant.vectors()
     jobs = [_late(job, shift_s) for shift_s in _SHIFTS_S for job in linear.jobs]
@@ -242,14 +157,14 @@ def _late(job: Job, shift_s: float) -> Job:
     return replace(job, signals=replace(job.signals, command_time_s=job.signals.command_time_s + shift_s))
 
 
-def _wandering(scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
+def _wandering(scene: Staged, linear: Linear, moved: Sequence[Sequence[FloatArray]]) -> Iterator[FloatArray]:
     """Shifts that change with time."""
     some = [moved[_SHIFTS_S.index(shift_s)] for shift_s in _WANDERING_SHIFTS_S]
-    return _answers(scene, linear, _wandering_rows(scene, linear, some), "reading")
+    return answers(scene, linear, _wandering_rows(scene, linear, some), "reading")
 
 
 def _wandering_rows(
-    scene: _Scene, linear: Linear, moved: Sequence[Sequence[FloatArray]]
+    scene: Staged, linear: Linear, moved: Sequence[Sequence[FloatArray]]
 ) -> Iterator[FloatArray]:
     noise = linear.structure.noise
     for job, course, own, *shifted in zip(linear.jobs, scene.courses, linear.predicted, *moved, strict=True):
@@ -269,7 +184,7 @@ def _lagging(late: FloatArray) -> FloatArray:
     return np.array(shares) @ late
 
 
-def _shapeless(scene: _Scene, asked: Noise, noise: Noise) -> list[_Strength]:
+def _shapeless(scene: Staged, asked: Noise, noise: Noise) -> list[_Strength]:
     """What noise in one equation, of a size that changes with what the plant does, gains over `asked`, nats."""
     none = _total(scene, asked)
     scales = {
@@ -286,7 +201,7 @@ def _shapeless(scene: _Scene, asked: Noise, noise: Noise) -> list[_Strength]:
 
 
 def _total(
-    scene: _Scene,
+    scene: Staged,
     noise: Noise,
     entry: Entry = "reading",
     weights: Sequence[FloatArray] = (),

@@ -1,0 +1,120 @@
+"""How much a free function would explain beside the effects that were found.
+
+A near relative of the missing law takes most of the error away, as quadratic drag does for a brake that bites above
+a speed. The rest still goes with speed, angle, time or command. A free function of those then makes
+the fitted readings likelier, and it brings simulations of readings that no fit has seen nearer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.linear import Linear, moves
+from nxt_twin.diagnose.fitting.observed import observed_starts
+from nxt_twin.diagnose.fitting.problem import HeldOut
+from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.judging.evidence import Evidence
+from nxt_twin.diagnose.judging.verdict import LIMITS
+from nxt_twin.diagnose.where.course import Course, course_of
+from nxt_twin.diagnose.where.marginal import Missing, likeliest
+from nxt_twin.diagnose.where.response import free_response
+from nxt_twin.diagnose.where.shapes import SHAPES, ShapeFamily
+from nxt_twin.diagnose.where.staged import Staged, answers, staged
+from nxt_twin.physics.observer import observer
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Job, Simulator, free_job
+from nxt_twin.physics.start import moving_start
+
+
+@final
+@dataclass(frozen=True)
+class _Unseen:
+    """Simulated windows of a recording, or of a part of it, that no fit has seen.
+
+    Attributes:
+        signals: the recording.
+        anew: where a window starts, shape (samples,).
+        judged: which samples count, shape (samples,).
+        errors: of the simulation, SI, shape (samples,).
+        slopes: of the simulation for each variable, in its scale, shape (variables, samples).
+        course: what the plant does.
+    """
+
+    signals: Signals
+    anew: BoolArray
+    judged: BoolArray
+    errors: FloatArray
+    slopes: FloatArray
+    course: Course
+
+
+def with_shapes(simulator: Simulator, evidence: Evidence) -> Evidence:
+    """`evidence` whose record also tells what a shape explains beside the found effects, where this is asked."""
+    record = evidence.record
+    if not record.found or record.by_windows or record.remaining <= LIMITS.nearly:
+        return evidence
+    nats, left = _beyond(simulator, evidence)
+    return replace(evidence, record=replace(record, shape_nats=nats, shape_left=left))
+
+
+def _beyond(simulator: Simulator, evidence: Evidence) -> tuple[float, float]:
+    """The most that a shape gains, nats, and the least share of the unseen error that is left with a likely one."""
+    linear = evidence.linear
+    scene = staged(simulator, evidence.problem, linear)
+    heard = [(shape, _heard(scene, linear, shape)) for shape in SHAPES]
+    likely = [(shape, missing) for shape, missing in heard if missing.nats > LIMITS.shaped]
+    unseen = _unseen(simulator, evidence) if likely else []
+    left = [_left(unseen, scene, linear.structure, *one) for one in likely]
+    return max(missing.nats for _, missing in heard), min(left, default=1.0)
+
+
+def _heard(scene: Staged, linear: Linear, shape: ShapeFamily) -> Missing:
+    rows = (shape.rows(course, scene.unit) for course in scene.courses)
+    return likeliest(linear, answers(scene, linear, rows, shape.entry))
+
+
+def _unseen(simulator: Simulator, evidence: Evidence) -> list[_Unseen]:
+    found: list[_Unseen] = []
+    for part in evidence.problem.held_out:
+        begins_s = float(found[-1].course.laid_s[-1]) if found else 0.0
+        found.append(_unseen_part(simulator, evidence, part, begins_s))
+    return found
+
+
+def _unseen_part(simulator: Simulator, evidence: Evidence, part: HeldOut, begins_s: float) -> _Unseen:
+    """Simulate the final plant, and small moves of its variables, over `part` in windows."""
+    problem, structure, signals = evidence.problem, evidence.final, part.signals
+    plant, noise, first = structure.plant, structure.noise, moving_start(part.signals)
+    start = observed_starts(simulator, plant, signals, first, noise, problem.window_s)
+    sets, widths = moves(plant, evidence.linear.variables)
+    _, active = plant.vectors()
+    job = free_job(signals, start)
+    runs = simulator.run(sets, np.repeat(active[None], len(sets), axis=0), [job])[0].predicted
+    corrected = Job(signals, observer(signals, noise), first, noise.disturbance_time_s)
+    return _Unseen(
+        signals=signals,
+        anew=start.at,
+        judged=part.counted & ~start.at & np.isfinite(signals.measured),
+        errors=signals.measured - runs[-1],
+        slopes=np.nan_to_num((runs[:-1:2] - runs[1:-1:2]) / widths[:, None]),
+        course=course_of(simulator, plant, corrected, begins_s),
+    )
+
+
+def _left(
+    unseen: Iterable[_Unseen], scene: Staged, structure: Structure, shape: ShapeFamily, missing: Missing
+) -> float:
+    """The error over all unseen windows with `missing` in, over the error without."""
+    before = after = 0.0
+    for part in unseen:
+        rows = shape.rows(part.course, scene.unit)
+        added = free_response(part.signals, part.anew, part.course, structure.noise, rows, shape.entry)
+        found = missing.sizes @ added + missing.moves @ part.slopes
+        before += float(np.sum(part.errors[part.judged] ** 2))
+        after += float(np.sum((part.errors - found)[part.judged] ** 2))
+    return float(np.sqrt(after / before)) if before > 0.0 and np.isfinite(after) else 1.0

@@ -1,0 +1,72 @@
+"""How likely readings become with some sum of given rows missing, at the likeliest size of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.linear import Linear
+
+_SIZES = np.geomspace(1e-2, 1e8, 25)
+_TOLD = 1e-7
+
+
+@final
+@dataclass(frozen=True)
+class Missing:
+    """A sum of rows at its likeliest size.
+
+    Attributes:
+        nats: its marginal likelihood over that of nothing missing, nats.
+        sizes: of the rows, shape (rows,).
+        moves: of the re-fit's variables beside them, in their scales, shape (variables,).
+    """
+
+    nats: float
+    sizes: FloatArray
+    moves: FloatArray
+
+
+def likeliest(linear: Linear, parts: Iterable[FloatArray]) -> Missing:
+    """The likeliest sum of some rows.
+
+    The rows' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
+    They come as `parts` of the readings, one after another and each of shape (rows, its readings). So an hour
+    of them need not be held at once.
+    """
+    power, common, likeness = _products(linear, parts)
+    shares = linear.shares_of(common)
+    gram = power - shares @ common
+    own = linear.slopes @ linear.innovations
+    along = likeness - shares @ own
+    if not np.isfinite(gram).all():  # a run that blew up
+        return Missing(0.0, np.zeros(along.size), np.zeros(own.size))
+    strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
+    told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
+    strengths, axes = strengths[told], axes[:, told]
+    variances = _SIZES[:, None] / strengths[-1:]
+    risen = variances * strengths
+    heard = axes.T @ along
+    nats = 0.5 * np.sum(variances * heard**2 / (1.0 + risen) - np.log1p(risen), axis=1)
+    best = int(nats.argmax())
+    sizes = axes @ (heard * variances[best] / (1.0 + risen[best]))
+    moves = linear.shares_of((own - common @ sizes)[:, None])[0]
+    return Missing(max(float(nats[best]), 0.0), sizes, moves)
+
+
+def _products(linear: Linear, parts: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of the rows with one another, of the slopes with the rows, and of the rows with the innovations."""
+    power = common = likeness = np.zeros(())
+    low = 0
+    for part in parts:
+        mine = slice(low, low + part.shape[1])
+        power = power + part @ part.T
+        common = common + linear.slopes[:, mine] @ part.T
+        likeness = likeness + part @ linear.innovations[mine]
+        low = mine.stop
+        del part  # the next one is made only now
+    return power, common, likeness
