@@ -41,7 +41,7 @@ _COMMANDS: Final[dict[str, tuple[tuple[str, ...], ...]]] = {
         ("distributed.cli.dask_scheduler", "--version"),
     ),
     "rosbag": ((_TWIN, "export", "fleet/unit/session/run.csv", "--to", "mcap", "--out", "run.mcap"),),
-    "film": ((_TWIN, "world", "playground", "--seconds", "1", "--film", "square.mp4"),),
+    "world,film": ((_TWIN, "world", "playground", "--seconds", "1", "--film", "square.mp4"),),
     "proof": (
         _BLIND,
         (_TWIN, "blind", "peers", "cases", "answers", "peers"),
