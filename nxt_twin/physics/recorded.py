@@ -13,6 +13,7 @@ from nxt_twin.physics.goals import Setpoints, goal_deg, regulated, setpoints
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.supply import open_circuit
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import pulsed
@@ -20,8 +21,6 @@ from nxt_twin.recording.recording import GOALS, InputKind, Recording
 from nxt_twin.recording.tacho_steps import tacho_step_deg
 
 _FEWEST_READINGS = 10
-_QUIET_SHARE = 0.3  # of the readings, those at the least command, tell the open-circuit supply
-_AT_REST = 0.05  # of the largest effort
 _SUPPLY_RESOLUTION = 2e-3  # a change of supply below this fraction starts no new command
 _MEASURED_SHARE = 0.8  # of the rows with a supply reading, above which the supply is used as measured
 
@@ -222,9 +221,8 @@ def _effort(recording: Recording) -> FloatArray:
 def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray) -> FloatArray:
     """The supply: as measured where nearly every row has it, else a line of the open-circuit voltage.
 
-    That line is a robust one through the slow, noisy readings taken at the least command. A reading shows whatever the
-    motors drew at that moment; taken one by one, or all alike, few readings would smuggle a part of the sag into the
-    model. Theil-Sen: the median of the slopes between the halves. Readings at rest, if only one, set its level.
+    A reading shows whatever the motors drew at that moment; taken one by one, few readings would smuggle a part of the
+    sag into the model, and their noise.
     """
     if readings is None or not np.isfinite(readings).any():
         return np.full(time_s.size, np.nan)
@@ -232,15 +230,8 @@ def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray
     if known.mean() >= _MEASURED_SHARE and np.unique(readings[known]).size > 1:
         return _held(readings, start=float(readings[known][0]))
     effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
-    at_rest = known & (effort <= _AT_REST * float(effort.max()))
-    known &= at_rest | (effort <= np.quantile(effort[known], _QUIET_SHARE))
-    t, v = time_s[known], readings[known]
-    half = t.size // 2
-    slope = 0.0
-    if half >= 3 and t[-half:].min() > t[:half].max():
-        slope = float(np.median((v[-half:] - v[:half]) / (t[-half:] - t[:half])))
-    level = at_rest if at_rest.any() else known
-    return np.asarray(np.median(readings[level] - slope * time_s[level]) + slope * time_s)
+    level_v, slope_v_per_s = open_circuit(time_s[known], readings[known], effort[known])
+    return level_v + slope_v_per_s * time_s
 
 
 def _changes(command: FloatArray, mode: FloatArray, supply: FloatArray) -> BoolArray:
