@@ -22,7 +22,7 @@ _FAR: Final = 2.0  # standard deviations beyond which a reading counts less
 
 @final
 @dataclass(frozen=True)
-class _Line:
+class _Loaded:
     """A line of time, less what grows with the effort.
 
     Attributes:
@@ -66,7 +66,7 @@ def open_circuit(time_s: FloatArray, volts: FloatArray, effort: FloatArray) -> t
     return level_v - line.slope_v_per_s * middle_s, line.slope_v_per_s
 
 
-def _line(time_s: FloatArray, volts: FloatArray, effort: FloatArray, at_rest: BoolArray) -> _Line:
+def _line(time_s: FloatArray, volts: FloatArray, effort: FloatArray, at_rest: BoolArray) -> _Loaded:
     """The likeliest line, sag and noise in turn; readings that are far off count less."""
     design = np.stack([np.ones_like(time_s), time_s, -effort])
     sag_v, left_v = 0.0, volts - np.median(volts)
@@ -77,7 +77,7 @@ def _line(time_s: FloatArray, volts: FloatArray, effort: FloatArray, at_rest: Bo
         found, level_std_v = _regression(design, volts, weight)
         sag_v, left_v = float(found[2]), volts - found @ design
         noise_v = _noise_v(left_v, _UNLIKE * sag_v * effort, at_rest)
-    return _Line(float(found[0]), float(found[1]), sag_v, noise_v, level_std_v)
+    return _Loaded(float(found[0]), float(found[1]), sag_v, noise_v, level_std_v)
 
 
 def _regression(design: FloatArray, volts: FloatArray, weight: FloatArray) -> tuple[FloatArray, float]:
