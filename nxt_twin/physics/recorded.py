@@ -229,6 +229,9 @@ def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray
     known = np.isfinite(readings)
     if known.mean() >= _MEASURED_SHARE and np.unique(readings[known]).size > 1:
         return _held(readings, start=float(readings[known][0]))
+    known &= np.nan_to_num(readings) > 0.0  # a logger writes 0 where it has read nothing
+    if not known.any():
+        return np.full(time_s.size, np.nan)
     effort = np.abs(np.concatenate([[0.0], command[:-1]]))  # a row is read before its own command acts
     level_v, slope_v_per_s = open_circuit(time_s[known], readings[known], effort[known])
     return level_v + slope_v_per_s * time_s
@@ -237,6 +240,6 @@ def _supply(time_s: FloatArray, readings: FloatArray | None, command: FloatArray
 def _changes(command: FloatArray, mode: FloatArray, supply: FloatArray) -> BoolArray:
     keep = np.ones(command.size, dtype=bool)
     keep[1:] = (np.diff(command) != 0.0) | (np.diff(mode) != 0.0)
-    drift = np.nan_to_num(supply / supply[0] - 1.0) / _SUPPLY_RESOLUTION
+    drift = np.nan_to_num(supply / (supply[0] or 1.0) - 1.0) / _SUPPLY_RESOLUTION
     keep[1:] |= np.diff(np.round(drift)) != 0.0
     return keep

@@ -91,6 +91,18 @@ def test_one_reading_of_the_battery_stands_for_the_whole_run():
     np.testing.assert_allclose(signals.command_supply_v, 7.7)
 
 
+def test_a_battery_of_no_volts_was_not_read():
+    assert np.isnan(signals_of(brick(battery_v=power((0, 0.0), (90, 0.0))), "a").command_supply_v).all()
+    signals = signals_of(brick(battery_v=power((0, 0.0), (120, 7.7))), "a")
+    np.testing.assert_allclose(signals.command_supply_v, 7.7)
+
+
+def test_a_supply_that_is_switched_on_late_is_used_as_measured():
+    read = np.where(np.arange(ROWS) < 50, 0.0, 7.2)
+    signals = signals_of(brick(battery_v=read), "a")
+    np.testing.assert_allclose(signals.command_supply_v[[0, -1]], [0.0, 7.2])
+
+
 def test_a_battery_that_was_never_read_is_taken_from_the_plant():
     signals = signals_of(brick(), "a")
     assert np.isnan(signals.command_supply_v).all()
