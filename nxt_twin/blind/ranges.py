@@ -77,6 +77,13 @@ RANGES: Final[dict[str, SeedRange]] = {
             None,
             "once a release, looked at by nobody before",
         ),
+        SeedRange(
+            "silence",
+            (5003,),
+            Amounts((), 25, 0, 0, 25),
+            None,
+            "clean motors and unknown effects alone, looked at by nobody before",
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -8,17 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.errors import CaseError, MappingError
-from nxt_twin.recording.any_mapping import (
-    MAPPING_KEYS,
-    AnyMapping,
-    any_mapping_of,
-    is_robots,
-    read_any_mapping,
-)
+from nxt_twin.recording import mapping as mapping_file
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.yaml_file import read_yaml
 
-MappingOf = Callable[[str], AnyMapping | None]
+MappingOf = Callable[[str], mapping_file.Mapping | None]
 """Gives the mapping of a recording by its name; None for a brick's."""
 
 GivenMapping = str | dict[str, Any] | None
@@ -29,7 +23,7 @@ def no_mapping(_name: str) -> None:
     """Every recording is a brick's."""
 
 
-def one_mapping(mapping: AnyMapping) -> MappingOf:
+def one_mapping(mapping: mapping_file.Mapping) -> MappingOf:
     """Every recording is read through `mapping`."""
     return lambda _name: mapping
 
@@ -54,7 +48,7 @@ def mappings(given: GivenMapping, folder: Path, where: str) -> MappingOf:
     return lambda name: _matching(known, name, where)
 
 
-def _matching(known: Mapping[str, AnyMapping], name: str, where: str) -> AnyMapping:
+def _matching(known: Mapping[str, mapping_file.Mapping], name: str, where: str) -> mapping_file.Mapping:
     """The mapping of the file itself, else of the first pattern that fits."""
     file = name.partition("#")[0]
     if file in known:
@@ -73,7 +67,7 @@ def read_mappings(path: Path) -> MappingOf:
     """
     keys = read_yaml(path, MappingError)
     if not keys or _is_mapping(keys):
-        return one_mapping(read_any_mapping(path))
+        return one_mapping(mapping_file.read_mapping(path))
     return mappings(keys, path.parent, str(path))
 
 
@@ -81,16 +75,16 @@ def given_in_sidecar(sidecar: Mapping[str, Any]) -> GivenMapping:
     """The mapping that a sidecar names under `mapping`, or whose keys it holds, as `map --out` writes them."""
     if "mapping" in sidecar or not _is_mapping(sidecar):
         return sidecar.get("mapping")
-    return {key: value for key, value in sidecar.items() if key in MAPPING_KEYS}
+    return {key: value for key, value in sidecar.items() if key in mapping_file.Mapping.model_fields}
 
 
 def _is_mapping(given: Mapping[str, Any]) -> bool:
-    return not given.keys().isdisjoint(("time", "input", "output")) or is_robots(given)
+    return not given.keys().isdisjoint(("time", "input", "output"))
 
 
-def _read(given: object, folder: Path, where: str) -> AnyMapping:
+def _read(given: object, folder: Path, where: str) -> mapping_file.Mapping:
     if isinstance(given, str):
-        return read_any_mapping(folder / given)
+        return mapping_file.read_mapping(folder / given)
     if isinstance(given, dict):
-        return any_mapping_of(given, where)
+        return mapping_file.mapping_of(given, where)
     raise CaseError(f"{quoted(given)} is no mapping", where=where, mend="name a file, or write its keys")

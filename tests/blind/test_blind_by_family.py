@@ -143,6 +143,16 @@ def test_the_scored_range_holds_what_it_must_and_no_development_seed():
     assert len(set(strangers)) >= 10
 
 
+def test_the_range_of_silence_holds_clean_motors_and_unknown_effects_of_a_seed_of_its_own():
+    silence = RANGES["silence"]
+    assert min(silence.seeds) >= 5000
+    assert not set(silence.seeds) & set(RANGES["scored"].seeds)
+    orders = [case.order for case in silence.cases(tuple(FAMILIES.values()))]
+    clean = [order for order in orders if not order.plan.effects]
+    strangers = [o for o in orders if set(o.plan.effects) & set(FAMILIES[o.family].unknown)]
+    assert (len(clean), len(strangers), len(orders)) == (100, 100, 200)
+
+
 def test_a_sample_is_a_fair_beginning_of_development_seeds():
     sample = RANGES["sample"]
     cases = sample.cases(tuple(FAMILIES.values()))

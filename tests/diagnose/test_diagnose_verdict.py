@@ -11,15 +11,18 @@ from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     VerdictLimits,
     is_another_law,
+    is_forgiven,
     is_idle,
     is_needless,
     is_spoiled,
+    is_worse,
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.telling import words
 
 STRUCTURED = replace(QUIET, left_nats=100.0, torque_after=1.0)
+FORGIVEN = replace(FOUND, matters=False, remaining=2.01)
 ABOVE = 1.01
 
 # Numbers, and not the limits themselves: a limit that is moved fails its test.
@@ -31,10 +34,13 @@ EDGES = {
         replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.1 - 100.0),
         "left_nats",
     ),
-    "unsettled": (replace(FOUND, run_ratio=0.5, torque_after=2.0 * 6e-3), "torque_after"),
-    "hardly": (replace(FOUND, run_ratio=0.15, torque_after=5e-2, torque_before=1.0), "run_ratio"),
+    "unsettled": (replace(FOUND, run_ratio=0.5, torque_after=2.0 * 6e-3, remaining=2.0), "torque_after"),
+    "hardly": (
+        replace(FOUND, run_ratio=0.15, torque_after=5e-2, torque_before=1.0, remaining=2.0),
+        "run_ratio",
+    ),
     "still_large": (
-        replace(FOUND, torque_after=0.1, torque_before=0.1 / 0.5),
+        replace(FOUND, torque_after=0.1, torque_before=0.1 / 0.5, remaining=2.0),
         "torque_after",
     ),
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
@@ -44,6 +50,9 @@ EDGES = {
         "run_ratio",
     ),
     "surprising": (replace(FOUND, surprise=4.0), "surprise"),
+    "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.25), "surprise"),
+    "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
+    "forgiven": (replace(FORGIVEN, torque_after=1e-2, torque_before=1.9e-2), "torque_after"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=4e-2), "torque_after"),
 }
 
@@ -76,6 +85,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "most_named",
         "idle",
         "no_nearer",
+        "silent",
         "sure",
         "loud",
         "nearly",
@@ -147,11 +157,54 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
         ({"nearer": 0.99 * 0.98}, False),
         ({"least_nats": 40.0}, False),
         ({"found": False}, False),
+        ({"nearer": 0.9, "longer": ABOVE * 1.1}, True),
+        ({"nearer": 0.9, "longer": 1.1}, False),
+        ({"nearer": 0.85, "longer": ABOVE * 1.1}, False),
+        ({"nearer": 0.3, "at_first": 0.49}, True),
+        ({"nearer": 0.3, "at_first": 0.5}, False),
+        ({"nearer": 0.3, "at_first": 0.49, "least_nats": 40.0}, False),
     ],
 )
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
     quiet = replace(FOUND, nearer=0.98, least_nats=0.99 * 40.0)
     assert is_needless(replace(quiet, **changes)) is needless
+
+
+@pytest.mark.parametrize(
+    ("changes", "worse"),
+    [
+        ({}, True),
+        ({"longer": 1.1}, False),
+        ({"nearer": 0.5}, False),
+        ({"remaining": 2.0}, False),
+        ({"found": False}, False),
+        ({"run_ratio": 0.4, "surprise": 0.9}, False),
+    ],
+)
+def test_effects_that_do_not_halve_the_error_and_lead_long_simulations_astray_are_worse(changes, worse):
+    drifting = replace(FOUND, nearer=0.51, longer=ABOVE * 1.1, remaining=2.01, run_ratio=0.6)
+    assert is_worse(replace(drifting, **changes)) is worse
+
+
+@pytest.mark.parametrize(
+    ("changes", "forgiven"),
+    [
+        ({}, True),
+        ({"remaining": 2.0}, False),
+        ({"torque_after": 1e-2}, False),
+        ({"torque_before": 2.03e-2}, False),
+        ({"torque_before": 1.0, "torque_after": 3e-2}, False),
+        ({"torque_before": 1.0, "torque_after": 3.01e-2}, True),
+        ({"by_windows": True}, False),
+        ({"by_windows": True, "torque_after": 4e-2}, False),
+        ({"by_windows": True, "torque_after": 4.01e-2}, True),
+        ({"found": False}, False),
+    ],
+)
+def test_an_unknown_torque_that_the_effects_leave_does_not_excuse_their_error(changes, forgiven):
+    record = replace(replace(FORGIVEN, torque_after=1.01e-2, torque_before=2e-2), **changes)
+    assert is_forgiven(record) is forgiven
+    assert verdict_of(record) == ("unexplained" if forgiven else "explained" if record.found else "adequate")
 
 
 @pytest.mark.parametrize(
@@ -187,7 +240,7 @@ def test_what_is_left_and_does_not_matter_is_no_objection():
     assert verdict_of(replace(left, matters=False)) == "adequate"
     found = replace(FOUND, left_nats=1e4, torque_after=1.0, torque_before=1.0, run_ratio=1.0)
     assert verdict_of(found) == "unexplained"
-    assert verdict_of(replace(found, matters=False)) == "explained"
+    assert verdict_of(replace(found, matters=False, remaining=2.0)) == "explained"
 
 
 def test_with_nothing_found_and_nothing_left_nothing_is_missing():

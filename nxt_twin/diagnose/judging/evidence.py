@@ -206,6 +206,7 @@ def _record(
     windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
     mattering = [n for n in windows if after.rms[n] > problem.tolerance]
     window = nearest_horizon(after, problem.window_s)
+    tolerance = max(problem.tolerance, 1e-15)
     ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
     physical = any(not effect.fault for effect, _ in found)
     return Record(
@@ -223,10 +224,19 @@ def _record(
         surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
         by_windows=problem.by_windows,
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
-        remaining=max((after.rms[n] for n in windows), default=0.0) / max(problem.tolerance, 1e-15),
+        remaining=max((after.rms[n] for n in windows), default=0.0) / tolerance,
+        longer=_drift(problem, before, after) if physical else 0.0,
+        at_first=max((before.rms[n] for n in windows), default=0.0) / tolerance,
         least_nats=min((weight.total for _, weight in found), default=0.0),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
+
+
+def _drift(problem: Problem, before: Errors, after: Errors) -> float:
+    """The largest error over that of the baseline, of simulations longer than two seconds where it matters."""
+    own = zip(after.seconds, before.rms, after.rms, strict=True)
+    longer = [rms / max(other, 1e-15) for s, other, rms in own if s > WINDOW_S and rms > problem.tolerance]
+    return max(longer, default=0.0)
 
 
 def _at_the_floor(errors: Errors, before: Errors, floors: Sequence[float]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import final
 
@@ -32,10 +33,16 @@ class VerdictLimits:
         large_by_windows: as `large_torque`, where windows alone tell of it; coloured readings add to it.
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
             no difference to it.
+        silent: error of the re-fitted baseline over the tolerance below which nothing that matters can be missing.
         sure: gain in nats that names such an effect nevertheless.
+        drifting: as `worse`, of simulations longer than two seconds, where much is luck. It is asked of effects that
+            leave more than `confirmed` of the unseen error.
         loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none.
+        surprising_by_windows: as `surprising`, where windows alone tell of it: these were fitted, so that they err as
+            little on fitted readings as the plant lets them.
         nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
-            nor `shaped` of any.
+            nor `drifting`, `forgiven` and `shaped` of any.
+        forgiven: as `large_torque`, for effects that leave more than `still_large` of the baseline's unknown torque.
         shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
             these effects may stand for another law. They do where the function adds more than `most_left` of all gains,
             or leaves less of the unseen error than `confirmed`.
@@ -56,9 +63,13 @@ class VerdictLimits:
     idle: float = 0.85
     large_by_windows: float = 4e-2
     no_nearer: float = 0.98
+    drifting: float = 1.1
+    silent: float = 0.5
     sure: float = 40.0
     loud: float = 200.0
+    surprising_by_windows: float = 1.25
     nearly: float = 2.0
+    forgiven: float = 1e-2
     shaped: float = 25.0
 
 
@@ -90,8 +101,11 @@ class Record:
             parameters let expect there.
         by_windows: whether windows of simulation alone chose the effects, as single steps are coloured.
         nearer: error of the improved plant on held-out readings over that of the baseline.
+        longer: largest error of the improved plant over that of the baseline, of simulations longer than two seconds
+            that err by more than the tolerance.
         least_nats: what speaks for the weakest of the found effects.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
+        at_first: largest error of the baseline over the tolerance, of windows of two seconds or shorter.
         shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects.
         shape_left: error on unseen readings with the best of such functions, over that without.
     """
@@ -113,6 +127,8 @@ class Record:
     nearer: float
     least_nats: float
     remaining: float
+    longer: float = 0.0
+    at_first: float = math.inf
     shape_nats: float = 0.0
     shape_left: float = 1.0
 
@@ -123,7 +139,8 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
     if not record.found:
         return "unexplained" if missing else "adequate"
     doubtful = is_patchwork(record, limits) or is_worse(record, limits) or is_stalled(record, limits)
-    return "unexplained" if missing or doubtful or is_another_law(record, limits) else "explained"
+    forgiven = is_forgiven(record, limits)
+    return "unexplained" if missing or doubtful or forgiven or is_another_law(record, limits) else "explained"
 
 
 def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -152,8 +169,14 @@ def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether single steps call for an effect that makes no difference to a simulation, and not loudly."""
-    return record.found and record.nearer >= limits.no_nearer and record.least_nats < limits.sure
+    """Whether single steps call for an effect, and not loudly, that no simulation needs.
+
+    It makes no difference to one, or nothing that matters, or a small one that long simulations take back.
+    """
+    if not record.found or record.least_nats >= limits.sure:
+        return False
+    taken_back = record.nearer > limits.idle and record.longer > limits.drifting
+    return record.nearer >= limits.no_nearer or record.at_first < limits.silent or taken_back
 
 
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -162,7 +185,23 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     That is no objection where windows which check confirm them, and parameters that these leave open explain the error.
     """
     confirmed = record.run_ratio < limits.confirmed and record.surprise < 1.0
-    return record.found and record.worst_ratio > limits.worse and not confirmed
+    halved = record.nearer <= limits.confirmed
+    drifts = record.remaining > limits.nearly and record.longer > limits.drifting and not halved
+    return record.found and (record.worst_ratio > limits.worse or drifts) and not confirmed
+
+
+def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether found effects leave an error that only the unknown torque excuses, which they were to explain.
+
+    The floor that a remaining error is compared with rests on that torque. It may therefore not excuse the error where
+    it is large, or where the effects have hardly taken any of it away. Windows alone tell only of the former.
+    """
+    if not record.found or record.remaining <= limits.nearly:
+        return False
+    if record.by_windows:
+        return record.torque_after > limits.large_by_windows
+    kept = record.torque_after > limits.still_large * record.torque_before
+    return record.torque_after > (limits.forgiven if kept else limits.large_torque)
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -181,7 +220,7 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     """Whether what is left is more than noise."""
     structured = record.left_nats > record.left_limit_nats and record.torque_after > limits.structured_torque
     large = record.torque_after > (limits.large_by_windows if record.by_windows else limits.large_torque)
-    surprising = record.surprise > limits.surprising
+    surprising = record.surprise > (limits.surprising_by_windows if record.by_windows else limits.surprising)
     if not record.found:
         return structured or large or surprising or record.off > limits.far_off
     surprising = surprising and record.nearer > limits.hardly

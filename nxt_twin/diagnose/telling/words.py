@@ -78,13 +78,13 @@ def sentence(
 
 
 def too_small(names: Sequence[str]) -> tuple[str, ...]:
-    """A sentence on effects that are significant and do not matter, if there are any."""
+    """A sentence on effects that are significant and that no simulation needs, if there are any."""
     if not names:
         return ()
-    verb = "improve" if len(names) > 1 else "improves"
+    verb, fate = ("improve", "they are") if len(names) > 1 else ("improves", "it is")
     return (
-        f"{_opening(listed(names))} {verb} one-step prediction, by too little to matter: "
-        "the error of a simulation stays below the tolerance with or without.",
+        f"{_opening(listed(names))} {verb} one-step prediction, but hardly a simulation of unseen readings, "
+        f"so {fate} left out.",
     )
 
 
