@@ -22,12 +22,13 @@ from nxt_twin.mock.body.world import World
 from nxt_twin.recording.case import CaseFile
 from nxt_twin.recording.mapping import Mapping
 from nxt_twin.recording.program import MotorProgram
+from nxt_twin.recording.robot_mapping import RobotMapping
 from nxt_twin.recording.robot_path import RobotPath
 from nxt_twin.world.robot import Robot
 from nxt_twin.world.scene import Scene
 
 FILES: Final[dict[str, tuple[type[BaseModel], ...]]] = {
-    "Mapping files": (Mapping,),
+    "Mapping files": (Mapping, RobotMapping),
     "Cases": (CaseFile,),
     "Motor programs": (MotorProgram,),
     "Robot paths": (RobotPath,),

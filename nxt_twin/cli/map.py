@@ -15,6 +15,12 @@ if TYPE_CHECKING:
     from nxt_twin.recording.guess.guess import Guessed
     from nxt_twin.recording.recording import Recording
 
+_PLANT = (
+    "a robot on two wheels: its plant is not in the table. Write it into NAME.yaml beside: "
+    "plant: {kind: differential_drive, left: b, right: c, left_wheel_radius_m: 0.028, right_wheel_radius_m: 0.028, "
+    "track_m: 0.103}"
+)
+
 
 def map(  # noqa: A001  # the command's name
     table: Annotated[
@@ -34,11 +40,11 @@ def map(  # noqa: A001  # the command's name
     The output is the mapping, with the reasons as comments. Check each line that says CHECK.
     """
     from nxt_twin.errors import RecordingError
+    from nxt_twin.recording.any_mapping import any_mapping_of
     from nxt_twin.recording.guess.contract import is_recording
     from nxt_twin.recording.guess.guess import guess_mapping
     from nxt_twin.recording.guess.writing import mapping_text
     from nxt_twin.recording.mapped import read_all_mapped
-    from nxt_twin.recording.mapping import mapping_of
 
     if joint is None and is_recording(table):
         _tell(_unneeded(table, out), json, None)
@@ -49,7 +55,7 @@ def map(  # noqa: A001  # the command's name
             print(mapping_text(guessed, [f"a first guess for {table.name}, which is incomplete"]), end="")
         raise guessed.lacking
     try:
-        seen = _seen(guessed, read_all_mapped(table, mapping_of(guessed.keys, str(table))))
+        seen = _seen(guessed, read_all_mapped(table, any_mapping_of(guessed.keys, str(table))))
     except RecordingError as error:
         if "gravity_of" not in guessed.keys:
             raise
@@ -89,13 +95,17 @@ def _tell(text: str, json: str | None, guessed: Guessed | None) -> None:
 
 def _seen(guessed: Guessed, recordings: tuple[Recording, ...]) -> list[str]:
     """What the table holds once it is read so."""
+    from nxt_twin.recording.any_mapping import is_robots
+
     profile = guessed.profile
     rows = sum(recording.rows for recording in recordings)
     seconds = sum(recording.duration_s for recording in recordings)
     count = f"{len(recordings)} recordings" if len(recordings) > 1 else "one recording"
     rate = rows / seconds if seconds > 0.0 else 0.0
     unused = f"; no numbers in {', '.join(list(profile.others)[:6])}" if profile.others else ""
+    robot = [_PLANT] if is_robots(guessed.keys) else []
     return [
         f"{profile.path.name}: {profile.kind}, {profile.rows} rows, {len(profile.columns)} columns of numbers{unused}",
         f"read so: {count}, {seconds:.4g} s, about {rate:.4g} rows a second",
+        *robot,
     ]

@@ -12,12 +12,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nxt_twin.errors import CaseError
-from nxt_twin.recording.columns import PORTS, Port, goal_column, power_column, tacho_column
+from nxt_twin.recording.any_mapping import AnyMapping
+from nxt_twin.recording.columns import PORTS, POSE_X, Port, goal_column, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.guess.data_set import mapping_of_part, part_of, plant_of_part
 from nxt_twin.recording.mapped import read_all_mapped
-from nxt_twin.recording.mapping import Mapping
 from nxt_twin.recording.mappings import GivenMapping, MappingOf, given_in_sidecar, mappings, one_mapping
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.tacho_steps import untold_step
@@ -29,6 +29,10 @@ _CASE_FILE = "case.yaml"
 _DEFAULT_PLANT = "nxt_motor"
 _SENSOR_SUFFIX = "_sensor"
 ROBOT_KIND = "differential_drive"
+_ROBOT_MEND = (
+    "write `plant: {kind: differential_drive, left: b, right: c, left_wheel_radius_m: 0.028, "
+    "right_wheel_radius_m: 0.028, track_m: 0.103}` into the table's NAME.yaml"
+)
 
 
 @final
@@ -107,7 +111,7 @@ def read_as_case(path: Path, mapping_of: MappingOf | None = None) -> Case:
     return Case(path.stem, path.parent, plant, recordings, (), port)
 
 
-def with_own_mapping(path: Path) -> tuple[Path, Mapping | None]:
+def with_own_mapping(path: Path) -> tuple[Path, AnyMapping | None]:
     """A table, and the mapping that its sidecar states or that a LeRobot data set has by itself.
 
     Raises:
@@ -218,6 +222,8 @@ def _port(recordings: Sequence[Recording], plant: PlantSource, named: Port | Non
         raise CaseError(f"port {named} lacks {need}", where=where, mend=mend)
     if named is not None:
         return named
+    if len(motors) != 1 and all(POSE_X in recording.columns for recording in recordings):
+        raise CaseError("holds a robot's pose, but its plant is of one motor", where=where, mend=_ROBOT_MEND)
     if len(motors) != 1:
         found = f"ports {', '.join(motors)} have" if motors else "no port has"
         mend = (

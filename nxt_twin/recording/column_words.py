@@ -9,13 +9,14 @@ from types import MappingProxyType
 from typing import Any
 
 from nxt_twin.errors import MappingError
+from nxt_twin.recording.any_mapping import AnyMapping, any_mapping_of, is_robots
 from nxt_twin.recording.columns import DRIVE_MODES
-from nxt_twin.recording.mapping import Mapping, mapping_of
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.nested import with_index
 
 WHERE = "--columns"
 EXAMPLE = "time=ms:ms,power=pwm,angle=ticks:0.088deg"
+ROBOT_EXAMPLE = "time=t:ms,x=px:mm,y=py:mm,heading=th:rad,left_angle=encL:0.5deg,right_angle=encR:0.5deg"
 
 _Units = MappingType[str, tuple[str, float]]
 """By unit: the kind, and how many of the kind's own unit it is."""
@@ -67,12 +68,28 @@ _MODES: MappingType[str, MappingType[Any, str]] = MappingProxyType(
     }
 )
 """Columns that say what the bridge does: by role, the mode that each of its values means."""
-_ROLES = ("time", "period", *INPUTS, *OUTPUTS, "supply", "split", *_MODES)
+_LENGTHS: _Units = MappingProxyType({"m": ("m", 1.0), "mm": ("mm", 1.0), "cm": ("cm", 1.0)})
+_ANGLES: _Units = MappingProxyType({"deg": ("deg", 1.0), "rad": ("rad", 1.0), "turn": ("turn", 1.0)})
+_DUTIES: _Units = MappingProxyType({"pct": ("", 1.0), "%": ("", 1.0), "share": ("", 100.0)})
+ROBOT: MappingType[str, tuple[str, _Units]] = MappingProxyType(
+    {
+        "x": ("pose_x", _LENGTHS),
+        "y": ("pose_y", _LENGTHS),
+        "heading": ("pose_heading", _ANGLES),
+        "left_angle": ("left_angle", _ANGLES),
+        "right_angle": ("right_angle", _ANGLES),
+        "left_power": ("left_power", _DUTIES),
+        "right_power": ("right_power", _DUTIES),
+    }
+)
+"""By role of a robot's table: the key of the mapping, and its units."""
+_ROLES = ("time", "period", *INPUTS, *OUTPUTS, *ROBOT, "supply", "split", *_MODES)
+_TIME_NEED = ("time", ("time", "period"))
 _WORD = re.compile(r"(?P<role>\w+)=(?P<column>.+?)(?::(?P<unit>[^:]*))?")
 _UNIT = re.compile(r"(?P<size>[\d.]+(?:[eE][+-]?\d+)?)?\s*(?P<name>[a-zA-Zµ%][\w/%µ]*)")
 
 
-def mapping_of_words(text: str) -> Mapping:
+def mapping_of_words(text: str) -> AnyMapping:
     """The mapping that `text` states, as ROLE=COLUMN:UNIT between commas.
 
     Raises:
@@ -96,11 +113,26 @@ def mapping_of_words(text: str) -> Mapping:
         if key in keys:
             raise MappingError(f"{quoted(word)} is a second {key}", where=WHERE, mend="keep one")
         keys[key] = value
-    for key, roles in (("time", ("time", "period")), ("input", tuple(INPUTS)), ("output", tuple(OUTPUTS))):
+    _check_whole(keys)
+    return any_mapping_of(keys, WHERE)
+
+
+def _check_whole(keys: MappingType[str, Any]) -> None:
+    """Refuse words that leave out what a motor's or a robot's mapping needs."""
+    if is_robots(keys):
+        needed = [(key, (role,)) for role, (key, _) in ROBOT.items() if not role.endswith("_power")]
+        needs, example = (_TIME_NEED, *needed), ROBOT_EXAMPLE
+        strange = next((key for key in ("input", "output", "mode") if key in keys), None)
+        if strange is not None:
+            mend = f"a robot's roles are {', '.join(ROBOT)}, as in {ROBOT_EXAMPLE}"
+            raise MappingError(f"names both a robot's pose and a motor's {strange}", where=WHERE, mend=mend)
+    else:
+        needs, example = (_TIME_NEED, ("input", tuple(INPUTS)), ("output", tuple(OUTPUTS))), EXAMPLE
+    for key, roles in needs:
         if key not in keys:
-            mend = f"write one of {', '.join(roles)}, as in {EXAMPLE}"
+            either = "one of " if len(roles) > 1 else ""
+            mend = f"write {either}{', '.join(roles)}, as in {example}"
             raise MappingError(f"names no {key}", where=WHERE, mend=mend)
-    return mapping_of(keys, WHERE)
 
 
 def _whole(parts: re.Match[str]) -> str:
@@ -114,6 +146,9 @@ def _read(role: str, column: str, unit: str) -> tuple[str, dict[str, Any]]:
         return "split", {"column": f"{column}:{unit}" if unit else column}
     if role == "period":
         return "time", {"period_s": _period_s(column)}
+    _refuse_swapped(role, column, unit)
+    if role in ROBOT:
+        return ROBOT[role][0], _robots(role, column, unit)
     if role == "time":
         _refuse_unit(unit or "s", TIMES, role)
         return "time", {"column": column, "unit": unit or "s"}
@@ -125,6 +160,22 @@ def _read(role: str, column: str, unit: str) -> tuple[str, dict[str, Any]]:
         return "output", {"column": column, "kind": kind, "gain": gain, **({"step": gain} if is_step else {})}
     kind, gain, _ = _scaled(unit, _SUPPLY, role)
     return "supply", {"column": column, "gain": gain}
+
+
+def _robots(role: str, column: str, unit: str) -> dict[str, Any]:
+    """What stands under a key of a robot's mapping."""
+    name, gain, _ = _scaled(unit, ROBOT[role][1], role)
+    return {"column": column, **({"unit": name} if name else {}), "gain": gain}
+
+
+def _refuse_swapped(role: str, column: str, unit: str) -> None:
+    """Refuse `time=ms:c1`, where the unit stands before the column."""
+    tables = {**INPUTS, **OUTPUTS, **{one: units for one, (_, units) in ROBOT.items()}, "supply": _SUPPLY}
+    known = TIMES if role == "time" else tuple(tables[role])
+    parts = _UNIT.fullmatch(unit)
+    if unit and column in known and (parts["name"] if parts else unit) not in known:
+        mend = f"write {role}={unit}:{column}, the column first"
+        raise MappingError(f"{quoted(unit)} is no unit of {role}", where=WHERE, mend=mend)
 
 
 def _scaled(unit: str, known: _Units, role: str) -> tuple[str, float, bool]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.errors import MappingError, RecordingError
+from nxt_twin.recording.any_mapping import AnyMapping
 from nxt_twin.recording.checks import (
     check_finite,
     check_range,
@@ -22,6 +23,7 @@ from nxt_twin.recording.checks import (
 )
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.joints import at_rest
+from nxt_twin.recording.mapped_robot import robot_recording
 from nxt_twin.recording.mapping import (
     POWER_LIMIT_PCT,
     InputSource,
@@ -33,6 +35,7 @@ from nxt_twin.recording.mapping import (
     TableFormat,
 )
 from nxt_twin.recording.recording import GOALS, InputKind, OutputKind, Recording, SignalKinds
+from nxt_twin.recording.robot_mapping import ROBOT_KEYS, RobotMapping
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.stamps import IN_WORDS, order, time_s
 from nxt_twin.recording.tables.content import TableKind
@@ -59,7 +62,7 @@ _PART = "#"
 _FLAGS = {"true": "1", "false": "0"}
 
 
-def read_mapped(path: Path, mapping: Mapping) -> Recording:
+def read_mapped(path: Path, mapping: AnyMapping) -> Recording:
     """Read a table that holds one recording, as `read_all_mapped` does.
 
     Raises:
@@ -74,8 +77,10 @@ def read_mapped(path: Path, mapping: Mapping) -> Recording:
     return recordings[0]
 
 
-def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
+def read_all_mapped(path: Path, mapping: AnyMapping) -> tuple[Recording, ...]:
     """Read a table from elsewhere as recordings with the columns `time_s`, `input`, `output`, `mode` and `supply_v`.
+
+    A robot's table has the columns of a brick's recording instead, with its wheels on ports b and c.
 
     All are SI but for a `power_pct` input. A row without an input gets the input in force, 0 before the
     first. Outputs and supply are NaN where not sampled. A mapping with a `split` gives one
@@ -101,10 +106,12 @@ def read_all_mapped(path: Path, mapping: Mapping) -> tuple[Recording, ...]:
     )
 
 
-def _of_one_run(table: Table, path: Path, mapping: Mapping, name: str) -> tuple[Recording, ...]:
+def _of_one_run(table: Table, path: Path, mapping: AnyMapping, name: str) -> tuple[Recording, ...]:
     """A run's recording; of an arm's joint, one for each stretch in which the other joints rest."""
     rows = order(table, mapping.time)
     table = table if rows is None else _some_rows(table, rows)
+    if isinstance(mapping, RobotMapping):
+        return (robot_recording(table, path, mapping, name),)
     recording = _recording(table, path, mapping, name)
     if not mapping.gravity_of:
         return (recording,)
@@ -136,13 +143,21 @@ def _kind(table: TableFormat) -> TableKind | None:
     return table.lines or table.format
 
 
-def _chooser(path: Path, mapping: Mapping) -> Choose:
-    """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
+def _sources(mapping: AnyMapping) -> list[tuple[str, Any]]:
+    """What a mapping names columns in, by key."""
+    if isinstance(mapping, RobotMapping):
+        return [(key, getattr(mapping, key)) for key in ("time", *ROBOT_KEYS, "supply", "split")]
     plain = ("time", "input", "output", "supply", "split")
     sources: list[tuple[str, Any]] = [(key, getattr(mapping, key)) for key in plain]
     sources += [("input.sign", mapping.input.sign), *(("mode", each) for each in mapping.mode)]
-    sources += [("gravity_of", each) for each in mapping.gravity_of.values()]
-    wanted = [(key, source.column) for key, source in sources if source and source.column is not None]
+    return [*sources, *(("gravity_of", each) for each in mapping.gravity_of.values())]
+
+
+def _chooser(path: Path, mapping: AnyMapping) -> Choose:
+    """Chooses the mapped columns, and refuses a table that lacks one by the key that names it."""
+    wanted = [
+        (key, source.column) for key, source in _sources(mapping) if source and source.column is not None
+    ]
     labels = ("mode", "split", "input.sign", *(("time",) if mapping.time.unit in IN_WORDS else ()))
 
     def choose(found: Sequence[str]) -> MappingType[str, CellKind]:

@@ -231,7 +231,8 @@ def _flat(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
     return {**rest, "column": f"{given.get('column')}[{index}]"}
 
 
-_FLAT = BeforeValidator(_flat)
+FLAT = BeforeValidator(_flat)
+"""Lets a column be written with an index of its own."""
 
 
 def _flat_list(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
@@ -241,30 +242,34 @@ def _flat_list(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
     return [_flat(each) for each in (given if isinstance(given, list | tuple) else [given])]
 
 
+def with_split_of_table(given: Any) -> Any:  # noqa: ANN401  # what a user wrote
+    """`table: {split: …}` is as good as `split: …`."""
+    table = given.get("table") if isinstance(given, dict) else None
+    if not isinstance(table, dict) or "split" not in table:
+        return given
+    rest = {key: value for key, value in table.items() if key != "split"}
+    return {**given, "table": rest, "split": table["split"]}
+
+
 @final
 class Mapping(BaseModel):
-    """A whole mapping file."""
+    """A whole mapping file of one motor, joint or bench."""
 
     model_config = _STRICT
 
     table: TableFormat = TableFormat()
-    time: Annotated[TimeSource, _FLAT]
-    input: Annotated[InputSource, _FLAT]
-    output: Annotated[OutputSource, _FLAT]
-    supply: Annotated[SupplySource | None, _FLAT] = None
+    time: Annotated[TimeSource, FLAT]
+    input: Annotated[InputSource, FLAT]
+    output: Annotated[OutputSource, FLAT]
+    supply: Annotated[SupplySource | None, FLAT] = None
     mode: Annotated[tuple[ModeSource, ...], BeforeValidator(_flat_list)] = ()
-    split: Annotated[SplitColumn | None, _FLAT] = None
-    gravity_of: dict[str, Annotated[JointSource, _FLAT]] = {}
+    split: Annotated[SplitColumn | None, FLAT] = None
+    gravity_of: dict[str, Annotated[JointSource, FLAT]] = {}
 
     @model_validator(mode="before")
     @classmethod
     def _split_in_table(cls, given: Any) -> Any:  # noqa: ANN401  # what a user wrote
-        """`table: {split: …}` is as good as `split: …`."""
-        table = given.get("table") if isinstance(given, dict) else None
-        if not isinstance(table, dict) or "split" not in table:
-            return given
-        rest = {key: value for key, value in table.items() if key != "split"}
-        return {**given, "table": rest, "split": table["split"]}
+        return with_split_of_table(given)
 
     @model_validator(mode="after")
     def _gravity_turns_an_angle(self) -> Self:

@@ -8,11 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.errors import CaseError, MappingError
-from nxt_twin.recording import mapping as mapping_file
+from nxt_twin.recording.any_mapping import (
+    MAPPING_KEYS,
+    AnyMapping,
+    any_mapping_of,
+    is_robots,
+    read_any_mapping,
+)
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.yaml_file import read_yaml
 
-MappingOf = Callable[[str], mapping_file.Mapping | None]
+MappingOf = Callable[[str], AnyMapping | None]
 """Gives the mapping of a recording by its name; None for a brick's."""
 
 GivenMapping = str | dict[str, Any] | None
@@ -23,7 +29,7 @@ def no_mapping(_name: str) -> None:
     """Every recording is a brick's."""
 
 
-def one_mapping(mapping: mapping_file.Mapping) -> MappingOf:
+def one_mapping(mapping: AnyMapping) -> MappingOf:
     """Every recording is read through `mapping`."""
     return lambda _name: mapping
 
@@ -48,7 +54,7 @@ def mappings(given: GivenMapping, folder: Path, where: str) -> MappingOf:
     return lambda name: _matching(known, name, where)
 
 
-def _matching(known: Mapping[str, mapping_file.Mapping], name: str, where: str) -> mapping_file.Mapping:
+def _matching(known: Mapping[str, AnyMapping], name: str, where: str) -> AnyMapping:
     """The mapping of the file itself, else of the first pattern that fits."""
     file = name.partition("#")[0]
     if file in known:
@@ -67,7 +73,7 @@ def read_mappings(path: Path) -> MappingOf:
     """
     keys = read_yaml(path, MappingError)
     if not keys or _is_mapping(keys):
-        return one_mapping(mapping_file.read_mapping(path))
+        return one_mapping(read_any_mapping(path))
     return mappings(keys, path.parent, str(path))
 
 
@@ -75,16 +81,16 @@ def given_in_sidecar(sidecar: Mapping[str, Any]) -> GivenMapping:
     """The mapping that a sidecar names under `mapping`, or whose keys it holds, as `map --out` writes them."""
     if "mapping" in sidecar or not _is_mapping(sidecar):
         return sidecar.get("mapping")
-    return {key: value for key, value in sidecar.items() if key in mapping_file.Mapping.model_fields}
+    return {key: value for key, value in sidecar.items() if key in MAPPING_KEYS}
 
 
 def _is_mapping(given: Mapping[str, Any]) -> bool:
-    return not given.keys().isdisjoint(("time", "input", "output"))
+    return not given.keys().isdisjoint(("time", "input", "output")) or is_robots(given)
 
 
-def _read(given: object, folder: Path, where: str) -> mapping_file.Mapping:
+def _read(given: object, folder: Path, where: str) -> AnyMapping:
     if isinstance(given, str):
-        return mapping_file.read_mapping(folder / given)
+        return read_any_mapping(folder / given)
     if isinstance(given, dict):
-        return mapping_file.mapping_of(given, where)
+        return any_mapping_of(given, where)
     raise CaseError(f"{quoted(given)} is no mapping", where=where, mend="name a file, or write its keys")

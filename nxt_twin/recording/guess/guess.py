@@ -7,14 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from glob import escape
 from pathlib import Path
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 
 from nxt_twin.errors import MappingError
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
+from nxt_twin.recording.guess.found import Guess
 from nxt_twin.recording.guess.joints import joints_beside
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile, profile_of
+from nxt_twin.recording.guess.robot import RobotColumns, robot_columns
+from nxt_twin.recording.guess.robot_guess import robot_guesses
 from nxt_twin.recording.guess.roles import (
     Roles,
     disorder_of,
@@ -40,14 +43,6 @@ _WHY_JOINTS = (
     "other joints that move; those before it tilt it, those behind it change its load. CHECK each sign, and take out "
     "those that do not bear on its weight"
 )
-
-
-class Guess(NamedTuple):
-    """One key of a mapping: what stands under it, and why."""
-
-    key: str
-    value: dict[str, Any] | list[dict[str, Any]]
-    why: str
 
 
 @final
@@ -86,6 +81,9 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
     if joint is not None:
         _check_joint(profile, joint)
     roles = roles_of(profile, joint)
+    robot = robot_columns(profile.columns, (roles.time, roles.split))
+    if joint is None and robot.is_robots:
+        return _robots(profile, roles, robot)
     found = [_table(profile)]
     lacking = None
     for guess in (_time, _input, _output):
@@ -97,6 +95,20 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
     if others:
         found.append(Guess("gravity_of", others, _WHY_JOINTS))
     return Guessed(profile, (*found, *_optional(profile, roles)), lacking)
+
+
+def _robots(profile: TableProfile, roles: Roles, robot: RobotColumns) -> Guessed:
+    """The guess of a table that a robot on two wheels fills."""
+    found = [_table(profile)]
+    own, lacking = robot_guesses(profile, robot)
+    try:
+        found.append(_time(profile, roles))
+    except MappingError as error:
+        lacking = error
+    rest = [guess for guess in _optional(profile, roles) if guess.key in ("supply", "split")]
+    return Guessed(
+        profile, (*found, *own, *rest), _named_twice(profile) if lacking and profile.twice else lacking
+    )
 
 
 def _named_twice(profile: TableProfile) -> MappingError:

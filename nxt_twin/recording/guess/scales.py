@@ -174,6 +174,18 @@ def _drive_scale(column: TableColumn) -> UnitScale:
     return "power", "pct", 100.0 / column.largest, why
 
 
+def duty_scale(column: TableColumn, largest: float) -> tuple[float, str]:
+    """Percent in one of a duty's column, and why; of several motors' columns `largest` is the largest value."""
+    measures, unit = unit_of(column)
+    if measures == "power":
+        return 1.0, f"its name or unit says {unit}"
+    for most, full in _FULL_SCALES:
+        if largest <= most:
+            told = "in percent" if full == 100.0 else f"full at {full:g}"
+            return 100.0 / full, f"named like a power, up to {largest:.4g}: {told}; CHECK"
+    return 100.0 / largest, f"named like a power, full at its largest value, {largest:g}; CHECK"
+
+
 def is_followed(command: TableColumn, reading: TableColumn) -> bool:
     """Whether the reading, before each leap of the command, is where the command says."""
     at, there = (hold(each.values, float(each.known[0])) for each in (command, reading))
