@@ -278,3 +278,28 @@ def test_columns_in_one_line():
 )
 def test_a_wrong_word_names_what_to_write(refusal, text, part):
     assert part in refusal(MappingError, mapping_of_words, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "time,power,angle\n" + "".join(f"{10 * i},{-50 if i % 9 else 50}%,{i * i}\n" for i in range(60)),
+            "'50%'",
+        ),
+        ("time;power;angle\n" + "".join(f"{10 * i} ms;50 %;{i * i}°\n" for i in range(60)), "'0 ms'"),
+    ],
+)
+def test_units_in_cells_are_told_with_their_place(put, text, told):
+    lacking = guess_mapping(put("percent.csv", text)).lacking
+    assert lacking is not None
+    assert f"percent.csv, row 2: has a unit in a cell: {told}" in str(lacking)
+    assert "into the column's name, such as power_pct" in str(lacking)
+
+
+@pytest.mark.parametrize(("each", "told"), [(1, False), (2, True)])
+def test_repeated_stamps_want_a_look(put, each, told):
+    rows = "".join(f"{10 * (i // each)},{50 if i % 40 < 20 else -50},{i}\n" for i in range(200))
+    guessed = guess_mapping(put("twice.csv", "time_ms,pwm,deg\n" + rows))
+    why = {guess.key: guess.why for guess in guessed.guesses}["time"]
+    assert ("50% of the rows repeat the stamp before" in why and "CHECK" in why) == told

@@ -30,6 +30,7 @@ from nxt_twin.recording.guess.roles import (
 )
 from nxt_twin.recording.guess.scales import input_scale, output_scale, pulse_line, step_of, time_unit, turn_of
 from nxt_twin.recording.guess.signs import sign_values
+from nxt_twin.recording.guess.united import united_cells
 from nxt_twin.recording.guess.vocabulary import MODE_WORDS
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.nested import split_name
@@ -39,6 +40,7 @@ _IN_NAME = re.compile(
 )
 _HIGHEST_V = 24.0
 _NAMED_MOST = 6
+_FEW_REPEATED = 0.02
 _WHY_JOINTS = (
     "other joints that move; those before it tilt it, those behind it change its load. CHECK each sign, and take out "
     "those that do not bear on its weight"
@@ -91,6 +93,8 @@ def guess_mapping(path: Path, joint: str | None = None) -> Guessed:
             found.append(guess(profile, roles))
         except MappingError as error:
             lacking = lacking or (_named_twice(profile) if profile.twice else error)
+    if lacking is not None:
+        lacking = united_cells(profile) or lacking
     others = joints_beside(profile.columns, roles.output)
     if others:
         found.append(Guess("gravity_of", others, _WHY_JOINTS))
@@ -105,6 +109,8 @@ def _robots(profile: TableProfile, roles: Roles, robot: RobotColumns) -> Guessed
         found.append(_time(profile, roles))
     except MappingError as error:
         lacking = error
+    if lacking is not None:
+        lacking = united_cells(profile) or lacking
     rest = [guess for guess in _optional(profile, roles) if guess.key in ("supply", "split")]
     return Guessed(
         profile, (*found, *own, *rest), _named_twice(profile) if lacking and profile.twice else lacking
@@ -190,6 +196,9 @@ def _time(profile: TableProfile, roles: Roles) -> Guess:
         mend = f"write `time: {{period_s: 0.01}}` in a mapping, with the log's own period; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
     unit, why = time_unit(roles.time)
+    repeated = np.mean(np.diff(roles.time.values) == 0.0)
+    if repeated > _FEW_REPEATED:
+        why += f"; {repeated:.0%} of the rows repeat the stamp before: a coarser clock, or rows twice; CHECK"
     disorder = None if roles.split else disorder_of(roles.time)
     if disorder == "wraps":
         wrap = wrap_of(roles.time)

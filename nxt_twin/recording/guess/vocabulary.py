@@ -115,6 +115,11 @@ def unit_of(column: TableColumn) -> tuple[str, str]:
     return "", ""
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit as people write it."""
+    return text.lower() in _UNITS
+
+
 def _endings(column: TableColumn) -> list[str]:
     """What may be a unit at the end of a name: `speed_deg_per_s`, `angle_deg`, `angle/deg`, `t ms`."""
     name = column.name.lower()

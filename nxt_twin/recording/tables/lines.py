@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from array import array
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ WHITESPACE: Literal["whitespace"] = "whitespace"
 MARKS = ("#", "%", "//")
 """What stands before a header that is a remark, as numerical programs write it."""
 _LEAVE_EMPTY = "leave the cell empty where nothing was sampled"
+_UNITED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\W\d_][^\d\s]{0,6}|[+-]?\d+(?:[.,]\d+)?\s*[%°]\w?")
 
 NumberedLine = tuple[int, list[str]]
 Cell = tuple[Path, int, str]
@@ -226,6 +228,8 @@ def _number(text: str, layout: TextLayout, cell: Cell) -> float:
 
 def _marks(text: str, layout: TextLayout) -> str:
     """What mends a cell that is no number: the marks in it may be others than the layout's."""
+    if _UNITED.fullmatch(text):
+        return "write the number alone; its unit belongs into the mapping or the column's name"
     decimal, other = layout.decimal, "," if layout.decimal == "." else "."
     if other in text and (decimal in text or decimal == ","):
         return f'write `table: {{thousands: "{other}"}}` in a mapping'
