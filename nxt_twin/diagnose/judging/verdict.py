@@ -42,7 +42,8 @@ class VerdictLimits:
             little on fitted readings as the plant lets them.
         nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
             nor `drifting`, `forgiven` and `shaped` of any.
-        forgiven: as `large_torque`, for effects that leave more than `still_large` of the baseline's unknown torque.
+        forgiven: unknown torque, as such a fraction, that excuses no error of effects which leave over `still_large`
+            of it.
         shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
             these effects may stand for another law. They do where the function adds more than `most_left` of all gains,
             or leaves less of the unseen error than `confirmed`.
@@ -69,7 +70,7 @@ class VerdictLimits:
     loud: float = 200.0
     surprising_by_windows: float = 1.25
     nearly: float = 2.0
-    forgiven: float = 1e-2
+    forgiven: float = 1.5e-2
     shaped: float = 25.0
 
 
@@ -193,15 +194,15 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether found effects leave an error that only the unknown torque excuses, which they were to explain.
 
-    The floor that a remaining error is compared with rests on that torque. It may therefore not excuse the error where
-    it is large, or where the effects have hardly taken any of it away. Windows alone tell only of the former.
+    The floor that a remaining error is compared with rests on that torque. So it may not excuse the error where the
+    effects have left most of it. By windows alone, how much there was before is not known, and how much is left counts.
     """
     if not record.found or record.remaining <= limits.nearly:
         return False
     if record.by_windows:
         return record.torque_after > limits.large_by_windows
     kept = record.torque_after > limits.still_large * record.torque_before
-    return record.torque_after > (limits.forgiven if kept else limits.large_torque)
+    return kept and record.torque_after > limits.forgiven
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
