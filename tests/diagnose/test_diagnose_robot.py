@@ -1,6 +1,7 @@
 """A robot's missing physics, told from its wheels and a pose from outside."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -272,3 +273,33 @@ def test_the_next_experiment_is_a_path_to_drive(tmp_path):
     turned = [leg.turn_deg for leg in path.legs if leg.turn_deg]
     assert max(turned) > 0.0 > min(turned)
     assert path.why == experiment.why
+
+
+def _with_columns(case, change):
+    changed = tuple(
+        replace(each, columns={**each.columns, **change(each.columns)}) for each in case.recordings
+    )
+    return replace(case, recordings=changed)
+
+
+def test_wheels_of_another_unit_get_no_name():
+    case = _with_columns(robot_case(), lambda columns: {
+        name: 0.2 * columns[name] for name in ("b_tacho_deg", "c_tacho_deg")
+    })  # fmt: skip
+    answer = diagnose_robot(case)
+    assert answer.diagnosis.verdict == "unexplained"
+    assert ids(answer) == []
+    assert "Check units, gains and signs" in answer.diagnosis.notes[0]
+    assert answer.model.geometry == drive_from_config(PLANT).geometry
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda columns: {"b_tacho_deg": columns["c_tacho_deg"], "c_tacho_deg": columns["b_tacho_deg"]},
+        lambda columns: {"pose_heading_deg": -columns["pose_heading_deg"], "pose_y_m": -columns["pose_y_m"]},
+    ],
+)
+def test_a_pose_that_turns_against_its_wheels_is_refused(change):
+    with pytest.raises(DiagnosisError, match=r"turns the other way round than its wheels .exchange `left`"):
+        diagnose_robot(_with_columns(robot_case(), change))

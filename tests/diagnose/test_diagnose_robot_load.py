@@ -1,9 +1,10 @@
-"""A payload on a robot: how far it reaches is unknown, and its interval admits that."""
+"""A payload on a robot: its reach is unknown, and commands may act late."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from diagnose_robot_cases import powered_case, robot_of_seed
 
@@ -21,3 +22,28 @@ def test_the_interval_of_a_payload_admits_that_its_reach_is_unknown(reach):
     assert effect.id == "payload_mass"
     low_kg, high_kg = effect.params["added_mass_kg"].interval_95
     assert low_kg < ADDED_KG < high_kg < 2.5 * ADDED_KG
+
+
+def _stamped_early(case, rows):
+    """The case where each command is stamped some rows before it acts."""
+
+    def early(recording):
+        powers = {
+            name: np.concatenate([values[rows:], np.full(rows, values[-1])])
+            for name, values in recording.columns.items()
+            if name.endswith(("_power_pct", "_mode"))
+        }
+        return replace(recording, columns={**recording.columns, **powers})
+
+    return replace(case, recordings=tuple(map(early, case.recordings)), holdout=())
+
+
+def test_commands_that_act_late_are_no_missing_force():
+    truth = robot_of_seed(5)
+    loaded = powered_case("late", replace(truth, mass_kg=truth.mass_kg + ADDED_KG), 1)
+    period_s = float(np.median(np.diff(loaded.recordings[0].time_s)))
+    found = diagnose_robot(_stamped_early(loaded, 3)).diagnosis
+    assert found.verdict == "explained"
+    assert [effect.id for effect in found.effects] == ["payload_mass"]
+    (told,) = (note for note in found.notes if "after their stamps" in note)
+    assert abs(float(told.split("act ")[1].split(" ms")[0]) - 3e3 * period_s) <= 10.0

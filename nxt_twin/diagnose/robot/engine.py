@@ -50,6 +50,8 @@ STRUCTURED_SHARE: Final = 0.1
 """What is left is more than noise where letting it go with something gains so much and accounts for such a share."""
 
 _PARTS: Final = 4
+_FARTHEST: Final = 3.0
+"""No wear and no mistaken part makes a wheel three times as large; a column's unit, gain or sign does."""
 _METRIC: Final = "position RMSE over whole runs from the wheels and the first pose, held-out"
 
 
@@ -75,6 +77,17 @@ class _RobotEvidence:
     short: ShortErrors
     powered: PoweredFindings | None
     tolerance_m: float | None
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the fitted wheels and track are a robot's, and near enough the given ones to be theirs."""
+        fitted, given = self.found.final.state.as_geometry, self.drive.geometry
+        ratios = (
+            fitted.left_wheel_radius_m / given.left_wheel_radius_m,
+            fitted.right_wheel_radius_m / given.right_wheel_radius_m,
+            fitted.track_m / given.track_m,
+        )
+        return all(1.0 / _FARTHEST < ratio < _FARTHEST for ratio in ratios)
 
     @property
     def structured(self) -> RobotLeft | None:
@@ -136,7 +149,7 @@ def diagnose_robot(
         case, drive, found, judged, tuple(what_is_left(after)), before, powered, tolerance_m
     )
     diagnosis = _diagnosis(evidence)
-    geometry = model_of(found.final).geometry
+    geometry = model_of(found.final).geometry if evidence.is_possible else drive.geometry
     named = {
         effect.id: {name: one.value for name, one in effect.params.items()} for effect in diagnosis.effects
     }
@@ -181,12 +194,16 @@ def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
     powered = evidence.powered
     small = path_shifts(found, evidence.drive.geometry).below(evidence.tolerance_m)
     named = [effect for effect in found_effects(found) if effect.id not in small]
+    if not evidence.is_possible:
+        named = []
     effects = (*named, *(powered.effects if powered else ()))
     horizons = horizons_of(judged)
     whole = horizons[-1]
     reached = evidence.tolerance_m is not None and whole.improved < MM * evidence.tolerance_m
     structured = None if reached else evidence.structured
-    verdict: Verdict = "unexplained" if structured else "explained" if effects else "adequate"
+    verdict: Verdict = (
+        "unexplained" if structured or not evidence.is_possible else "explained" if effects else "adequate"
+    )
     fit = Fit(_METRIC, "mm", whole.baseline, whole.improved, whole.floor, horizons)
     return Diagnosis(
         name=evidence.case.name,
@@ -199,6 +216,7 @@ def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
         fit=fit,
         next_experiment=words.next_path(effects, verdict, structured, found.runs),
         notes=(
+            *words.impossible(evidence.is_possible, evidence.drive.geometry, found.final.state.as_geometry),
             *words.notes(judged, found.spread, found.slips, structured, found.runs),
             *(powered.notes if powered else ()),
         ),

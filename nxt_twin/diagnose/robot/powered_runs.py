@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -18,6 +18,7 @@ from nxt_twin.recording.recording import Recording
 _SMOOTH_S: Final = 0.12
 _NUDGE: Final = np.array([[0.02, 0.0], [0.0, 0.2]])
 _APART_S: Final = 100.0
+_HALF: Final = 0.5
 
 
 @final
@@ -34,6 +35,7 @@ class PoweredStack:
         place: measured x + i·y.
         speeds: travel and turning rate from the counts, shape (rows, 2).
         shape: radii, track, caster, as `wheel_angles` takes them.
+        delay_s: by which the voltages act later than the recordings' stamps say.
     """
 
     run: IntArray
@@ -44,6 +46,15 @@ class PoweredStack:
     place: FloatArray
     speeds: FloatArray
     shape: FloatArray
+    delay_s: float = 0.0
+
+    def delayed(self, delay_s: float) -> PoweredStack:
+        """The runs where all commands act later by a delay; each row has the mean voltage until the next."""
+        volts = self.volts.copy()
+        for index in range(int(self.run[-1]) + 1):
+            rows = np.flatnonzero(self.run == index)
+            volts[rows] = _later(self.time_s[rows], self.volts[rows], delay_s)
+        return replace(self, volts=volts, delay_s=self.delay_s + delay_s)
 
     def windows(self, length_s: float) -> IntArray:
         """The window that each row is in; windows of about a length, none across two runs."""
@@ -112,6 +123,21 @@ def powered_stack(
         speeds=np.concatenate(speeds),
         shape=np.array([*radii, geometry.track_m, shape_back_m]),
     )
+
+
+def _later(time_s: FloatArray, volts: FloatArray, delay_s: float) -> FloatArray:
+    """Mean voltages from each row to the next, of commands that act later; NaN where they mostly let the motor go."""
+    free = np.isnan(volts)
+    both = np.concatenate([np.where(free, 0.0, volts), free.astype(np.float64)], axis=1)
+    span = np.diff(time_s)
+    summed = np.concatenate([np.zeros((1, 4)), np.cumsum(both[:-1] * span[:, None], axis=0)])
+    edges = time_s - delay_s
+    reached = np.stack([np.interp(edges, time_s, column) for column in summed.T], axis=1)
+    reached += np.minimum(edges - time_s[0], 0.0)[:, None] * both[0]
+    mean = np.diff(reached, axis=0) / span[:, None]
+    share = np.concatenate([mean[:, 2:], mean[-1:, 2:]])
+    known = np.concatenate([mean[:, :2], mean[-1:, :2]]) / np.maximum(1.0 - share, _HALF)
+    return np.where(share > _HALF, np.nan, known)
 
 
 def _duty(recording: Recording, port: Port) -> FloatArray:

@@ -20,6 +20,9 @@ from nxt_twin.recording.recording import Recording
 
 _FEWEST_ROWS: Final = 20
 _LEAST_TRAVEL_RAD: Final = pi
+_PIECES: Final = 200
+_TURNED_RAD: Final = pi / 3.0
+_AGAINST: Final = -0.7
 _POSE: Final = (POSE_X, POSE_Y, POSE_HEADING)
 
 
@@ -98,8 +101,29 @@ def _run(recording: Recording, drive: DifferentialDrive) -> RobotRun:
         what = "its wheels turn less than half a turn"
         raise DiagnosisError(what, where=recording.name, mend="record a run in which the robot drives")
     heading = np.unwrap(np.radians(columns[POSE_HEADING][kept]))
+    _check_sense(recording, left - right, heading)
     pose = PosePath(columns[POSE_X][kept], columns[POSE_Y][kept], heading)
     return RobotRun(recording.name, session_of(recording.name), recording.time_s[kept], left, right, pose)
+
+
+def _check_sense(recording: Recording, apart_rad: FloatArray, heading_rad: FloatArray) -> None:
+    """Refuse a pose that turns the other way round than the wheels: no physics does that.
+
+    Args:
+        recording: to be named.
+        apart_rad: angle of the left wheel minus that of the right one.
+        heading_rad: as measured, unwrapped.
+    """
+    pieces = slice(None, None, max(1, apart_rad.size // _PIECES))
+    by_wheels, seen = np.diff(-apart_rad[pieces]), np.diff(heading_rad[pieces])
+    size = float(np.sqrt((by_wheels @ by_wheels) * (seen @ seen)))
+    if np.ptp(heading_rad) > _TURNED_RAD and size > 0.0 and float(by_wheels @ seen) < _AGAINST * size:
+        what = "its pose turns the other way round than its wheels"
+        mend = (
+            "exchange `left` and `right` in the plant; or, where the heading grows clockwise or y points to the right, "
+            "change their signs"
+        )
+        raise DiagnosisError(what, where=recording.name, mend=mend)
 
 
 def _wheel(recording: Recording, port: Port) -> FloatArray:

@@ -16,6 +16,7 @@ from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.spread import SessionSpread
 from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.diagnose.telling.words import listed
+from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.recording.robot_path import squares_and_lines
 
 _ONE_WAY: Final = 0.1
@@ -31,6 +32,18 @@ _BY: Final = {
     "track_m": ("track", 1e3, "mm"),
     "heading_offset_deg": ("heading offset", 1.0, "°"),
 }
+
+
+def impossible(is_possible: bool, given: Geometry, fitted: Geometry) -> tuple[str, ...]:
+    """A line on wheels and a track that cannot be the robot's; none where they can."""
+    if is_possible:
+        return ()
+    radius = fitted.mean_wheel_radius_m / given.mean_wheel_radius_m
+    return (
+        f"The pose would need wheels of {1e3 * fitted.mean_wheel_radius_m:.3g} mm, {radius:.2g} times those given, and "
+        f"a track of {1e3 * fitted.track_m:.3g} mm. Check units, gains and signs of the wheels' columns and the pose, "
+        "and which wheel is left.",
+    )
 
 
 def sentence(verdict: Verdict, effects: Sequence[FoundEffect], fit: Fit) -> str:
