@@ -1,13 +1,21 @@
 """Parameters that a re-fit moved tenfold, or to nothing."""
 
+import csv
+import math
+
 import numpy as np
 import pytest
+import yaml
 
 import nxt_twin as nt
+from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.diagnose.telling.far import moved_far
+from nxt_twin.recording.case import read_case
 
 GIVEN = nt.load_plant("nxt_motor")
+LIGHT = 0.06  # of the true inertia
+STEP_S, POLL_S, LENGTH_S = 1e-4, 0.02, 10.0
 
 
 def refitted(**times):
@@ -41,3 +49,39 @@ def test_the_squares_of_a_simulation_that_ran_away_are_numbers():
     assert np.isfinite(wild @ wild)
     np.testing.assert_array_equal(wild[2:], [0.0, 2.0])
     assert wild[0] > 0.0 > wild[1]
+
+
+def written(path, seed):
+    """Ten seconds of a motor by Euler's method, with friction as a smooth function of speed."""
+    keys, rng = GIVEN.to_config(), np.random.default_rng(seed)
+    constant, inertia = keys["torque_constant_nm_per_a"], keys["inertia_kg_m2"]
+    angle = speed = current = until_s = 0.0
+    duty, rows = 0, []
+    for step in range(round(LENGTH_S / STEP_S)):
+        now_s = step * STEP_S
+        if step % round(POLL_S / STEP_S) == 0:
+            if now_s >= until_s:
+                duty = int(rng.choice([-1, 1]) * rng.integers(25, 100))
+                until_s = now_s + rng.uniform(0.3, 1.0)
+            rows.append((f"{now_s:.3f}", duty, math.floor(math.degrees(angle) + 0.5)))
+        voltage = duty / 100 * keys["supply_v"] - keys["resistance_ohm"] * current - constant * speed
+        current += STEP_S * voltage / keys["inductance_h"]
+        friction = keys["coulomb_friction_nm"] * math.tanh(speed / 0.02)
+        friction += keys["viscous_friction_nm_s_per_rad"] * speed
+        speed += STEP_S * (constant * current - friction) / inertia
+        angle += STEP_S * speed
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows([("time_s", "a_power_pct", "a_tacho_deg"), *rows])
+    return path.name
+
+
+def test_a_diagnosis_from_a_far_too_light_model_begins_with_it_and_simulates_no_worse(tmp_path):
+    plant = {**GIVEN.to_config(), "inertia_kg_m2": LIGHT * GIVEN.to_config()["inertia_kg_m2"]}
+    recordings = [written(tmp_path / f"run{seed}.csv", seed) for seed in range(3)]
+    (tmp_path / "case.yaml").write_text(yaml.safe_dump({"plant": plant, "recordings": recordings}))
+    diagnosis = diagnose(read_case(tmp_path)).diagnosis
+    assert diagnosis.verdict == "adequate"
+    assert diagnosis.sentence.startswith("The re-fit moved inertia_kg_m2 to ")
+    assert "times the given 7.2e-05. Nothing is missing" in diagnosis.sentence
+    for horizon in diagnosis.fit.horizons:
+        assert horizon.baseline < 0.1 * horizon.given
