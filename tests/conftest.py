@@ -63,8 +63,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         _compile_ahead()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out real recordings, which few people have, unless they are named; and slow tests if asked to."""
+    _mark_slow_variants(items)
     left_out = {} if os.environ.get(DATA_VARIABLE) else {"real_data": _REAL}
     if config.getoption("--quick"):
         left_out["slow"] = _SLOW
@@ -72,6 +74,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for name, reason in left_out.items():
             if item.get_closest_marker(name):
                 item.add_marker(pytest.mark.skip(reason=reason))
+
+
+def _mark_slow_variants(items: list[pytest.Item]) -> None:
+    """Give all but the first quick set of parameters of a test marked `slow_variants` the mark `slow`."""
+    begun: set[str] = set()
+    for item in items:
+        if not item.get_closest_marker("slow_variants") or item.get_closest_marker("slow"):
+            continue
+        name = item.nodeid.partition("[")[0]
+        if name in begun:
+            item.add_marker(pytest.mark.slow)
+        begun.add(name)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

@@ -78,6 +78,7 @@ def test_ten_kinds_of_unknown_physics_and_no_two_of_a_name():
     assert len(unknown) >= 10
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("family", "effect"),
     [
@@ -146,6 +147,7 @@ def test_a_recording_begins_with_the_motor_off_or_in_the_midst_of_a_program_or_o
         assert all(np.isfinite(one.columns["battery_v"][0]) for one in case.recordings)
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     "family", [pytest.param(one, marks=pytest.mark.slow) if one == "mujoco" else one for one in FOREIGN]
 )

@@ -88,6 +88,7 @@ def test_a_robot_that_cannot_be_diagnosed_is_named(tmp_path, monkeypatch):
         next(solve_robots([RobotPlan("clean", (), 7)], tmp_path))
 
 
+@pytest.mark.slow
 def test_a_cable_that_pulls_is_known_to_no_effect_and_refused():
     said = diagnose_robot(case_of_world(make_world(("unknown_tether",), 0), 0)).diagnosis
     assert said.verdict == "unexplained"

@@ -6,6 +6,7 @@ import pytest
 from nxt_twin.blind.robot.pairs import PairOutcome, done_to, make_pair, pairs_as_text, solve_pairs
 
 
+@pytest.mark.slow
 def test_equal_seeds_make_equal_pairs_and_ten_in_a_row_hold_every_kind():
     one, other = make_pair(303), make_pair(303)
     first, again = one.after.recordings[0], other.after.recordings[0]

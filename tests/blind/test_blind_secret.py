@@ -72,6 +72,7 @@ def test_a_late_command_acts_late():
     assert motor.hub_rad > 0.02
 
 
+@pytest.mark.slow
 def test_a_tired_battery_is_the_bricks_own():
     drained, plain = (
         brick_with(secret) for secret in (concealed(2, effects=("battery_drain",), size="large"), NOTHING)

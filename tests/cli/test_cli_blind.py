@@ -44,6 +44,7 @@ def test_each_case_has_its_recordings_its_seal_and_elsewhere_its_answer(made):
         assert "gravity" not in "".join(path.read_text() for path in case.iterdir())
 
 
+@pytest.mark.slow
 def test_the_same_seed_makes_the_same_set(made, tmp_path):
     again = (
         "blind",

@@ -13,13 +13,14 @@ def named_or_confused(diagnosis):
     return found | {other.id for effect in diagnosis.effects for other in effect.confusable_with}
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("effect", "made"),
     [
         ("gravity_load", LONG),
         ("command_delay", {"seed": 12}),
-        pytest.param("stiction", {"seed": 13}, marks=pytest.mark.slow),
-        pytest.param("shaft_compliance", TWISTING, marks=pytest.mark.slow),
+        ("stiction", {"seed": 13}),
+        ("shaft_compliance", TWISTING),
     ],
 )
 def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect, made):
@@ -29,6 +30,7 @@ def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect
     assert diagnosis.fit.improved < 0.9 * diagnosis.fit.baseline
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("made", [LETS_GO, {"seed": 22, "link": "bluetooth"}], ids=["usb", "bluetooth"])
 def test_nothing_is_blamed_where_only_parameters_were_wrong(made):
     diagnosis = diagnosed((), **made).diagnosis

@@ -85,6 +85,7 @@ def test_floors_grow_where_a_complete_model_simulates_what_was_fitted_worse_than
     assert np.all(np.array(high) > 2.0 * np.array(low))
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(("off", "grows"), [(0.0, 1.3), (0.1, 6.2)])
 def test_the_dry_friction_of_a_complete_model_may_be_off_by_a_tenth(made, monkeypatch, off, grows):
     simulator, problem, noise = made

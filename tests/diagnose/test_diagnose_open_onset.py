@@ -39,6 +39,7 @@ def with_payload_from(first):
     return Case("made", Path(), {"kind": "dc_motor", **NOMINAL}, tuple(taken), (), "a")
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(("first", "started_at"), [(HELD_OUT, HELD_OUT + 1), (HELD_OUT + 1, HELD_OUT)])
 def test_the_held_out_recording_tells_whether_the_payload_was_on(first, started_at):
     case = with_payload_from(first)

@@ -70,6 +70,7 @@ def test_a_robot_as_its_model_says_lacks_nothing():
     assert answer.diagnosis.fit.improved < 1.3 * answer.diagnosis.fit.floor
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("truth", "effect", "parameter", "value"),
     [

@@ -33,6 +33,7 @@ def test_a_robot_that_is_as_before_has_not_changed_however_far_its_model_is_off(
     assert said.refit["track_m"].after == pytest.approx(truth.get("track_m", 0.12), abs=2e-4)
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("truth", "of", "value"),
     [
@@ -81,12 +82,13 @@ def test_a_side_without_a_pose_is_refused_by_its_recording():
         changed_any(before, [bare])
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("change", "of"),
     [
-        pytest.param({}, [], marks=pytest.mark.slow),
         ({"mass_kg": 0.7}, ["payload_mass"]),
-        pytest.param({"dry_nm": 1.8}, ["right_motor.coulomb_friction_nm"], marks=pytest.mark.slow),
+        ({}, []),
+        ({"dry_nm": 1.8}, ["right_motor.coulomb_friction_nm"]),
     ],
 )
 def test_powers_tell_what_changed_in_motors_and_body(change, of):

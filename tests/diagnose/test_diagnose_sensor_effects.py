@@ -24,6 +24,7 @@ SLOW = {"ultrasonic_blind_zone", "ultrasonic_near_offset", "ultrasonic_dropout"}
 """These take three to eight seconds each."""
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("kind", "effect", "near"),
     [
@@ -70,6 +71,7 @@ def test_what_no_library_holds_stays_unexplained(kind, surprise):
     assert said.next_experiment is not None
 
 
+@pytest.mark.slow
 def test_two_effects_at_once():
     effects = ("light_ambient_offset", "light_saturation")
     answer, truth = sensor_diagnosis("light_sensor", effects, every=FEWER["light_sensor"])

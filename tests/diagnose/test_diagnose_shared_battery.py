@@ -81,6 +81,7 @@ def _diagnosed(folder, port, **effects):
     return diagnose(read_case(folder)).diagnosis
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(("how", "ports"), [("alike", "a"), ("apart", "a"), ("floating", "a")])
 def test_the_battery_that_all_share_is_named_with_its_own_resistance(cases, how, ports):
     for port in ports:
@@ -98,6 +99,7 @@ def test_where_the_battery_hardly_matters_to_a_simulation_it_may_go_unnamed(case
     assert found.fit.improved < 1.2 * found.fit.floor
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("how", "ports"),
     [("alike", "b"), ("floating", "b"), ("two", "a")],

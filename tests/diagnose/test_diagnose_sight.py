@@ -49,6 +49,7 @@ def gained(simulator, effect_id, size):
     return weight.gain > LIMITS.gain_nats and weight.total > LIMITS.gain_nats + LIMITS.check_nats
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("effect_id", TRUTH)
 def test_the_smallest_size_that_would_be_seen_is_right_within_a_factor_of_three(
     simulator, clean_linear, effect_id

@@ -16,6 +16,7 @@ def located(case):
         return sources(simulator, problem, baseline)
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     ("effect", "size", "seed", "source"),
     [

@@ -120,6 +120,7 @@ def test_names_are_listed() -> None:
     assert {"motor_steps", "two_sensors"} < set(names)
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("kind", ["distance_sweep", "angle_sweep", "touch_cycles", "gradient_sweep"])
 def test_nothing_is_missing_from_a_sensor_that_was_identified(tmp_path: Path, kind: str) -> None:
     run(write(kind, tmp_path), "mock:?seed=3", "--out", str(tmp_path / "run"))

@@ -73,6 +73,7 @@ def test_a_sweep_is_a_recording(tmp_path: Path) -> None:
     assert abs(off[far]).max() < 5
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("kind", ["distance_sweep", "angle_sweep", "gradient_sweep", "two_sensors"])
 def test_an_interrupted_sweep_goes_on_where_it_stopped(kind: str, tmp_path: Path) -> None:
     experiment = small(kind)

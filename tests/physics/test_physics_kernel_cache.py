@@ -50,6 +50,7 @@ def test_a_cache_folder_that_is_not_there_yet_is_made_and_filled(turned_deg, tmp
     assert [path.suffix for path in folder.iterdir() if path.is_file()] == [".py"]
 
 
+@pytest.mark.slow
 def test_without_any_folder_to_write_the_kernel_still_works(turned_deg, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "file" / "below"))

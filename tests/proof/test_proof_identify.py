@@ -8,6 +8,7 @@ SLOW = ("motor, resistance as the anchor", "motor, disc as the anchor", "motor o
 OURS = [name for name in STUDIES if not name.startswith("NOT")]
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in OURS]
 )

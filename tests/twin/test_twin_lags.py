@@ -68,6 +68,7 @@ def _divergences(path, lags):
     return [event.words for event in memory.events if event.kind == "divergence"]
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("profile", ["usb", "bluetooth"])
 @pytest.mark.parametrize("record", [_watched, _written_down])
 def test_three_motors_played_again_hold_as_they_did_live(tmp_path, record, profile):

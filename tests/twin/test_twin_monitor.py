@@ -16,7 +16,8 @@ from nxt_twin.blind.truth.sensing import Sensing
 SEEDS = range(7000, 7002)
 
 
-@pytest.mark.parametrize("link", ["usb", pytest.param("bluetooth", marks=pytest.mark.slow)])
+@pytest.mark.slow_variants
+@pytest.mark.parametrize("link", ["usb", "bluetooth"])
 def test_no_alarm_where_nothing_is_missing(link):
     """Two minutes over both links, a random torque of 2 mN·m that no model has; docs/live.md has the long run."""
     for seed in SEEDS:
@@ -26,6 +27,7 @@ def test_no_alarm_where_nothing_is_missing(link):
             assert [event.words for event in fed.events if event.kind == "divergence"] == []
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("effect", ["constant_load", "backlash", "payload_inertia"])
 def test_most_concealed_effects_raise_the_alarm(effect):
     """In two motors of three; a third says no more once two have."""
