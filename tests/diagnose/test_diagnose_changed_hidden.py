@@ -7,6 +7,7 @@ from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.recording.case import Case
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_more_inertia_and_viscous_friction_are_told_from_another_resistance(tmp_path, seed):
     pair = make_pair(PairPlan("pair", "bristle", seed, ("viscous_friction", "inertia")))

@@ -13,6 +13,7 @@ from nxt_twin.diagnose.robot.engine import diagnose_robot
 ADDED_KG = 0.6
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("reach", [0.0, 0.3])
 def test_the_interval_of_a_payload_admits_that_its_reach_is_unknown(reach):
     truth = robot_of_seed(5)

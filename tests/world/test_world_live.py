@@ -105,12 +105,14 @@ def hard(power):
     ]
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("power", [80, 100])
 def test_slip_at_hard_starts_does_not_part_robot_and_ghost(watched, power):
     twin, arena = watched(28.0)
     assert [event.kind for event in drive(twin, arena, 2 * hard(power))] == ["slip"]
 
 
+@pytest.mark.slow_variants
 @pytest.mark.parametrize("power", [80, 100])
 def test_a_smaller_wheel_is_named_and_adopted_beside_slip_at_hard_starts(watched, power):
     twin, arena = watched(27.0)

@@ -13,6 +13,7 @@ from nxt_twin.diagnose.fitting.likeness import VOLTAGES
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.intervals import FROZEN_DOUBT
+from nxt_twin.diagnose.judging.verdict import LIMITS
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter
@@ -37,9 +38,12 @@ def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
 
 
 def vague_effect(evidence: Evidence) -> Effect | None:
-    """The weakest of several found effects whose size is hardly clear of zero: it stands for something else."""
+    """The weakest found effect whose size is hardly clear of zero: it stands for something else.
+
+    It is one of several, or brings a simulation of unseen readings no nearer.
+    """
     found = [effect for effect, _ in evidence.explanation.found]
-    if len(found) < _SEVERAL:
+    if len(found) < _SEVERAL and evidence.record.nearer < LIMITS.no_nearer:
         return None
     return next((effect for effect in reversed(found) if _is_vague(evidence, effect)), None)
 
