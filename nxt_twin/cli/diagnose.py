@@ -5,6 +5,7 @@ Its imports stand inside the functions: help comes at once, without the compiler
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -139,7 +140,7 @@ def _write_report(diagnosis: Diagnosis, folder: Path) -> Path:
 
 def _labels(paths: list[Path]) -> list[str | None]:
     """A name for each of several cases that would otherwise share one; None keeps a case's own."""
-    stems = [path.resolve().stem for path in paths]
+    stems = [Path(os.path.realpath(path)).stem for path in paths]
     return [
         f"{path.resolve().parent.name}-{stem}" if stems.count(stem) > 1 else None
         for path, stem in zip(paths, stems, strict=True)

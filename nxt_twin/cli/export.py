@@ -50,9 +50,11 @@ def export(
 
 def _export_plant(model: str, to: FormatName, out: Path | None, json: str | None) -> None:
     from nxt_twin.api.files import load_plant
-    from nxt_twin.export.axis import axis_of
+    from nxt_twin.export.axis import axis_of, check_kind
     from nxt_twin.export.formats import export as write
+    from nxt_twin.recording.configs import load_plant_config
 
+    check_kind(load_plant_config(model), model)
     made = write(axis_of(load_plant(model), Path(model).stem), to)
     if out is not None:
         out.write_text(made.text, encoding="utf-8")

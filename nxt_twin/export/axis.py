@@ -48,6 +48,17 @@ class Axis:
         return max(0.0, self.stall_torque_nm - self.coulomb_friction_nm) / losses
 
 
+def check_kind(config: Mapping[str, Any], name: str) -> None:
+    """Refuse a plant that no format carries, by its keys.
+
+    Raises:
+        PlantError: it is of another kind than dc_motor.
+    """
+    if config.get("kind") != _KIND:
+        mend = f"only a plant of kind {_KIND} can be exported"
+        raise PlantError(f"is of kind {config.get('kind')}", where=name, mend=mend)
+
+
 def axis_of(plant: Plant, name: str) -> Axis:
     """The axis of a plant.
 
@@ -59,9 +70,7 @@ def axis_of(plant: Plant, name: str) -> Axis:
         PlantError: it is of another kind.
     """
     config = plant.to_config()
-    if config["kind"] != _KIND:
-        mend = f"only a plant of kind {_KIND} can be exported"
-        raise PlantError(f"is of kind {config['kind']}", where=name, mend=mend)
+    check_kind(config, name)
     return Axis(
         name=re.sub(r"\W", "_", name) or "motor",
         supply_v=config["supply_v"],

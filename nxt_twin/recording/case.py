@@ -18,7 +18,14 @@ from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.guess.data_set import mapping_of_part, part_of, plant_of_part
 from nxt_twin.recording.mapped import read_all_mapped
-from nxt_twin.recording.mappings import GivenMapping, MappingOf, given_in_sidecar, mappings, one_mapping
+from nxt_twin.recording.mappings import (
+    GivenMapping,
+    MappingOf,
+    given_in_sidecar,
+    mappings,
+    no_mapping,
+    one_mapping,
+)
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.tacho_steps import untold_step
 from nxt_twin.recording.yaml_file import read_model
@@ -123,6 +130,8 @@ def with_own_mapping(path: Path) -> tuple[Path, AnyMapping | None]:
 
 
 def _beside(path: Path) -> MappingOf:
+    if not path.name:
+        return no_mapping
     file = path.parent / path.name.partition("#")[0]
     given = given_in_sidecar(read_sidecar(file))
     part = part_of(path) if given is None else None

@@ -71,6 +71,8 @@ def read_sidecar(path: Path) -> dict[str, Any]:
     Raises:
         RecordingError: if there is a sidecar that is no YAML, or its `plant` is neither a name nor keys.
     """
+    if not path.name:
+        return {}
     sidecar = path.with_suffix(".yaml")
     if not sidecar.exists():
         return {}

@@ -181,6 +181,8 @@ def recover(path: Path) -> Recovered:
         RecordingError: there is no stream, somebody writes it, nothing in it is whole, or the recording is there
             already.
     """
+    if not path.name:
+        raise RecordingError("is no file name", where=str(path), mend="name the recording that was cut off")
     final_path = path.with_name(path.name.removesuffix(STREAM_SUFFIX))
     stream = stream_path(final_path)
     if not stream.is_file():

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import nxt_twin as nt
 from nxt_twin.cli.app import program
-from nxt_twin.export.axis import Axis, axis_of
+from nxt_twin.export.axis import Axis, axis_of, check_kind
 from nxt_twin.export.formats import FORMATS, export
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
@@ -142,3 +142,11 @@ def test_what_is_no_motor_is_refused():
     body = plant_from_config({"kind": "rigid_body", "inertia": 1.0}, "torque_nm")
     with pytest.raises(nt.NxtTwinError, match="only a plant of kind dc_motor"):
         axis_of(body, "body")
+
+
+@pytest.mark.parametrize(
+    ("model", "kind"), [("castor_bot", "differential_drive"), ("servo_sts3215", "servo")]
+)
+def test_a_built_in_plant_that_is_no_motor_is_refused_by_its_kind(model, kind):
+    with pytest.raises(nt.NxtTwinError, match=f"{model}: is of kind {kind} .only a plant of kind dc_motor"):
+        check_kind(load_plant_config(model), model)

@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from pyarrow import feather
 from scipy.io import savemat
 
+from nxt_twin.api.files import read_recording as api_read_recording
 from nxt_twin.errors import LONGEST_LINE, CaseError, MappingError, NxtTwinError, RecordingError
 from nxt_twin.recording.case import read_case
 from nxt_twin.recording.files import read_recording
+from nxt_twin.recording.guess.guess import guess_mapping
 from nxt_twin.recording.mapped import read_mapped
 from nxt_twin.recording.mapping import Mapping, read_mapping
 
@@ -244,3 +246,20 @@ def test_a_case_that_lists_a_hundred_thousand_files_is_refused_at_once(put, refu
 )
 def test_an_overlong_cell_or_name_is_quoted_in_part(put, refusal, content):
     assert len(refusal(RecordingError, read_recording, put("run.csv", content))) < 400
+
+
+def test_a_loop_of_links_is_refused(tmp_path):
+    loop = tmp_path / "loop.csv"
+    loop.symlink_to(loop)
+    with pytest.raises(RecordingError, match="cannot be read"):
+        read_recording(loop)
+
+
+def test_no_name_at_all_is_a_folder():
+    with pytest.raises(RecordingError, match="is a folder where a file is expected"):
+        api_read_recording("")
+
+
+def test_a_table_of_one_row_is_told_as_such(put):
+    with pytest.raises(RecordingError, match=r"holds only one row .record at least two"):
+        guess_mapping(put("one.csv", "t,pwm,deg\n0,50,0\n"))

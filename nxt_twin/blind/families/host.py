@@ -14,7 +14,7 @@ from nxt_twin.blind.families.beginnings import BeginningName
 from nxt_twin.blind.families.habits import Habits
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.numbers import Chain
-from nxt_twin.blind.families.programs import Program
+from nxt_twin.blind.families.programs import Loop, Played, Program
 from nxt_twin.recording.recording import Recording
 
 BATTERY_NOISE_V = 0.006
@@ -76,8 +76,8 @@ def drive(
     Commands that are known beforehand change no more often than `command_every_s`.
     """
     program = script.make_program()
-    table = program.table(script.program_s)
-    if table is not None:
+    if isinstance(program, Played):
+        table = program.table(script.program_s)
         if command_every_s > 0.0:
             turn = np.floor(script.read_s / command_every_s)
             rows = np.searchsorted(turn, turn, side="left")
@@ -113,7 +113,7 @@ def acting_s(chain: Chain, read_s: FloatArray) -> FloatArray:
     return np.asarray(np.maximum.accumulate(read_s + chain.lag_s(read_s) + chain.delay_s))
 
 
-def _loop(machine: Machine, chain: Chain, script: Script, program: Program, step_deg: float) -> Driven:
+def _loop(machine: Machine, chain: Chain, script: Script, program: Loop, step_deg: float) -> Driven:
     read_s, program_s = script.read_s, script.program_s
     act_s = acting_s(chain, read_s)
     duty_pct, states = np.zeros(read_s.size), np.zeros((read_s.size, 3))

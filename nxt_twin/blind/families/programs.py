@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Final, final
+from typing import Final, Protocol, final
 
 import numpy as np
 from numpy.random import Generator
@@ -15,27 +14,22 @@ DRIVE, FLOAT, COAST, BRAKE = range(4)
 QUIET_S: Final = 0.25
 
 
-class Program(ABC):
-    """Decides on duty and mode at each poll."""
-
-    @abstractmethod
-    def table(self, time_s: FloatArray) -> tuple[FloatArray, IntArray] | None:
-        """Duty in whole per cent and mode for all polls; None where it needs the readings."""
+class Loop(Protocol):
+    """Decides on the duty at each poll, from what it reads."""
 
     def command(self, time_s: float, read_deg: float) -> float:
-        """Duty in per cent at one poll, for a program that closes a loop."""
-        raise NotImplementedError
+        """Duty in per cent at one poll."""
 
 
 @final
-class Played(Program):
+class Played:
     """A duty and a mode as functions of time, given by knots; held between them, or ramped."""
 
     def __init__(self, knots_s: FloatArray, duty_pct: FloatArray, mode: IntArray, *, ramped: bool) -> None:
         self._knots_s, self._duty_pct, self._mode, self._ramped = knots_s, duty_pct, mode, ramped
 
     def table(self, time_s: FloatArray) -> tuple[FloatArray, IntArray]:
-        """The table."""
+        """Duty in whole per cent and mode for all polls."""
         last = np.clip(np.searchsorted(self._knots_s, time_s, side="right") - 1, 0, None)
         ramp = np.interp(time_s, self._knots_s, self._duty_pct)
         duty = np.where(time_s < QUIET_S, 0.0, ramp if self._ramped else self._duty_pct[last])
@@ -43,17 +37,17 @@ class Played(Program):
         return np.clip(np.rint(duty), -100.0, 100.0), mode.astype(np.int64)
 
 
+Program = Played | Loop
+
+
 @final
-class AngleLoop(Program):
+class AngleLoop:
     """A position loop of the host: proportional and derivative action on what it has read."""
 
     def __init__(self, knots_s: FloatArray, goals_deg: FloatArray, gain: float, damping_s: float) -> None:
         self._knots_s, self._goals_deg, self._gain, self._damping_s = knots_s, goals_deg, gain, damping_s
         self._last = (0.0, 0.0)
         self._started = False
-
-    def table(self, time_s: FloatArray) -> None:
-        """It needs the readings."""
 
     def command(self, time_s: float, read_deg: float) -> float:
         """Duty at one poll."""
@@ -71,7 +65,7 @@ class AngleLoop(Program):
 
 
 @final
-class SpeedLoop(Program):
+class SpeedLoop:
     """A speed loop of the host: integral and proportional action on the smoothed speed of the readings."""
 
     def __init__(
@@ -85,9 +79,6 @@ class SpeedLoop(Program):
         )
         self._last: tuple[float, float] | None = None
         self._speed, self._sum = 0.0, 0.0
-
-    def table(self, time_s: FloatArray) -> None:
-        """It needs the readings."""
 
     def command(self, time_s: float, read_deg: float) -> float:
         """Duty at one poll."""

@@ -30,6 +30,7 @@ _WORDS = re.compile(r"[A-Z]?[a-zäöü°µ]+|[A-Z]+(?![a-zäöü])|\d+|%")
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _TRUTHS = {"true": "1", "false": "0"}
 _FEW_WORDS = 8
+_FEWEST_ROWS = 2
 _LEVELS_UP = 4  # from a LeRobot episode to its data set's meta/info.json
 
 
@@ -129,6 +130,9 @@ def profile_of(path: Path) -> TableProfile:
     stamps = {name: _as_stamps(words[name]) for name, values in cells.items() if values is None}
     cells |= read_vectors(file) if kind == "mat" else {name: own and own[0] for name, own in stamps.items()}
     numbers = {name: values for name, values in cells.items() if values is not None}
+    longest = max((values.size for values in numbers.values()), default=_FEWEST_ROWS)
+    if longest < _FEWEST_ROWS:
+        raise RecordingError("holds only one row", where=str(file), mend="record at least two")
     if not numbers:
         mend = "write `table: {delimiter: …, header: …}` in a mapping"
         raise RecordingError("holds no column of numbers", where=str(file), mend=mend)
