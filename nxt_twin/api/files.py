@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.physics.plant import Plant, plant_from_config
-from nxt_twin.recording.any_mapping import read_any_mapping
 from nxt_twin.recording.case import Case, read_as_case, with_own_mapping
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording as _read_table
-from nxt_twin.recording.mapped import read_mapped
 from nxt_twin.recording.recording import InputKind, Recording
 
 ModelSource = Plant | str | Path | Mapping[str, Any]
@@ -37,9 +35,16 @@ def read_recording(path: str | Path, mapping: str | Path | None = None) -> Recor
     """
     table = Path(path)
     if mapping is not None:
+        from nxt_twin.recording.any_mapping import read_any_mapping
+        from nxt_twin.recording.mapped import read_mapped
+
         return read_mapped(table, read_any_mapping(Path(mapping)))
     table, found = with_own_mapping(table)
-    return _read_table(table) if found is None else read_mapped(table, found)
+    if found is None:
+        return _read_table(table)
+    from nxt_twin.recording.mapped import read_mapped  # with the models of mappings: slow
+
+    return read_mapped(table, found)
 
 
 def read_case(path: str | Path) -> Case:

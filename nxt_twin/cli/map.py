@@ -95,7 +95,7 @@ def _tell(text: str, json: str | None, guessed: Guessed | None) -> None:
 
 def _seen(guessed: Guessed, recordings: tuple[Recording, ...]) -> list[str]:
     """What the table holds once it is read so."""
-    from nxt_twin.recording.any_mapping import is_robots
+    from nxt_twin.recording.robot_keys import is_robots
 
     profile = guessed.profile
     rows = sum(recording.rows for recording in recordings)

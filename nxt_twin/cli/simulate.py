@@ -58,10 +58,13 @@ def simulate(
 
 def _source(path: Path, mapping_of: MappingOf | None) -> Recording:
     from nxt_twin.api.files import read_recording
-    from nxt_twin.recording.mapped import read_mapped
 
     mapping = mapping_of(path.name) if mapping_of else None
-    return read_mapped(path, mapping) if mapping else read_recording(path)
+    if mapping is None:
+        return read_recording(path)
+    from nxt_twin.recording.mapped import read_mapped  # with the models of mappings: slow
+
+    return read_mapped(path, mapping)
 
 
 def _predicted(model: str, source: Recording, restart_every: float | None) -> tuple[SimulatedChannel, ...]:

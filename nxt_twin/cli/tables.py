@@ -30,11 +30,14 @@ def stated_mapping(mapping: Path | None, columns: str | None) -> MappingOf | Non
     Raises:
         MappingError: it is none.
     """
-    from nxt_twin.recording.column_words import mapping_of_words
-    from nxt_twin.recording.mappings import one_mapping, read_mappings
-
     if mapping and columns:
         raise typer.BadParameter("give --mapping or --columns, not both")
+    if not mapping and not columns:
+        return None
+    from nxt_twin.recording.mappings import one_mapping, read_mappings
+
     if columns:
+        from nxt_twin.recording.column_words import mapping_of_words
+
         return one_mapping(mapping_of_words(columns))
     return read_mappings(mapping) if mapping else None

@@ -8,7 +8,8 @@ from typing import Any
 
 from nxt_twin.errors import MappingError
 from nxt_twin.recording.mapping import Mapping
-from nxt_twin.recording.robot_mapping import ROBOT_KEYS, RobotMapping
+from nxt_twin.recording.robot_keys import is_robots
+from nxt_twin.recording.robot_mapping import RobotMapping
 from nxt_twin.recording.yaml_file import read_part, read_yaml
 from nxt_twin.recording.yaml_place import YamlPlace
 
@@ -33,11 +34,6 @@ def any_mapping_of(keys: MappingType[str, Any], where: str) -> AnyMapping:
         MappingError: as `read_any_mapping`.
     """
     return _read(dict(keys), where)
-
-
-def is_robots(keys: MappingType[str, Any]) -> bool:
-    """Whether keys are those of a robot's mapping."""
-    return not keys.keys().isdisjoint(ROBOT_KEYS)
 
 
 def _read(keys: dict[str, Any], where: YamlPlace | str) -> AnyMapping:

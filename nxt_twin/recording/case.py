@@ -6,18 +6,16 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nxt_twin.errors import CaseError
-from nxt_twin.recording.any_mapping import AnyMapping
 from nxt_twin.recording.columns import PORTS, POSE_X, Port, goal_column, power_column, tacho_column
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.files import read_recording, read_sidecar
 from nxt_twin.recording.guess.data_set import mapping_of_part, part_of, plant_of_part
-from nxt_twin.recording.mapped import read_all_mapped
 from nxt_twin.recording.mappings import (
     GivenMapping,
     MappingOf,
@@ -29,6 +27,9 @@ from nxt_twin.recording.mappings import (
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.tacho_steps import untold_step
 from nxt_twin.recording.yaml_file import read_model
+
+if TYPE_CHECKING:
+    from nxt_twin.recording.any_mapping import AnyMapping
 
 PlantSource = dict[str, Any] | str
 
@@ -214,6 +215,8 @@ def _read(folder: Path, name: str, mapping_of: MappingOf) -> tuple[Recording, ..
     mapping = mapping_of(name)
     if mapping is None:
         return (replace(read_recording(path), name=name),)
+    from nxt_twin.recording.mapped import read_all_mapped  # with the models of mappings: slow
+
     found = read_all_mapped(path, mapping)
     return (replace(found[0], name=name),) if len(found) == 1 else found
 

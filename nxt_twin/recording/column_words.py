@@ -9,8 +9,9 @@ from types import MappingProxyType
 from typing import Any
 
 from nxt_twin.errors import MappingError
-from nxt_twin.recording.any_mapping import AnyMapping, any_mapping_of, is_robots
+from nxt_twin.recording.any_mapping import AnyMapping, any_mapping_of
 from nxt_twin.recording.columns import DRIVE_MODES
+from nxt_twin.recording.robot_keys import is_robots
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.tables.nested import with_index
 

@@ -35,7 +35,8 @@ from nxt_twin.recording.mapping import (
     TableFormat,
 )
 from nxt_twin.recording.recording import GOALS, InputKind, OutputKind, Recording, SignalKinds
-from nxt_twin.recording.robot_mapping import ROBOT_KEYS, RobotMapping
+from nxt_twin.recording.robot_keys import ROBOT_KEYS
+from nxt_twin.recording.robot_mapping import RobotMapping
 from nxt_twin.recording.source import nearest, quoted
 from nxt_twin.recording.stamps import IN_WORDS, order, time_s
 from nxt_twin.recording.tables.content import TableKind

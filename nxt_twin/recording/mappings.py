@@ -1,24 +1,25 @@
-"""Which mapping a recording of a case is read through: one for all, or one by file or pattern."""
+"""Which mapping a recording of a case is read through: one for all, or one by file or pattern.
+
+The models of mappings take a thirtieth of a second to build. They are imported where a mapping is read, as most
+recordings have none.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nxt_twin.errors import CaseError, MappingError
-from nxt_twin.recording.any_mapping import (
-    MAPPING_KEYS,
-    AnyMapping,
-    any_mapping_of,
-    is_robots,
-    read_any_mapping,
-)
+from nxt_twin.recording.robot_keys import is_robots
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.yaml_file import read_yaml
 
-MappingOf = Callable[[str], AnyMapping | None]
+if TYPE_CHECKING:
+    from nxt_twin.recording.any_mapping import AnyMapping
+
+MappingOf = Callable[[str], "AnyMapping | None"]
 """Gives the mapping of a recording by its name; None for a brick's."""
 
 GivenMapping = str | dict[str, Any] | None
@@ -71,6 +72,8 @@ def read_mappings(path: Path) -> MappingOf:
     Raises:
         MappingError, CaseError: as `mappings`.
     """
+    from nxt_twin.recording.any_mapping import read_any_mapping
+
     keys = read_yaml(path, MappingError)
     if not keys or _is_mapping(keys):
         return one_mapping(read_any_mapping(path))
@@ -79,8 +82,12 @@ def read_mappings(path: Path) -> MappingOf:
 
 def given_in_sidecar(sidecar: Mapping[str, Any]) -> GivenMapping:
     """The mapping that a sidecar names under `mapping`, or whose keys it holds, as `map --out` writes them."""
+    if not sidecar:
+        return None
     if "mapping" in sidecar or not _is_mapping(sidecar):
         return sidecar.get("mapping")
+    from nxt_twin.recording.any_mapping import MAPPING_KEYS
+
     return {key: value for key, value in sidecar.items() if key in MAPPING_KEYS}
 
 
@@ -89,6 +96,8 @@ def _is_mapping(given: Mapping[str, Any]) -> bool:
 
 
 def _read(given: object, folder: Path, where: str) -> AnyMapping:
+    from nxt_twin.recording.any_mapping import any_mapping_of, read_any_mapping
+
     if isinstance(given, str):
         return read_any_mapping(folder / given)
     if isinstance(given, dict):

@@ -114,9 +114,3 @@ class RobotMapping(BaseModel):
             lacking = "left_power" if self.left_power is None else "right_power"
             raise ValueError(f"names one power alone; write {lacking} too, or neither")
         return self
-
-
-ROBOT_KEYS: tuple[str, ...] = (
-    "pose_x", "pose_y", "pose_heading", "left_angle", "right_angle", "left_power", "right_power",
-)  # fmt: skip
-"""The keys that only a robot's mapping has."""

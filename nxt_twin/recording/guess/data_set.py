@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from nxt_twin.errors import MappingError
-from nxt_twin.recording.guess.guess import guess_mapping
-from nxt_twin.recording.mapping import Mapping, mapping_of
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.lerobot import info_of, is_data_set, joints_of
+
+if TYPE_CHECKING:
+    from nxt_twin.recording.mapping import Mapping
 
 _MARK = "#"
 _ARM_SERVOS = "servo_sts3215"
@@ -56,6 +57,9 @@ def mapping_of_part(part: Meant) -> Mapping:
         RecordingError: it is no table of numbers.
         MappingError: it lacks what a mapping needs.
     """
+    from nxt_twin.recording.guess.guess import guess_mapping  # slow, and few recordings are data sets
+    from nxt_twin.recording.mapping import mapping_of
+
     guessed = guess_mapping(part.folder, part.joint)
     if guessed.lacking is not None:
         raise guessed.lacking
