@@ -24,7 +24,11 @@ def read_any_mapping(path: Path) -> AnyMapping:
     Raises:
         MappingError: if it is no YAML, or has an unknown key, kind or unit, or lacks one that is needed.
     """
-    return _read(read_yaml(path, MappingError), YamlPlace(path))
+    keys = read_yaml(path, MappingError)
+    if "plant" in keys:
+        mend = "write `plant:` into NAME.yaml beside the table, which needs no option, or into case.yaml"
+        raise MappingError("a mapping names no plant", where=f"{path}, key plant", mend=mend)
+    return _read(keys, YamlPlace(path))
 
 
 def any_mapping_of(keys: MappingType[str, Any], where: str) -> AnyMapping:

@@ -259,3 +259,10 @@ def test_map_names_the_key_that_a_robot_table_lacks(put, names, told):
     assert found.lacking is not None
     assert "looks like a robot's table" in str(found.lacking)
     assert re.search(told, str(found.lacking))
+
+
+def test_a_plant_in_a_mapping_file_is_told_where_it_belongs(put):
+    with pytest.raises(
+        MappingError, match=r"key plant: a mapping names no plant .*NAME.yaml beside the table"
+    ):
+        read_any_mapping(put("m.yaml", yaml.safe_dump(KEYS | {"plant": PLANT})))

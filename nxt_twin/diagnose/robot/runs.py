@@ -129,9 +129,16 @@ def _check_sense(recording: Recording, apart_rad: FloatArray, heading_rad: Float
 def _wheel(recording: Recording, port: Port) -> FloatArray:
     name = tacho_column(port)
     counts = recording.columns.get(name)
-    if counts is None or np.count_nonzero(np.isfinite(counts)) < _FEWEST_ROWS:
-        raise DiagnosisError(f"{name} is missing or empty", where=recording.name, mend="record both wheels")
-    known = np.isfinite(counts)
+    known = np.isfinite(counts) if counts is not None else np.zeros(0, dtype=bool)
+    if counts is None or not known.any():
+        others = [each for each in recording.columns if each.endswith("_tacho_deg") and each != name]
+        mend = (
+            f"record both wheels, or name their ports in the plant; it has {', '.join(others) or 'no tacho'}"
+        )
+        raise DiagnosisError(f"{name} is missing or empty", where=recording.name, mend=mend)
+    if np.count_nonzero(known) < _FEWEST_ROWS:
+        what = f"{name} holds {np.count_nonzero(known)} counts, fewer than {_FEWEST_ROWS}"
+        raise DiagnosisError(what, where=recording.name, mend="record for longer, or more often")
     return np.radians(np.interp(recording.time_s, recording.time_s[known], counts[known]))
 
 
