@@ -12,6 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches, samples_of
 from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.losses import SOFT
+from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, Observer, observer
 from nxt_twin.physics.plant import Plant
@@ -34,6 +35,7 @@ _RESTING_NATS = 0.2
 _SAME_DAMPING = 0.1
 _WORSE_NATS = 100.0
 _LARGEST_DRIFT = 1e4
+_LEAST_SQUARE = 1e-12
 _DRIFT_ROUNDS = 30
 _DRIFT_FOUND = 1e-6
 
@@ -94,14 +96,14 @@ def drift_of(simulator: Simulator, plant: Plant, target: Target, noise: Noise) -
         tuned.errors(n, result)[0, mask]
         for n, (result, mask) in enumerate(zip(results, tuned.seen(), strict=True))
     ]
-    square = np.nan_to_num(np.concatenate(z), nan=_WILD_NATS) ** 2 if z else np.zeros(0)
+    square = tamed(np.nan_to_num(np.concatenate(z), nan=_WILD_NATS)) ** 2 if z else np.zeros(0)
     if not square.size:
         return 1.0
-    drift2 = max(float(np.median(square)), 1e-12)
+    drift2 = max(float(np.median(square)), _LEAST_SQUARE)
     for _ in range(_DRIFT_ROUNDS):
         scaled = square / drift2
         larger = float(np.mean(scaled / np.sqrt(1.0 + scaled / SOFT**2)))
-        drift2 *= larger
+        drift2 = max(drift2 * larger, _LEAST_SQUARE)  # a motor that is held fast leaves no error at all
         if abs(larger - 1.0) < _DRIFT_FOUND:
             break
     return float(np.clip(math.sqrt(drift2), 1.0 / _LARGEST_DRIFT, _LARGEST_DRIFT))
