@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 _FIRST = (
-    "the first command on this machine compiles the motor's model: 10 s of an idle core, once; "
+    "the first command on this machine compiles the motor's model: half a minute of an idle core, once; "
     "later ones start at once"
 )
 

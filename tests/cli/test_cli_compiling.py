@@ -23,7 +23,7 @@ def test_only_the_first_command_on_a_terminal_says_so(terminal, cached, told, tm
         (tmp_path / "__pycache__").mkdir(exist_ok=True)
         (tmp_path / "__pycache__" / f"{module.stem}.run_many-1.py311.nbi").touch()
     tell_of_compiling()
-    assert ("10 s of an idle core, once" in capsys.readouterr().err) is told
+    assert ("half a minute of an idle core, once" in capsys.readouterr().err) is told
 
 
 @pytest.mark.parametrize(
