@@ -28,7 +28,7 @@ from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
 from nxt_twin.diagnose.fitting.drafting import drafted
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Structure
@@ -129,7 +129,7 @@ def consistency(made: ConcealedCase) -> Consistency:
     truth = plant_from_config({"kind": "dc_motor", **made.answer["base"], "effects": hidden}, "power_pct")
     with Simulator(problem.plant.layout) as simulator:
         fitter = Fitter(simulator, problem)
-        found = settled(fitter, truth, first_guess(truth, problem.signals, problem.scale.torque))
+        found = settled(fitter, truth, first_noise(truth, problem.signals, problem.scale.torque))
         final = fit_everything(fitter, found.plant, found.noise)
         baseline = settled_baseline(fitter)
         refit = best_baseline(fitter, baseline, final)

@@ -14,7 +14,7 @@ from benchmarks.timing import times_s
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Innovation, MotorBelief, Tick
 from nxt_twin.view.dashboard import open_dashboard
-from nxt_twin.view.dashboard.wire import read, written
+from nxt_twin.view.dashboard.wire import line_of, read
 
 _PORTS: Final[tuple[Port, ...]] = ("a", "b", "c")
 _CHANNELS: Final = ("s1_light_raw", "s4_ultrasonic_cm")
@@ -44,7 +44,7 @@ def _handed_over(ticks: list[Tick]) -> list[str]:
         dashboard.close()
         size_kb = (Path(folder) / "run.rrd").stat().st_size / 1e3
     costs_us.sort()
-    encode_us = 1e6 * min(sum(times_s(lambda tick=tick: written(tick), 1)) for tick in ticks)  # type: ignore[misc]
+    encode_us = 1e6 * min(sum(times_s(lambda tick=tick: line_of(tick), 1)) for tick in ticks)  # type: ignore[misc]
     return [
         f"loop: handing a poll of three motors and two sensors over costs {costs_us[len(costs_us) // 2]:.1f} us "
         f"in the middle of {_POLLS} at {1 / _POLL_S:.0f} Hz, {costs_us[int(0.99 * len(costs_us))]:.1f} us at most "
@@ -58,7 +58,7 @@ def _drawn(ticks: list[Tick]) -> list[str]:
     # Brings in rerun, which the loop's process does without.
     from nxt_twin.view.dashboard.drawing.painter import Painter
 
-    lines = [written(tick) for tick in ticks]
+    lines = [line_of(tick) for tick in ticks]
     with tempfile.TemporaryDirectory() as folder:
         painter = Painter("benchmark", _PORTS, _CHANNELS, Path(folder) / "run.rrd")
         batches = [lines[at : at + _BATCH] for at in range(0, len(lines), _BATCH)]

@@ -24,7 +24,7 @@ from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.driver import ProgramDriver, excitation
-from nxt_twin.twin.logbook import columns_of
+from nxt_twin.twin.logbook import columns_to_fill
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Event, Tick
 from nxt_twin.twin.sensor_twin import PortSensor
@@ -37,7 +37,7 @@ SOAK_S = 3600.0
 SOAK_CHECKS = 6
 ONE_ROUND_TRIP_S = {"usb": 0.0025, "bluetooth": 0.045}
 """Of the mock's link profiles, in the middle of what they draw."""
-_COLUMNS: Final = columns_of(PORTS, {})
+_COLUMNS: Final = columns_to_fill(PORTS, {})
 
 
 def report() -> Iterator[str]:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import grimp
+from house_names import names
 from house_pages import pages
 from house_words import words
 
@@ -29,11 +30,11 @@ def main() -> int:
     """Print every finding; 1 if there is one."""
     found = [
         *_product(),
-        *_twice(),
         *_circles(),
         *_locks(),
         *_user_paths(),
         *_tests(),
+        *names(ROOT),
         *pages(ROOT),
         *words(ROOT),
     ]
@@ -55,18 +56,6 @@ def _product() -> Iterator[str]:
                     yield f"{place}:{node.lineno}: {node.name} has {lines} lines, more than {LONGEST_FUNCTION}"
             if _called(node) == "print" and not place.startswith(_MAY_PRINT):
                 yield f"{place}:{node.lineno}: print outside the command line"  # type: ignore[attr-defined]
-
-
-def _twice() -> Iterator[str]:
-    """Class names that two files define: a reader could not tell which is meant."""
-    first: dict[str, str] = {}
-    for path in sorted((ROOT / "nxt_twin").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef):
-                place = f"{_place(path)}:{node.lineno}"
-                if node.name in first:
-                    yield f"{place}: class {node.name} is defined in {first[node.name]} already"
-                first.setdefault(node.name, place)
 
 
 def _circles() -> Iterator[str]:

@@ -22,7 +22,7 @@ from nxt_twin.api.openers import mock_options
 from nxt_twin.blind.secret import read_secret
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.tap import read_tap
-from nxt_twin.brick.url import bluetooth_address, host_and_port, parse_url, usb_serial
+from nxt_twin.brick.url import checked_bluetooth_address, host_and_port, parse_url, usb_serial
 from nxt_twin.experiment.plan import read_experiment
 from nxt_twin.experiment.positioner.spec import read_spec
 from nxt_twin.mock.body.world import World, load_world
@@ -171,7 +171,7 @@ def _urls(_: Path, data: bytes) -> object:
         case "usb":
             return usb_serial(url.address)
         case "bt":
-            return bluetooth_address(url.address)
+            return checked_bluetooth_address(url.address)
         case "tcp":
             parse_address(url.address)
             return host_and_port(url.address)

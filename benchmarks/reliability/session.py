@@ -30,7 +30,7 @@ from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import ProgramDriver, excitation
-from nxt_twin.twin.logbook import columns_of
+from nxt_twin.twin.logbook import columns_to_fill
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Event, Tick
@@ -56,7 +56,7 @@ def report(hours: float, seed: int) -> Iterator[str]:
         parts = Parts(
             open_brick=rig.open, clock=rig.clock, twin=BrickTwin(dict.fromkeys(PORTS, plant)), sink=watcher,
             plan=Plan(sensors=_SENSORS), pace=PACES["bt"], driver=ProgramDriver(excitation(PORTS)),  # type: ignore[arg-type]
-            recorder=RecordingWriter(out, columns_of(PORTS, _SENSORS)),  # type: ignore[arg-type]
+            recorder=RecordingWriter(out, columns_to_fill(PORTS, _SENSORS)),  # type: ignore[arg-type]
         )  # fmt: skip
         sitting = Sitting(parts)
         sitting.run(3600.0 * hours)

@@ -12,7 +12,7 @@ from nxt_twin.api.files import read_recording
 from nxt_twin.api.openers import OPENERS, concealing
 from nxt_twin.brick.brick import Brick
 from nxt_twin.brick.clock import Clock, PacedClock, SystemClock
-from nxt_twin.brick.discovery import default_ways, search
+from nxt_twin.brick.discovery import default_ways, search_ways
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.open import open_brick as _open
 from nxt_twin.mock.run import serve
@@ -22,7 +22,7 @@ from nxt_twin.recording.programs import load_program
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import ProgramDriver
-from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.logbook import Logbook, columns_to_fill
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.sensor_twin import PortSensor
 from nxt_twin.twin.settings import pace_of
@@ -87,7 +87,7 @@ def record(
         raise ValueError("record: say how many seconds, or name a program")
     clock: Clock = PacedClock(SystemClock(), math.inf) if url.startswith("mock:") else SystemClock()
     with (
-        RecordingWriter(path, columns_of(wanted, plan.sensors)) as writer,
+        RecordingWriter(path, columns_to_fill(wanted, plan.sensors)) as writer,
         _open(url, clock, OPENERS) as brick,
     ):
         logbook = Logbook(brick, clock, wanted, plan, writer, driver, pace_of(url))
@@ -131,7 +131,7 @@ def start_mock(
 
 
 def _first_found(clock: Clock) -> str:
-    for report in search(clock, default_ways()):
+    for report in search_ways(clock, default_ways()):
         for brick in report.bricks:
             return brick.url
     mend = "switch it on, or name mock: for one made of software"

@@ -41,7 +41,7 @@ class Aim:
         return self.measured >= self.bound if self.at_least else self.measured <= self.bound
 
 
-def detectable(case: Judged) -> bool:
+def is_detectable(case: Judged) -> bool:
     """Whether what is hidden could be seen at all."""
     return case.reach is not None and case.reach.gain_nats > DETECTABLE_NATS
 
@@ -49,7 +49,7 @@ def detectable(case: Judged) -> bool:
 def aims_of(cases: Sequence[Judged]) -> list[Aim]:
     """Every aim, measured on these cases."""
     singles = _of(cases, "single")
-    seen = [case for case in singles if detectable(case)]
+    seen = [case for case in singles if is_detectable(case)]
     clean, pairs, triples = (_of(cases, kind) for kind in ("clean", "pair", "triple"))
     unknown = _of(cases, "unknown")
     known = [*singles, *pairs, *triples]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from statistics import mean, quantiles
 from typing import Final, final
 
-from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.verdict import Judged
 
 LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94)
@@ -60,7 +60,7 @@ def _kind(name: str) -> Callable[[Judged], bool]:
 
 
 def _seen(case: Judged) -> bool:
-    return case.kind == "single" and detectable(case)
+    return case.kind == "single" and is_detectable(case)
 
 
 def _ratios(cases: Sequence[Judged]) -> list[float]:

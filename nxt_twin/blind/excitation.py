@@ -38,7 +38,7 @@ def _driven(time_s: FloatArray, power_pct: FloatArray) -> CommandRows:
     return CommandRows(rounded, np.zeros(time_s.size, dtype=np.int64))
 
 
-def steps(rng: Generator, time_s: FloatArray) -> CommandRows:
+def random_steps(rng: Generator, time_s: FloatArray) -> CommandRows:
     """Random levels, every fifth at rest, each held 0.3 to 1.5 s."""
     hold = _holds(rng, time_s, 0.3, 1.5)
     levels = rng.uniform(-100.0, 100.0, hold[-1] + 1)
@@ -98,7 +98,7 @@ def coast_downs(rng: Generator, time_s: FloatArray) -> CommandRows:
 
 
 FAMILIES: Final[dict[str, Callable[[Generator, FloatArray], CommandRows]]] = {
-    "steps": steps,
+    "steps": random_steps,
     "multisine": multisine,
     "ramps": ramps,
     "reversals": reversals,

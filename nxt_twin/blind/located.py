@@ -100,7 +100,7 @@ def parse_place(mismatch: Mapping[str, Any]) -> OnsetPlace:
     )
 
 
-def locate(answer: Mapping[str, Any], place: OnsetPlace) -> Located:
+def locate_score(answer: Mapping[str, Any], place: OnsetPlace) -> Located:
     """Compare what is said of where with the answer."""
     effects = answer["effects"]
     truth = _equation(effects[0]) if len(effects) == 1 else None

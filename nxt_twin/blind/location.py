@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any, Final, final, get_args
 
-from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.kinds import Equation
 from nxt_twin.blind.located import ALARM_P
 from nxt_twin.blind.share import Share, share_of
@@ -112,7 +112,7 @@ def location(cases: Sequence[Judged]) -> Location:
     unknown = [case for case in cases if case.kind == "unknown"]
     rows = [
         *_rows("single", singles),
-        *_rows("single, detectable", [case for case in singles if detectable(case)]),
+        *_rows("single, detectable", [case for case in singles if is_detectable(case)]),
         *_rows("unknown", unknown),
     ]
     return Location(

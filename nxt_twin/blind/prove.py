@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal, final
 
-from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.families.orders import make_one
 from nxt_twin.blind.peers.answers import answer_one, folders_of_peers
 from nxt_twin.blind.peers.localised import OURS, localise_one
@@ -80,7 +80,7 @@ class Shelf:
 
 def is_deleted(case: Judged) -> bool:
     """Whether the case is diagnosed once more without its effect: one that could be found and is not small."""
-    return case.kind == "single" and case.sizes[0] != "small" and detectable(case)
+    return case.kind == "single" and case.sizes[0] != "small" and is_detectable(case)
 
 
 def prove(case: RangeCase, shelf: Shelf, clock: ReadClock, deletes: bool, peers: bool) -> NameAndFailure:

@@ -11,7 +11,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final, final
 
-from nxt_twin.blind.aims import Aim, aims_of, detectable
+from nxt_twin.blind.aims import Aim, aims_of, is_detectable
 from nxt_twin.blind.aims import as_text as aims_as_text
 from nxt_twin.blind.location import Location, location
 from nxt_twin.blind.reached import Reach, reached
@@ -171,7 +171,7 @@ def tabulate(cases: Sequence[Judged]) -> ScoreTable:
         (f"single, {size}", [case for case in singles if case.sizes[0] == size])
         for size in ("small", "medium", "large")
     ]
-    groups.append(("single, detectable", [case for case in singles if detectable(case)]))
+    groups.append(("single, detectable", [case for case in singles if is_detectable(case)]))
     for low, high in pairwise(RMS_BINS_DEG):
         inside = [case for case in singles if low <= case.effect_rms_deg < high]
         groups.append((f"single, effect {low:g}–{high:g}°", inside))
@@ -191,7 +191,7 @@ def _by_family(cases: Sequence[Judged]) -> list[tuple[str, list[Judged]]]:
     for family in families:
         own = [case for case in cases if case.family == family]
         groups += [(f"{family}: {kind}", [case for case in own if case.kind == kind]) for kind in kinds]
-        seen = [case for case in own if case.kind == "single" and detectable(case)]
+        seen = [case for case in own if case.kind == "single" and is_detectable(case)]
         groups.append((f"{family}: single, detectable", seen))
     return groups
 

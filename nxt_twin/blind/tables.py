@@ -41,7 +41,7 @@ def tables_of(proof: Proof) -> dict[str, list[TableRow]]:
     }
 
 
-def status_of(proof: Proof) -> str:
+def proof_status(proof: Proof) -> str:
     """How far the range is, how much is left, and which engine answered, in one line each."""
     finished = proof.finished()
     engines = Counter(one.engine for one in finished)

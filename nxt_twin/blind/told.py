@@ -9,7 +9,7 @@ from itertools import pairwise
 from statistics import mean, median, quantiles
 from typing import Final
 
-from nxt_twin.blind.aims import detectable
+from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.by_family import EVERY, TableRow
 from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import Judged
@@ -22,7 +22,7 @@ FLOOR_BOUNDS: Final = (0.8, 1.25)
 
 def confusion_rows(cases: Sequence[Judged]) -> list[TableRow]:
     """Each hidden effect that is detectable alone: what became of it, and what was named in its place."""
-    seen = [case for case in cases if case.kind == "single" and detectable(case)]
+    seen = [case for case in cases if case.kind == "single" and is_detectable(case)]
     rows: list[TableRow] = [
         ("hidden", "cases", "exact", "set holds", "adequate", "unexplained", "named otherwise")
     ]

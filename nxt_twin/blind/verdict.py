@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, final
 
 from nxt_twin.blind.answer import seal
 from nxt_twin.blind.case import SEAL_FILE
-from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, OnsetPlace, locate, parse_place
+from nxt_twin.blind.located import NOWHERE, UNPLACED, Located, OnsetPlace, locate_score, parse_place
 from nxt_twin.blind.reached import Reach, seconds_of
 from nxt_twin.blind.share import NORMAL_95
 from nxt_twin.errors import CaseError
@@ -200,7 +200,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
         fit_ratio=given.fit_ratio,
         improved=given.improved,
         reach=reach,
-        located=locate(answer, given.place),
+        located=locate_score(answer, given.place),
         family=str(answer.get("family", HOME)),
         probability=given.probability,
         floors=given.floors,

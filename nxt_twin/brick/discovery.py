@@ -19,7 +19,7 @@ Look = Callable[[Clock], WayReport]
 """Looks along one way; raises `BrickError` where it cannot."""
 
 
-def search(
+def search_ways(
     clock: Clock, ways: Mapping[str, Look], *, timeout_s: float = SEARCH_TIMEOUT_S
 ) -> tuple[WayReport, ...]:
     """Look along all ways at once.

@@ -43,7 +43,7 @@ def parse_url(url: str, schemes: Iterable[str]) -> LinkUrl:
     return LinkUrl(scheme.lower(), address)
 
 
-def bluetooth_address(address: str) -> str:
+def checked_bluetooth_address(address: str) -> str:
     """The address in upper case.
 
     Raises:

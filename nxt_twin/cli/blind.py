@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
-from nxt_twin.cli.follow import follow
+from nxt_twin.cli.follow import follow_cases
 from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.pairs import pairs as changed
 from nxt_twin.cli.proof import proof
@@ -79,7 +79,9 @@ def make(
 
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts, links=_LINKS[link], duration_s=duration)
-    follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
+    follow_cases(
+        "making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders)
+    )
     print(f"{len(orders)} cases in {cases}, answers in {answers}")
 
 
@@ -115,7 +117,7 @@ def solve(
     tell_of_compiling()
     folders = case_folders(cases)
     hidden = dict.fromkeys((folder.name for folder in folders), frozenset(filter(None, without.split(","))))
-    follow(
+    follow_cases(
         "solving",
         solve_all(folders, out, seed=seed, place=_place(jobs, cluster), without=hidden),
         len(folders),
@@ -136,7 +138,7 @@ def reach(
 
     tell_of_compiling()
     folders = case_folders(cases)
-    follow("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
+    follow_cases("reaching", reach_all(folders, answers, out, place=_place(jobs, cluster)), len(folders))
     print(f"{len(folders)} cases, what the truth reaches in {out}")
 
 
@@ -181,7 +183,7 @@ def peers(
         fail("pysindy is not installed; mend: pip install 'nxt-twin[proof]'")
         raise typer.Exit(1)
     folders = case_folders(cases)
-    follow("letting others answer", answer_all(folders, out, _place(jobs, cluster)), len(folders))
+    follow_cases("letting others answer", answer_all(folders, out, _place(jobs, cluster)), len(folders))
     named = {OURS: diagnoses} if diagnoses else {}
     cells = localise_all(folders, answers, out, named)
     every = {**named, **{peer.name: out / peer.name for peer in PEERS}}
@@ -257,11 +259,13 @@ def bench(
     )
     amounts = Amounts(_chosen(effects), clean, pairs, triples, unknown)
     orders = plan_orders(_families(family), seed, amounts)
-    follow("making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders))
+    follow_cases(
+        "making cases", make_orders(orders, cases, answers, place=_place(jobs, cluster)), len(orders)
+    )
     tell_of_compiling()
     folders = case_folders(cases)
-    follow("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
-    follow("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))
+    follow_cases("solving", solve_all(folders, diagnoses, seed=0, place=_place(jobs, cluster)), len(folders))
+    follow_cases("reaching", reach_all(folders, answers, reached, place=_place(jobs, cluster)), len(folders))
     score(cases, answers, diagnoses, reached, json)
 
 

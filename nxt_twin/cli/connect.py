@@ -13,7 +13,7 @@ import typer
 
 from nxt_twin.api.openers import LOOKING_OPENERS
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.discovery import SEARCH_TIMEOUT_S, default_ways, search
+from nxt_twin.brick.discovery import SEARCH_TIMEOUT_S, default_ways, search_ways
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.brick.portrait import Portrait, portray
@@ -64,7 +64,7 @@ def _connect(url: str, tap: Path | None, json: str | None) -> None:
 
 
 def _search(timeout_s: float, json: str | None) -> None:
-    reports = search(SystemClock(), default_ways(), timeout_s=timeout_s)
+    reports = search_ways(SystemClock(), default_ways(), timeout_s=timeout_s)
     if json:
         ways = [asdict(report) for report in reports]
         emit_json(json, json_format.dumps({"schema": "nxt-twin/search/1", "ways": ways}))

@@ -51,7 +51,7 @@ def drive(
     wanted = load_program(program)
     if ports is not None:
         wanted = wanted.model_copy(update={"ports": wanted_ports(ports)})
-    files = {run.name: None if record is None else named(record, run, wanted) for run in wanted.runs}
+    files = {run.name: None if record is None else recording_path(record, run, wanted) for run in wanted.runs}
     for file in files.values():
         if file is not None:
             check_free(file)
@@ -74,7 +74,7 @@ def drive(
             print(f"{run.name}: {result['seconds']:.1f} s  {result['file'] or ''}".rstrip())
 
 
-def named(record: Path, run: Run, program: MotorProgram) -> Path:
+def recording_path(record: Path, run: Run, program: MotorProgram) -> Path:
     """Where a run's recording goes."""
     return record if len(program.runs) == 1 else record.with_stem(f"{record.stem}-{run.name}")
 

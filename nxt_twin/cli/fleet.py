@@ -90,11 +90,11 @@ def _tell_findings(table: Path, json: str | None, report: Path | None) -> None:
     if json:
         emit_json(json, to_json(findings, str(table)))
     if report:
-        from nxt_twin.view.fleet_page import sentence, write_fleet_page
+        from nxt_twin.view.fleet_page import fleet_sentence, write_fleet_page
 
         page = write_fleet_page(findings, report, str(table))
         if json != "-":
-            print(f"{sentence(findings)}\n  report: {page}")
+            print(f"{fleet_sentence(findings)}\n  report: {page}")
 
 
 @contextmanager

@@ -21,7 +21,7 @@ def _log(words: str, number: int, total: int) -> None:
         print(words, file=sys.stderr, flush=True)
 
 
-def follow(title: str, outcomes: Iterable[NameAndFailure], total: int) -> None:
+def follow_cases(title: str, outcomes: Iterable[NameAndFailure], total: int) -> None:
     """Show how far it is; leave with status 1 at the end if a case failed."""
     if followed(title, outcomes, total):
         raise typer.Exit(1)

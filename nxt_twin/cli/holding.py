@@ -14,7 +14,7 @@ from nxt_twin.cli.lingering import linger
 from nxt_twin.cli.output import fail
 from nxt_twin.cli.showing import Showing
 from nxt_twin.cli.since import differing
-from nxt_twin.cli.watching import audience, conclude, get_ready, watch
+from nxt_twin.cli.watching import audience, conclude_watch, get_ready, watch
 from nxt_twin.twin.live import LiveOptions, live_sitting
 from nxt_twin.twin.outcome import Outcome
 from nxt_twin.twin.records import Sink
@@ -58,7 +58,7 @@ def hold(
     ended = watch(sitting, seconds, told)
     outcome = sitting.outcome()
     since = differing(sitting, showing.since, options.plants) if showing.since and outcome.polls else None
-    document = conclude(outcome, told, showing, since)
+    document = conclude_watch(outcome, told, showing, since)
     linger(told.dashboards, until_interrupted=ended)
     if not outcome.polls:
         fail("the brick answered no poll, so nothing is recorded; give it more --seconds")

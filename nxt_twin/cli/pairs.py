@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from nxt_twin.cli.follow import follow
+from nxt_twin.cli.follow import follow_cases
 from nxt_twin.cli.output import JsonOption, emit_json
 
 CasesArgument = Annotated[Path, typer.Argument(help="Folder for the pairs, one case each.")]
@@ -42,7 +42,7 @@ def make(
 
     names = [each.name for each in families_of(family.split(","))]
     plans = plan_pairs(seed, names, none=none, one=one, two=two)
-    follow("making pairs", make_pairs(plans, cases, answers, place=place_of(jobs, None)), len(plans))
+    follow_cases("making pairs", make_pairs(plans, cases, answers, place=place_of(jobs, None)), len(plans))
     print(f"{len(plans)} pairs in {cases}, answers in {answers}")
 
 
@@ -54,7 +54,7 @@ def solve(cases: CasesArgument, out: FoundArgument, jobs: JobsOption = 1) -> Non
     from nxt_twin.fleet.workers.place import place_of
 
     folders = case_folders(cases)
-    follow("solving", solve_pairs(folders, out, place=place_of(jobs, None)), len(folders))
+    follow_cases("solving", solve_pairs(folders, out, place=place_of(jobs, None)), len(folders))
     print(f"{len(folders)} pairs, answers in {out}")
 
 

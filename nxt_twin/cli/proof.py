@@ -44,7 +44,7 @@ def proof(
     from nxt_twin.blind.families.table import FAMILIES
     from nxt_twin.blind.proof import Proof
     from nxt_twin.blind.ranges import RANGES
-    from nxt_twin.blind.tables import as_text, as_values, status_of, tables_of
+    from nxt_twin.blind.tables import as_text, as_values, proof_status, tables_of
     from nxt_twin.fleet.workers.place import place_of
 
     if chosen not in RANGES:
@@ -55,7 +55,7 @@ def proof(
     others = peers and find_spec("pysindy") is not None
     outcomes = work.run(place_of(jobs, cluster), time.process_time, _until(minutes), peers=others)
     failed = followed("proving", outcomes, len(work.waiting()))
-    tables, status = tables_of(work), status_of(work)
+    tables, status = tables_of(work), proof_status(work)
     text = "\n".join([f"{status}\n", *(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items())])
     (folder / "tables.txt").write_text(text, encoding="utf-8")
     if json:

@@ -23,7 +23,7 @@ from nxt_twin.recording.columns import Port
 from nxt_twin.recording.programs import load_program
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import Driver, ProgramDriver
-from nxt_twin.twin.logbook import Beat, Logbook, columns_of
+from nxt_twin.twin.logbook import Beat, Logbook, columns_to_fill
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.settings import Pace, pace_of
 
@@ -126,7 +126,7 @@ def write_down(
 
     Whatever else ends it, what was recorded until then is kept, and beside it by how much rows are off their stamps.
     """
-    with RecordingWriter(out, columns_of(ports, plan.sensors)) as writer, progress("recording") as tell:
+    with RecordingWriter(out, columns_to_fill(ports, plan.sensors)) as writer, progress("recording") as tell:
         teller = Teller(tell)
         with suppress(*([KeyboardInterrupt] if may_end else [])), tidy_end(), open_it() as brick:
             logbook = Logbook(brick, clock, ports, plan, writer, driver, pace)

@@ -14,7 +14,7 @@ from nxt_twin.cli.lingering import linger
 from nxt_twin.cli.output import progress
 from nxt_twin.cli.showing import Showing
 from nxt_twin.cli.wanted import wanted_ports
-from nxt_twin.cli.watching import audience, conclude, get_ready, watch
+from nxt_twin.cli.watching import audience, conclude_watch, get_ready, watch
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.recording.configs import load_plant_config
@@ -72,5 +72,5 @@ def replay_beside(recording: Path, asked: ReplayArguments, showing: Showing) -> 
     )
     with progress("replay"):
         ended = watch(sitting, duration_s, told)
-    conclude(sitting.outcome(), told, showing)
+    conclude_watch(sitting.outcome(), told, showing)
     linger(told.dashboards, until_interrupted=ended)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, cast
 import typer
 
 from nxt_twin.brick.clock import Clock
-from nxt_twin.brick.discovery import default_ways, search
+from nxt_twin.brick.discovery import default_ways, search_ways
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.cli.output import fail
 from nxt_twin.recording.columns import PORTS, Port, SensorSlot
@@ -69,7 +69,7 @@ def chosen_url(url: str | None, clock: Clock) -> str:
     """
     if url is not None:
         return url
-    for report in search(clock, default_ways()):
+    for report in search_ways(clock, default_ways()):
         for brick in report.bricks:
             return brick.url
     mend = "switch it on, or name mock: for one made of software"

@@ -147,7 +147,7 @@ def _run(sitting: Sitting, seconds: float | None) -> bool:
     return ended
 
 
-def conclude(
+def conclude_watch(
     outcome: Outcome, told: Audience, showing: Showing, since: Differing | None = None
 ) -> dict[str, Any]:
     """Say what a session came to, write what was wanted of it, and give its JSON.

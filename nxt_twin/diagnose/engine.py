@@ -22,7 +22,7 @@ from nxt_twin.diagnose.diagnosis import (
 )
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
@@ -46,7 +46,7 @@ from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.far import moved_far
-from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest
+from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.diagnose.where.mismatch import mismatch_of
@@ -160,7 +160,7 @@ def fit_as_it_stands(case: Case) -> Structure:
     """Fit the parameters of the case's plant on everything that is not held out, looking for nothing else."""
     problem = problem_for(case)
     with Simulator(problem.plant.layout) as simulator:
-        noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
         return fit_everything(Fitter(simulator, problem), problem.plant, noise)
 
 
@@ -211,7 +211,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         detectable=sizes,
         excitation=excitation,
         false_alarm_rate=FalseAlarmRate(alarms.rate, alarms.upper_95, alarms.of),
-        nearest=nearest(evidence, verdict),
+        nearest=nearest_effect(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
 

@@ -99,9 +99,9 @@ def near_offset(
     near = near[np.argsort(distance_mm[near], kind="stable")]
     truth, seen = ultrasonic.UltrasonicTruth(distance_mm[near]), readings[near]
     plain = replace(parameters, near_share=0.0, blind_distance_mm=0.0)
-    without = ultrasonic.probability(plain, seen, truth)
+    without = ultrasonic.reading_probability(plain, seen, truth)
     moved = (replace(plain, zero_mm=plain.zero_mm + float(offset)) for offset in _OFFSETS)
-    shifted = np.array([ultrasonic.probability(each, seen, truth) for each in moved])
+    shifted = np.array([ultrasonic.reading_probability(each, seen, truth) for each in moved])
     places, count = np.unique(truth.distance_mm, return_counts=True)
     last = np.cumsum(count)[:-1] - 1
     lacking = np.log(np.maximum(without, _LEAST))

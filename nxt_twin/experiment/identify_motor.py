@@ -22,7 +22,7 @@ from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import linearise
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import torque_share
@@ -205,7 +205,7 @@ def _fitted(problem: Problem, lag_std_s: Mapping[str, float]) -> tuple[Structure
     """The fit with the noise that suits it, and its covariance."""
     with Simulator(problem.plant.layout) as simulator:
         fitter = Fitter(simulator, problem)
-        guess = first_guess(problem.plant, problem.signals, problem.scale.torque)
+        guess = first_noise(problem.plant, problem.signals, problem.scale.torque)
         found = [
             _settled(fitter, replace(guess, disturbance_std=q * guess.disturbance_std)) for q in _QUIETER
         ]

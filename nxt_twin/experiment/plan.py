@@ -12,7 +12,7 @@ from nxt_twin.errors import ProgramError
 from nxt_twin.recording.columns import Port, SensorSlot
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.program import Run
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.yaml_file import read_part, read_yaml
 from nxt_twin.recording.yaml_place import YamlPlace
 
@@ -311,7 +311,7 @@ def read_experiment(name_or_path: str | Path) -> Experiment:
         path = _own_folder() / f"{name_or_path}.yaml"
         known = own_experiments()
         if str(name_or_path) not in known:
-            mend = f"nearest known: {nearest(str(name_or_path), known)}; or name a .yaml file"
+            mend = f"nearest known: {nearest_name(str(name_or_path), known)}; or name a .yaml file"
             raise ProgramError(f"there is no experiment named {quoted(str(name_or_path))}", mend=mend)
     document = read_yaml(path, ProgramError)
     kind = document.get("kind")

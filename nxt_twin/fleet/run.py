@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import final
 
-from nxt_twin.fleet.finding.sessions import counted, sessions
+from nxt_twin.fleet.finding.sessions import session_count, sessions
 from nxt_twin.fleet.parcel import Options, Parcel, parcel_of
 from nxt_twin.fleet.row import FailureKind, Row, completed, failed
 from nxt_twin.fleet.table import FleetTable
@@ -60,7 +60,7 @@ def diagnose_fleet(
     Raises:
         FleetError: there is nothing to diagnose, or nobody to do it; no recording's failure raises.
     """
-    return _Run(table, options, progress, FleetTally(counted(places))).over(places, place)
+    return _Run(table, options, progress, FleetTally(session_count(places))).over(places, place)
 
 
 @final

@@ -7,7 +7,7 @@ from typing import Final
 
 from nxt_twin.mock.errors import WorldError
 from nxt_twin.recording.configs import configs_dir
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 
 YAML: Final = (".yaml", ".yml")
 
@@ -33,6 +33,6 @@ def named(given: str | Path, folder: str, *, where: str = "") -> Path:
         return path
     known = {file.stem: file for file in sorted((configs_dir() / folder).glob("*.yaml"))}
     if str(given) not in known:
-        mend = f"nearest known: {nearest(str(given), known)}; or name a .yaml file"
+        mend = f"nearest known: {nearest_name(str(given), known)}; or name a .yaml file"
         raise WorldError(f"there is nothing named {quoted(str(given))} in {folder}", where=where, mend=mend)
     return known[str(given)]

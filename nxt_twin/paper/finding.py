@@ -65,7 +65,7 @@ def powers(value: float, decimals: int) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def compare(quantity: str, where: str, unit: str, printed: str, computed: float) -> Comparison:
+def compare_printed(quantity: str, where: str, unit: str, printed: str, computed: float) -> Comparison:
     """Compare a printed number, digits as printed, with a computed one."""
     mantissa, _, exponent = printed.lower().partition("e")
     decimals = len(mantissa.partition(".")[2]) - int(exponent or 0)

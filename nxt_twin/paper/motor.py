@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
-from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
+from nxt_twin.paper.finding import Comparison, Contradiction, compare_printed, powers
 
 SUPPLY_V = 9.0
 """The highest voltage of the speeds behind equation 5 is not printed; six fresh cells give this."""
@@ -103,7 +103,7 @@ def _least_absolute(static_nm: float) -> float:
 def compare_motor(numbers: MotorNumbers) -> list[Comparison]:
     """Section II's numbers, one by one."""
     listed = [
-        compare(f"speed at {rpm:.0f} rev/min", "Table I", "rad/s", f"{shown:.2f}", speed)
+        compare_printed(f"speed at {rpm:.0f} rev/min", "Table I", "rad/s", f"{shown:.2f}", speed)
         for rpm, shown, speed in zip(
             printed.SPEED_RPM[1:],
             printed.SPEED_RAD_PER_S[1:],
@@ -112,21 +112,23 @@ def compare_motor(numbers: MotorNumbers) -> list[Comparison]:
         )
     ]
     listed += [
-        compare(f"emf over speed at {rpm:.0f} rev/min", "Table I", "V·s/rad", f"{shown:.3f}", ratio)
+        compare_printed(f"emf over speed at {rpm:.0f} rev/min", "Table I", "V·s/rad", f"{shown:.3f}", ratio)
         for rpm, shown, ratio in zip(
             printed.SPEED_RPM[1:], printed.EMF_PER_SPEED, numbers.emf_per_speed.tolist(), strict=True
         )
     ]
     return [
         *listed,
-        compare("Ks, line with an offset", "II-1", "V·s/rad", "0.4919", numbers.ks_slope),
-        compare("offset of that line", "II-1", "V", "0.0218", abs(numbers.ks_offset_v)),
-        compare("Ks, line through the origin", "Table II", "V·s/rad", "0.4908", numbers.ks),
-        compare(
+        compare_printed("Ks, line with an offset", "II-1", "V·s/rad", "0.4919", numbers.ks_slope),
+        compare_printed("offset of that line", "II-1", "V", "0.0218", abs(numbers.ks_offset_v)),
+        compare_printed("Ks, line through the origin", "Table II", "V·s/rad", "0.4908", numbers.ks),
+        compare_printed(
             "static friction Tc by equation 6", "Table II", "N·m", "3.558e-4", numbers.static_friction_nm
         ),
-        compare("viscous friction B, with that Tc", "Table II", "N·m·s/rad", "1.92e-3", numbers.viscous),
-        compare(
+        compare_printed(
+            "viscous friction B, with that Tc", "Table II", "N·m·s/rad", "1.92e-3", numbers.viscous
+        ),
+        compare_printed(
             "viscous friction B, with the printed Tc",
             "Table II",
             "N·m·s/rad",

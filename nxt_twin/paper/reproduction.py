@@ -9,7 +9,7 @@ from typing import final
 from nxt_twin.paper import printed
 from nxt_twin.paper.finding import Comparison, Contradiction
 from nxt_twin.paper.motor import MotorNumbers, compare_motor, motor_contradictions, motor_numbers
-from nxt_twin.paper.touch import TABLES, compare_touch, deviations, means, touch_contradictions
+from nxt_twin.paper.touch import TABLES, compare_touch, means, sensor_deviations, touch_contradictions
 from nxt_twin.paper.ultrasonic import UNITS_MM, line_error_mm, ultrasonic_contradictions
 
 FROM_FIGURES_ONLY = (
@@ -67,7 +67,7 @@ def to_json(reproduction: Reproduction) -> str:
                 "change": "off to on" if table.pressing else "on to off",
                 "unit": table.unit,
                 "mean": means(table).tolist(),
-                "std": deviations(table).tolist(),
+                "std": sensor_deviations(table).tolist(),
             }
             for table in TABLES
         ],

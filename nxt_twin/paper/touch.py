@@ -6,7 +6,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
-from nxt_twin.paper.finding import Comparison, Contradiction, compare, powers
+from nxt_twin.paper.finding import Comparison, Contradiction, compare_printed, powers
 from nxt_twin.paper.printed import TouchTable
 
 TABLES = (printed.FORCE_ON, printed.FORCE_OFF, printed.TRAVEL_ON, printed.TRAVEL_OFF)
@@ -18,7 +18,7 @@ def means(table: TouchTable) -> FloatArray:
     return found
 
 
-def deviations(table: TouchTable) -> FloatArray:
+def sensor_deviations(table: TouchTable) -> FloatArray:
     """The standard deviation of each sensor (over 8, as most of the printed ones are), shape (8,)."""
     found: FloatArray = np.std(table.samples, axis=1)
     return found
@@ -30,18 +30,24 @@ def compare_touch() -> list[Comparison]:
     for table in TABLES:
         where = f"Table {table.number}"
         for sensor, (mean, deviation) in enumerate(
-            zip(means(table).tolist(), deviations(table).tolist(), strict=True)
+            zip(means(table).tolist(), sensor_deviations(table).tolist(), strict=True)
         ):
             name = f"sensor {sensor + 1}"
             if table.means is not None and table.deviations is not None:
                 shown = f"{table.means[sensor]:g}"
-                listed.append(compare(f"{name}, mean", where, table.unit, shown, mean))
+                listed.append(compare_printed(f"{name}, mean", where, table.unit, shown, mean))
                 shown = f"{table.deviations[sensor]:g}"
-                listed.append(compare(f"{name}, standard deviation", where, table.unit, shown, deviation))
+                listed.append(
+                    compare_printed(f"{name}, standard deviation", where, table.unit, shown, deviation)
+                )
             elif printed.TRAVEL_VARYING[table.number] == sensor + 1:
-                listed.append(compare(f"{name}, standard deviation", where, table.unit, "1.6e-3", deviation))
+                listed.append(
+                    compare_printed(f"{name}, standard deviation", where, table.unit, "1.6e-3", deviation)
+                )
             else:
-                listed.append(compare(f"{name}, standard deviation", where, table.unit, "0", deviation))
+                listed.append(
+                    compare_printed(f"{name}, standard deviation", where, table.unit, "0", deviation)
+                )
     return listed
 
 

@@ -63,7 +63,7 @@ def source(plan: Layout) -> str:
     return _source(plan, rewriting.abreast)
 
 
-def outline(plan: Layout) -> str:
+def source_outline(plan: Layout) -> str:
     """A text that differs wherever `source` would: it holds the code that rewrites a run, in place of what that writes.
 
     Rewriting takes longer than all the rest of a start, and a compiled kernel needs no more than its name.

@@ -14,7 +14,7 @@ from typing import final
 
 import platformdirs
 
-from nxt_twin.physics.assemble import fingerprint, outline, source, turning_source
+from nxt_twin.physics.assemble import fingerprint, source, source_outline, turning_source
 from nxt_twin.physics.late_blas import import_without_blas
 from nxt_twin.physics.layout import Layout
 
@@ -38,7 +38,7 @@ def kernel(plan: Layout) -> Kernel:
 
     The folder is `$NXT_TWIN_CACHE`, else the user's cache folder; where neither can be written, a temporary one.
     """
-    return Kernel(_compiled(plan, plan.base.kind, outline(plan), source))
+    return Kernel(_compiled(plan, plan.base.kind, source_outline(plan), source))
 
 
 @cache
@@ -51,7 +51,7 @@ def turning(plan: Layout) -> Callable[..., None]:
 
 def is_compiled(plan: Layout) -> bool:
     """Whether an earlier process compiled the kernel of `plan` on this machine and the cache still has it."""
-    name = _name(plan, plan.base.kind, outline(plan))
+    name = _name(plan, plan.base.kind, source_outline(plan))
     elsewhere = os.environ.get("NUMBA_CACHE_DIR")
     return any((Path(elsewhere) if elsewhere else _folder()).rglob(f"{name}.*.nbi"))
 

@@ -10,7 +10,13 @@ import pyarrow as pa
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.checks import check_finite, check_row_count, check_stamps, checked_columns, hold
+from nxt_twin.recording.checks import (
+    check_finite,
+    check_row_count,
+    check_stamps,
+    checked_columns,
+    held_commands,
+)
 from nxt_twin.recording.columns import CATALOGUE, MAPPED_COLUMNS, TIME, check_names
 from nxt_twin.recording.tables.floats import arrow_numbers, arrow_words, floats
 from nxt_twin.recording.tables.table import Table
@@ -57,7 +63,7 @@ def _mapped_columns(held: pa.Table, name: str) -> dict[str, FloatArray]:
     check_stamps(table, TIME)
     for key, values in numbers.items():
         check_finite(table, key, values)
-    return {**numbers, "input": hold(numbers["input"])}
+    return {**numbers, "input": held_commands(numbers["input"])}
 
 
 def _numbers(held: pa.Table, key: str, name: str) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE, TIME, Column
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.tables.table import Table
 
 _FEWEST_ROWS = 2
@@ -38,7 +38,7 @@ def checked_columns(table: Table, path: Path) -> dict[str, FloatArray]:
         column = CATALOGUE[name]
         check_finite(table, name, values)
         check_range(table, name, values, column.lowest, column.highest)
-        columns[name] = hold(values) if column.role == "command" else values
+        columns[name] = held_commands(values) if column.role == "command" else values
     return columns
 
 
@@ -124,7 +124,7 @@ def check_range(
         raise RecordingError(what, where=table.place(row, name), mend=mend)
 
 
-def hold(commands: FloatArray, before_first: float = 0.0) -> FloatArray:
+def held_commands(commands: FloatArray, before_first: float = 0.0) -> FloatArray:
     """Fill each empty command with the one in force: the last before it, or `before_first`."""
     numbers = np.arange(1, commands.size + 1)
     latest = np.maximum.accumulate(np.where(np.isnan(commands), 0, numbers))
@@ -136,6 +136,6 @@ def _indices(table: Table, name: str, column: Column) -> FloatArray:
     words = table.words[name]
     for word in sorted(set(words) - set(index_of)):
         what = f"{quoted(word)} is no known word"
-        mend = f"nearest known: {nearest(word, column.words)}; known: {', '.join(column.words)}"
+        mend = f"nearest known: {nearest_name(word, column.words)}; known: {', '.join(column.words)}"
         raise RecordingError(what, where=table.place(words.index(word), name), mend=mend)
     return np.array([index_of[word] for word in words], dtype=np.float64)

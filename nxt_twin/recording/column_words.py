@@ -12,7 +12,7 @@ from nxt_twin.errors import MappingError
 from nxt_twin.recording.any_mapping import AnyMapping, any_mapping_of
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.robot_keys import is_robots
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.tables.nested import with_index
 
 WHERE = "--columns"
@@ -101,9 +101,7 @@ def mapping_of_words(text: str) -> AnyMapping:
         parts = _WORD.fullmatch(word)
         if parts is None or parts["role"] not in _ROLES:
             role = word.partition("=")[0]
-            mend = (
-                f"write ROLE=COLUMN:UNIT, with one of {', '.join(_ROLES)}; nearest: {nearest(role, _ROLES)}"
-            )
+            mend = f"write ROLE=COLUMN:UNIT, with one of {', '.join(_ROLES)}; nearest: {nearest_name(role, _ROLES)}"
             raise MappingError(f"{quoted(word)} is no column", where=WHERE, mend=mend)
         if parts["role"] in _MODES:
             keys.setdefault("mode", []).append(

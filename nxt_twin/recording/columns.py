@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Literal, final
 
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 
 Port = Literal["a", "b", "c"]
 SensorSlot = Literal[1, 2, 3, 4]
@@ -158,4 +158,4 @@ def _advice(name: str, names: Sequence[str], path: Path) -> str:
         return f"separate the columns by commas, or {mapping_advice(path)}"
     if name in MAPPED_COLUMNS:
         return "a mapped recording is read through a mapping file"
-    return f"nearest known: {nearest(name, CATALOGUE)}; {mapping_advice(path)}"
+    return f"nearest known: {nearest_name(name, CATALOGUE)}; {mapping_advice(path)}"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.errors import PlantError
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.yaml_file import read_yaml
 
 _PACKAGE = Path(__file__).parents[1]
@@ -35,7 +35,7 @@ def load_plant_config(name_or_path: str | Path) -> dict[str, Any]:
         files = [file for folder in _FOLDERS for file in sorted((configs_dir() / folder).glob("*.yaml"))]
         known = {file.stem: file for file in files}
         if str(name_or_path) not in known:
-            mend = f"nearest known: {nearest(str(name_or_path), known)}; or name a .yaml file"
+            mend = f"nearest known: {nearest_name(str(name_or_path), known)}; or name a .yaml file"
             raise PlantError(f"there is no plant named {quoted(str(name_or_path))}", mend=mend)
         path = known[str(name_or_path)]
     config = read_yaml(path, PlantError)

@@ -46,7 +46,7 @@ class Damage:
     size: int
 
 
-def frame(number: int, payload: bytes) -> bytes:
+def framed(number: int, payload: bytes) -> bytes:
     """A frame's bytes."""
     head = struct.pack("<4s3I", _MARK, number, len(payload), zlib.crc32(payload))
     return head + struct.pack("<I", zlib.crc32(head)) + payload

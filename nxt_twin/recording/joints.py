@@ -16,7 +16,7 @@ _STILL_RAD = radians(1.0)
 _SHORTEST_S = 2.0
 
 
-def at_rest(
+def stretches_at_rest(
     recording: Recording, angles: Mapping[str, FloatArray], signs: Mapping[str, float]
 ) -> tuple[Recording, ...]:
     """The stretches of a recording in which all other joints rest, with angles counted from the arm's foot.

@@ -19,10 +19,10 @@ from nxt_twin.recording.checks import (
     check_finite,
     check_range,
     check_row_count,
-    hold,
+    held_commands,
 )
 from nxt_twin.recording.columns import DRIVE_MODES
-from nxt_twin.recording.joints import at_rest
+from nxt_twin.recording.joints import stretches_at_rest
 from nxt_twin.recording.mapped_robot import robot_recording
 from nxt_twin.recording.mapping import (
     POWER_LIMIT_PCT,
@@ -37,7 +37,7 @@ from nxt_twin.recording.mapping import (
 from nxt_twin.recording.recording import GOALS, InputKind, OutputKind, Recording, SignalKinds
 from nxt_twin.recording.robot_keys import ROBOT_KEYS
 from nxt_twin.recording.robot_mapping import RobotMapping
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.stamps import IN_WORDS, order, time_s
 from nxt_twin.recording.tables.content import TableKind
 from nxt_twin.recording.tables.loose import as_word
@@ -97,7 +97,7 @@ def read_all_mapped(path: Path, mapping: AnyMapping) -> tuple[Recording, ...]:
         return _of_one_run(table, file, mapping, path.name)
     runs = _runs(table, mapping.split)
     if part and part not in runs:
-        mend = f"nearest known: {nearest(part, runs)}"
+        mend = f"nearest known: {nearest_name(part, runs)}"
         raise MappingError(f"has no {mapping.split.column} {quoted(part)}", where=str(file), mend=mend)
     chosen = {part: runs[part]} if part else runs
     return tuple(
@@ -121,7 +121,7 @@ def _of_one_run(table: Table, path: Path, mapping: AnyMapping, name: str) -> tup
         for joint, source in mapping.gravity_of.items()
     }
     signs = {joint: source.sign for joint, source in mapping.gravity_of.items()}
-    return at_rest(recording, angles, signs)
+    return stretches_at_rest(recording, angles, signs)
 
 
 def _file_and_part(path: Path) -> tuple[Path, str]:
@@ -166,7 +166,7 @@ def _chooser(path: Path, mapping: AnyMapping) -> Choose:
             if name in found and found.count(name) == 1:
                 continue
             count = "no column" if name not in found else "more than one column"
-            near = f"write `{key}: {{column: …}}` anew; nearest known: {nearest(name, found)}"
+            near = f"write `{key}: {{column: …}}` anew; nearest known: {nearest_name(name, found)}"
             mend = (
                 near
                 if name not in found
@@ -193,7 +193,7 @@ def _numbered(table: Table, column: str, labels: Sequence[str]) -> list[str]:
     """The number of the run that each row belongs to, from 1 on: a new one begins where the column falls."""
     values = table.numbers.get(column)
     values = np.array([_or_nan(label) for label in labels]) if values is None else values
-    begins = np.concatenate([[True], np.diff(hold(values, values[0])) < 0.0])
+    begins = np.concatenate([[True], np.diff(held_commands(values, values[0])) < 0.0])
     return [str(number) for number in np.cumsum(begins).tolist()]
 
 
@@ -257,10 +257,10 @@ def _input(table: Table, mapping: Mapping, path: Path, rows: int) -> FloatArray:
         size = np.abs(size) * _sign(table, source.sign)
     if source.wraps_at is not None:
         reading = _unwrapped(table.numbers[mapping.output.column], mapping.output)
-        size = at_nearest_turn(hold(size, size[0]), reading, source.wraps_at)
+        size = at_nearest_turn(held_commands(size, size[0]), reading, source.wraps_at)
     values = (size * source.gain + source.offset) * to_si
     known = values[np.isfinite(values)]
-    values = hold(values, float(known[0]) if source.kind in GOALS and known.size else 0.0)
+    values = held_commands(values, float(known[0]) if source.kind in GOALS and known.size else 0.0)
     if source.kind == "power_pct":
         mend = "write `input: {gain: …}`, such as 0.392 for a duty of 8 bits"
         check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT, mend=mend)
@@ -288,7 +288,7 @@ def _sign(table: Table, source: SignSource) -> FloatArray:
             mend = f"write `input: {{sign: {{values: {{{label}: -1}}}}}}`, or 1, or 0"
             where = table.place(row, source.column)
             raise MappingError(f"has no sign for {quoted(label)}", where=where, mend=mend)
-    return hold(np.array([sign_of[label] if label else nan for label in labels]))
+    return held_commands(np.array([sign_of[label] if label else nan for label in labels]))
 
 
 def _or_nan(label: str) -> float:
@@ -316,7 +316,7 @@ def _mode_of_one(table: Table, source: ModeSource) -> FloatArray:
             raise MappingError(
                 f"has no mode for {quoted(label)}", where=table.place(row, source.column), mend=mend
             )
-    return hold(np.array([index_of[label] if label else nan for label in labels]))
+    return held_commands(np.array([index_of[label] if label else nan for label in labels]))
 
 
 def _labels(table: Table, column: str) -> list[str]:

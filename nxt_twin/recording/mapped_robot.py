@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
-from nxt_twin.recording.checks import check_finite, check_range, check_row_count, hold
+from nxt_twin.recording.checks import check_finite, check_range, check_row_count, held_commands
 from nxt_twin.recording.columns import (
     BATTERY,
     POSE_HEADING,
@@ -99,7 +99,7 @@ def _angle_deg(table: Table, source: AngleSource) -> FloatArray:
 
 
 def _power_pct(table: Table, source: DutySource) -> FloatArray:
-    values = hold(table.numbers[source.column] * source.gain + source.offset)
+    values = held_commands(table.numbers[source.column] * source.gain + source.offset)
     mend = "write a `gain:` for it, such as 0.392 for a duty of 8 bits"
     check_range(table, source.column, values, -POWER_LIMIT_PCT, POWER_LIMIT_PCT, mend=mend)
     return values

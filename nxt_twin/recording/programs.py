@@ -7,7 +7,7 @@ from pathlib import Path
 from nxt_twin.errors import ProgramError
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.program import MotorProgram, read_program
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 
 _YAML_SUFFIXES = (".yaml", ".yml")
 
@@ -31,8 +31,6 @@ def load_program(name_or_path: str) -> MotorProgram:
         return read_program(path)
     known = own_programs()
     if name_or_path not in known:
-        mend = (
-            f"nearest known: {nearest(name_or_path, known)}; known: {', '.join(known)}; or name a .yaml file"
-        )
+        mend = f"nearest known: {nearest_name(name_or_path, known)}; known: {', '.join(known)}; or name a .yaml file"
         raise ProgramError(f"there is no program named {quoted(name_or_path)}", mend=mend)
     return read_program(known[name_or_path])

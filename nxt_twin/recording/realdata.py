@@ -19,7 +19,7 @@ from nxt_twin.errors import CaseError, MissingDataError, RecordingError
 from nxt_twin.recording.configs import configs_dir
 from nxt_twin.recording.files import write_recording
 from nxt_twin.recording.recording import Recording
-from nxt_twin.recording.source import nearest, quoted
+from nxt_twin.recording.source import nearest_name, quoted
 from nxt_twin.recording.tables.lines import WHITESPACE, TextLayout
 from nxt_twin.recording.tables.text import read_text
 
@@ -81,7 +81,7 @@ def prepare_case(name: str, data: Path, out: Path) -> Path:
         MissingDataError: if a file of the data set is missing.
     """
     if name not in DATA_SETS:
-        mend = f"nearest known: {nearest(name, DATA_SETS)}; known: {', '.join(DATA_SETS)}"
+        mend = f"nearest known: {nearest_name(name, DATA_SETS)}; known: {', '.join(DATA_SETS)}"
         raise CaseError(f"there is no data set {quoted(name)}", mend=mend)
     data_set = DATA_SETS[name]
     folder = out / name

@@ -68,7 +68,7 @@ def quoted(found: object) -> str:
     return text if len(text) <= _QUOTED_CHARACTERS else f"{text[:_QUOTED_CHARACTERS]}…"
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest_name(name: str, known: Iterable[str]) -> str:
     """The known name that is spelled most like `name`; empty if none is known."""
     spelled = {each[:_NAME_CHARACTERS]: each for each in islice(known, _NAMES_MOST)}
     matches = difflib.get_close_matches(name[:_NAME_CHARACTERS], list(spelled), n=1, cutoff=0.0)

@@ -26,7 +26,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.columns import CATALOGUE, TIME, check_names
 from nxt_twin.recording.files import write_recording
-from nxt_twin.recording.frames import Damage, Frame, frame, frames
+from nxt_twin.recording.frames import Damage, Frame, framed, frames
 from nxt_twin.recording.lags import RowLags
 from nxt_twin.recording.recording import Recording
 
@@ -72,7 +72,7 @@ class RecordingWriter:
         self._open = True
         _claim(self._file)
         try:
-            self._write(2 * frame(0, json.dumps({"format": _FORMAT, "columns": self._columns}).encode()))
+            self._write(2 * framed(0, json.dumps({"format": _FORMAT, "columns": self._columns}).encode()))
         except RecordingError:
             self._file.close()
             self._stream.unlink()  # there is nothing in it
@@ -109,7 +109,7 @@ class RecordingWriter:
         cells = struct.pack(
             f"<{len(self._columns)}d", *(values.get(each, math.nan) for each in self._columns)
         )
-        self._write(frame(self.rows + 1, cells))
+        self._write(framed(self.rows + 1, cells))
         self.rows += 1
         if self._lags is not None and self.rows >= self._lags_due:
             self._lags_due = 2 * self.rows

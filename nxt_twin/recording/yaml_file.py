@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.recording.bounded_yaml import KeyTwiceError, parse_yaml
-from nxt_twin.recording.source import nearest, quoted, read_head
+from nxt_twin.recording.source import nearest_name, quoted, read_head
 from nxt_twin.recording.yaml_place import YamlPlace
 
 LARGEST_YAML_BYTES = 2**20
@@ -120,7 +120,7 @@ def _complaint(problem: dict[str, Any], keys: tuple[str, ...], model: type[BaseM
     """What is wrong, and what to do about it."""
     match problem["type"]:
         case "extra_forbidden":
-            return "unknown key", f"nearest known: {nearest(keys[-1], model.model_fields)}"
+            return "unknown key", f"nearest known: {nearest_name(keys[-1], model.model_fields)}"
         case "missing":
             return "is missing", "add it"
         case "literal_error":

@@ -33,16 +33,16 @@ __all__ = [
     "beam_limit_deg",
     "between_targets_mm",
     "blind_probability",
+    "distance_gain",
+    "echo_moments",
     "expected",
     "fit",
-    "gain",
     "log_likelihood",
     "log_likelihood_each",
     "mean_mm",
-    "moments",
     "near_probability",
     "noise_std_mm",
-    "probability",
+    "reading_probability",
     "silent_probability",
     "simulate",
     "sound_speed",
@@ -86,7 +86,7 @@ def sound_speed(temperature_c: float) -> float:
     return 331.3 * float(np.sqrt(1.0 + temperature_c / _KELVIN))
 
 
-def gain(parameters: UltrasonicParameters) -> float:
+def distance_gain(parameters: UltrasonicParameters) -> float:
     """By what the true distance is multiplied: the scale, and what the air's temperature does."""
     warmth = sound_speed(REFERENCE_TEMPERATURE_C) / sound_speed(parameters.air_temperature_c)
     return parameters.scale * warmth
@@ -114,7 +114,7 @@ def mean_mm(parameters: UltrasonicParameters, truth: UltrasonicTruth) -> FloatAr
     distance d and incidence φ and back is `2·√(d² + (s·cos φ / 2)²)`.
     """
     half = 0.5 * parameters.transducer_spacing_mm * np.cos(np.deg2rad(truth.incidence_deg))
-    return gain(parameters) * np.sqrt(truth.distance_mm**2 + half**2) + parameters.zero_mm
+    return distance_gain(parameters) * np.sqrt(truth.distance_mm**2 + half**2) + parameters.zero_mm
 
 
 def noise_std_mm(parameters: UltrasonicParameters, distance_mm: FloatArray) -> FloatArray:
@@ -140,7 +140,7 @@ def log_likelihood_each(
         seen &= first_polls(ping_numbers(time_s, parameters.update_period_s))
         truth = _at_pings(parameters, truth)
     given = np.where(seen, readings, 0.0)
-    return np.where(seen, np.log(np.maximum(probability(parameters, given, truth), _LEAST)), 0.0)
+    return np.where(seen, np.log(np.maximum(reading_probability(parameters, given, truth), _LEAST)), 0.0)
 
 
 def log_likelihood(parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth) -> float:
@@ -148,7 +148,9 @@ def log_likelihood(parameters: UltrasonicParameters, readings: FloatArray, truth
     return float(np.sum(log_likelihood_each(parameters, readings, truth)))
 
 
-def probability(parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth) -> FloatArray:
+def reading_probability(
+    parameters: UltrasonicParameters, readings: FloatArray, truth: UltrasonicTruth
+) -> FloatArray:
     """The probability of each whole reading (cm, 255 without echo), shape (polls,)."""
     p, distance = parameters, truth.distance_mm
     quantum, none = p.quantum_mm, readings >= NO_ECHO * 10.0 / p.quantum_mm
@@ -252,11 +254,11 @@ def simulate(parameters: UltrasonicParameters, truth: UltrasonicTruth, rng: Gene
 def expected(parameters: UltrasonicParameters, distance_mm: float, angle_deg: float = 0.0) -> Expected:
     """The sensor's expected reading, cm, for one target; fast enough for each step of a filter."""
     truth = UltrasonicTruth(np.array([distance_mm]), np.array([angle_deg]))
-    mean, variance, p_no_echo = moments(parameters, truth)
+    mean, variance, p_no_echo = echo_moments(parameters, truth)
     return Expected(float(mean[0]), float(variance[0]), float(p_no_echo[0]))
 
 
-def moments(
+def echo_moments(
     parameters: UltrasonicParameters, truth: UltrasonicTruth
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean (cm) and variance (cm²) of a reading with an echo, and the probability of none; shape (polls,) each."""

@@ -314,7 +314,7 @@ def weak_battery(diagnosis: Diagnosis, leaning_nats: float = 0.0) -> float:
     return weight / (weight + 1.0 - surely)
 
 
-def told(finished: Finished, diagnosis: Diagnosis, time_s: float) -> list[Event]:
+def adoption_events(finished: Finished, diagnosis: Diagnosis, time_s: float) -> list[Event]:
     """The events that tell an adopted diagnosis."""
     port, channel = finished.port, tacho_column(finished.port)
     where = f"port {port.upper()}:"

@@ -81,7 +81,7 @@ class Refitter:
 
     def start(self, port: Port, plant: Plant, recording: Recording) -> None:
         """Fit a motor's model to a recording of it."""
-        self._running = self._executor.submit(refitted, port, plant, recording)
+        self._running = self._executor.submit(fitted_again, port, plant, recording)
 
     def finished(self) -> Refitted | None:
         """A model that is much nearer than the one before; None where there is none, or not yet."""
@@ -94,7 +94,7 @@ class Refitter:
         return found if found.gain.large else None
 
 
-def refitted(port: Port, plant: Plant, recording: Recording) -> Refitted:
+def fitted_again(port: Port, plant: Plant, recording: Recording) -> Refitted:
     """Fit a motor's model, with the effects that it has, to a recording of it."""
     case = Case("live", Path(), plant.to_config(), (recording,), (), port)
     better = fit_as_it_stands(case).plant

@@ -10,7 +10,7 @@ from nxt_twin.diagnose.engine import Answer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.program import MotorProgram
-from nxt_twin.twin.adopt import Adopter, Finished, battery_is_another, told
+from nxt_twin.twin.adopt import Adopter, Finished, adoption_events, battery_is_another
 from nxt_twin.twin.again import Adoption, Refitted, Refitter
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin
@@ -155,7 +155,7 @@ class Improver:
         self._forget(port)
         if answer.diagnosis.effects:
             self._taken[port] = Adoption(given, finished.began_s, finished.seconds)
-        for event in told(finished, answer.diagnosis, now_s):
+        for event in adoption_events(finished, answer.diagnosis, now_s):
             self._sink.event(event)
 
     def _take_numbers(self, refitted: Refitted, now_s: float) -> None:

@@ -17,7 +17,7 @@ from nxt_twin.twin.adopt import Adopter
 from nxt_twin.twin.beside import diagnosing
 from nxt_twin.twin.brick_twin import BrickTwin
 from nxt_twin.twin.driver import Detour, Driver, ProgramDriver
-from nxt_twin.twin.logbook import columns_of
+from nxt_twin.twin.logbook import columns_to_fill
 from nxt_twin.twin.outcome import Sitting
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.records import Sink
@@ -75,7 +75,7 @@ def live_sitting(options: LiveOptions, open_brick: Callable[[], Brick], clock: C
     """
     recorder = None
     if options.out is not None:
-        recorder = RecordingWriter(options.out, columns_of(tuple(options.plants), options.sensors))
+        recorder = RecordingWriter(options.out, columns_to_fill(tuple(options.plants), options.sensors))
     usual = options.driver
     if usual is None and options.program is not None:
         usual = ProgramDriver(options.program)

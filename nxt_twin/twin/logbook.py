@@ -59,7 +59,7 @@ class Beat:
 TellBeat = Callable[[Beat], None]
 
 
-def columns_of(ports: tuple[Port, ...], sensors: Mapping[SensorSlot, PortSensor]) -> tuple[str, ...]:
+def columns_to_fill(ports: tuple[Port, ...], sensors: Mapping[SensorSlot, PortSensor]) -> tuple[str, ...]:
     """The columns that rows of these motors and sensors may fill."""
     motors = [name(port) for port in ports for name in (power_column, mode_column, tacho_column)]
     return (TIME, *motors, BATTERY, *(_COLUMNS[kind](slot) for slot, kind in sensors.items()))

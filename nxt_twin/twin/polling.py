@@ -136,7 +136,7 @@ def reported(state: MotorState) -> tuple[int, DriveMode]:
     return (state.power_pct, "drive") if state.power_pct else (0, "brake")
 
 
-def alike(one: tuple[int, DriveMode], other: tuple[int, DriveMode]) -> bool:
+def acts_alike(one: tuple[int, DriveMode], other: tuple[int, DriveMode]) -> bool:
     """Whether two commands do alike to a motor: without power, an open bridge coasts."""
     return one == other or all(
         power_pct == 0 and mode in ("coast", "float") for power_pct, mode in (one, other)

@@ -12,7 +12,7 @@ from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.recording.case import Case
 from nxt_twin.twin.records import Event, EventKind
-from nxt_twin.twin.wheel_ghost import RobotReading, WheelGhost, recording_of, without_slip
+from nxt_twin.twin.wheel_ghost import RobotReading, WheelGhost, ghost_without_slip, recording_of
 
 TOGETHER_M: Final = 0.5
 """After adoption the ghost has to hold for so long a way."""
@@ -78,7 +78,7 @@ class RobotTwin:
         where = f"{1e3 * away_m:.0f} mm and {abs(turned_deg):.1f}° apart after {ghost.path_m:.2f} m"
         said: list[Event] = []
         if not self._apart and self._lost_for_long(reading, ghost):
-            mended, spells = without_slip(self._rows, self.drive)
+            mended, spells = ghost_without_slip(self._rows, self.drive)
             if spells and not mended.lost():
                 self._ghost, self._lost_s = mended, None
                 said += self._slips(reading, spells)

@@ -30,7 +30,7 @@ from nxt_twin.twin.history import History, Recorder
 from nxt_twin.twin.improver import Improver, RunExperiment
 from nxt_twin.twin.monitor import MotorMonitor
 from nxt_twin.twin.motor import ReadingEvidence
-from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, alike, reported, tell
+from nxt_twin.twin.polling import OUTPUTS, Plan, SensorPoll, acts_alike, reported, tell
 from nxt_twin.twin.records import Event, EventKind, Innovation, Sink, Tick
 from nxt_twin.twin.sensor_twin import SensorTwin
 from nxt_twin.twin.settings import BATTERY_AGE_S, Pace
@@ -248,7 +248,7 @@ class Session:
         """After a command without an answer: take the brick's word for what is in force, and begin where it is."""
         self._presumed.discard(port)
         self._twin.move(at_s)
-        if not alike(reported(state), self._twin.commanded(port)):
+        if not acts_alike(reported(state), self._twin.commanded(port)):
             self._commanded(port, Moment(at_s, 0.0, late=True, stall_s=0.0), *reported(state))
         self._twin.place(port, state.tacho_deg, self._twin.speed_rad_s(port))
 

@@ -117,7 +117,7 @@ def recording_of(rows: Sequence[RobotReading], drive: DifferentialDrive) -> Reco
     return Recording("live", {name: np.array(values) for name, values in columns.items()})
 
 
-def without_slip(rows: Sequence[RobotReading], drive: DifferentialDrive) -> tuple[WheelGhost, int]:
+def ghost_without_slip(rows: Sequence[RobotReading], drive: DifferentialDrive) -> tuple[WheelGhost, int]:
     """A ghost that leaves out what slipped at hard starts, and how many such spells there were.
 
     Args:

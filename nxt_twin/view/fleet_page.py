@@ -49,7 +49,7 @@ def render_fleet_page(findings: Findings, table: str) -> str:
     return templates.get_template("fleet.html.j2").render(
         findings=findings,
         table=table,
-        sentence=sentence(findings),
+        sentence=fleet_sentence(findings),
         level=LEVEL,
         most=MOST_LISTED,
         units={each.name: each.unit for each in findings.parameters},
@@ -61,7 +61,7 @@ def render_fleet_page(findings: Findings, table: str) -> str:
     )
 
 
-def sentence(findings: Findings) -> str:
+def fleet_sentence(findings: Findings) -> str:
     """The first sentence of the page, for a person."""
     if not findings.units:
         return f"No session of {findings.sessions} could be diagnosed."

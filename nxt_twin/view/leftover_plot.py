@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Leftover
 from nxt_twin.view import palette
-from nxt_twin.view.thinning import finite, scattered, trend
+from nxt_twin.view.thinning import random_indices, trend, without_infinities
 
 _WIDTH_IN = 10.4
 _MOST_DOTS = 1500
@@ -48,7 +48,7 @@ def leftover_figure(leftover: Leftover, *, improves: bool) -> Figure:
     grid = figure.add_gridspec(len(rows), len(abscissas), hspace=0.28, wspace=0.12, **place)
     factor, unit = palette.in_reach(rows[0].torque, leftover.unit)
     limit = factor * _limit([row.torque for row in rows])
-    kept = scattered(leftover.time_s.size, _MOST_DOTS)
+    kept = random_indices(leftover.time_s.size, _MOST_DOTS)
     for column, abscissa in enumerate(abscissas):
         for number, row in enumerate(rows):
             axes = figure.add_subplot(grid[number, column])
@@ -65,7 +65,7 @@ def leftover_figure(leftover: Leftover, *, improves: bool) -> Figure:
 
 def _rows(leftover: Leftover, *, improves: bool) -> list[_Row]:
     what = "unknown force" if leftover.unit == "N" else "unknown torque"
-    before, after = finite(leftover.before), finite(leftover.after)
+    before, after = without_infinities(leftover.before), without_infinities(leftover.after)
     if not improves:
         return [_Row(what, palette.BASELINE, before)]
     return [
@@ -81,9 +81,13 @@ def _limit(torques: list[FloatArray]) -> float:
 
 
 def _abscissas(leftover: Leftover) -> list[_Abscissa]:
-    drive = [] if leftover.drive is None else [_Abscissa(leftover.drive_label, finite(leftover.drive))]
+    drive = (
+        []
+        if leftover.drive is None
+        else [_Abscissa(leftover.drive_label, without_infinities(leftover.drive))]
+    )
     return [
-        _Abscissa(f"speed ({leftover.speed_unit})", finite(leftover.speed)),
+        _Abscissa(f"speed ({leftover.speed_unit})", without_infinities(leftover.speed)),
         _telling_position(leftover),
         *drive,
         _Abscissa("time in the recording (s)", leftover.time_s),
@@ -92,7 +96,7 @@ def _abscissas(leftover: Leftover) -> list[_Abscissa]:
 
 def _telling_position(leftover: Leftover) -> _Abscissa:
     """Position as it is, or within one turn, whichever the unknown torque goes with more closely."""
-    position = finite(leftover.position)
+    position = without_infinities(leftover.position)
     straight = _Abscissa(f"position ({leftover.position_unit})", position)
     turn = _TURN.get(leftover.position_unit)
     if (
@@ -102,7 +106,7 @@ def _telling_position(leftover: Leftover) -> _Abscissa:
     ):
         return straight
     within = _Abscissa(f"position within a turn ({leftover.position_unit})", position % turn)
-    torque = finite(leftover.before)
+    torque = without_infinities(leftover.before)
     return max(within, straight, key=lambda abscissa: trend(abscissa.values, torque).share)
 
 

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 import nxt_twin
 from nxt_twin.paper.reproduction import FROM_FIGURES_ONLY, Reproduction
-from nxt_twin.paper.touch import TABLES, deviations, means
+from nxt_twin.paper.touch import TABLES, means, sensor_deviations
 from nxt_twin.view.pages import environment
 from nxt_twin.view.paper_figures import emf_figure, limits_figure, models_figure, touch_figure, units_figure
 from nxt_twin.view.paper_models import beam_figure, sensors_figure
@@ -57,7 +57,7 @@ def _touch_rows() -> list[list[str]]:
     columns = [
         [
             f"{mean:.{digits}f} ± {std:.{digits}f}"
-            for mean, std in zip(means(table), deviations(table), strict=True)
+            for mean, std in zip(means(table), sensor_deviations(table), strict=True)
         ]
         for table, digits in zip(TABLES, (2, 2, 3, 3), strict=True)
     ]

@@ -11,7 +11,7 @@ from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import palette
 from nxt_twin.view.close_look import draw_close_look, mark_part, telling_part
 from nxt_twin.view.numbers import plain
-from nxt_twin.view.thinning import envelope, finite, steps
+from nxt_twin.view.thinning import envelope, steps, without_infinities
 from nxt_twin.view.traces import (
     ModelTrace,
     RunPicture,
@@ -109,7 +109,7 @@ def _name_strongest(axes: Axes, picture: RunPicture) -> None:
 def _draw_command(axes: Axes, run: HeldOutRun) -> None:
     factor, unit = palette.in_reach(run.command, "")
     palette.dress(axes, f"{run.command_label}{f', in {unit.strip()}' if unit else ''}", ticks=2)
-    time_s, command = steps(run.time_s, finite(factor * run.command))
+    time_s, command = steps(run.time_s, without_infinities(factor * run.command))
     time_s, command = envelope(time_s, command, _COLUMNS)
     axes.fill_between(time_s, command, step="post", color=palette.GRID, linewidth=0)
     axes.step(time_s, command, where="post", color=palette.MUTED, linewidth=0.9)

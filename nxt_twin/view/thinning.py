@@ -15,7 +15,7 @@ _LEAST_GAP = 20.0  # times the usual step
 _LEAST_GAP_SHARE = 0.04
 
 
-def finite(values: FloatArray) -> FloatArray:
+def without_infinities(values: FloatArray) -> FloatArray:
     """`values` with infinities turned into NaN, so that a run-away prediction leaves a gap."""
     return np.where(np.isfinite(values), values, np.nan)
 
@@ -68,7 +68,7 @@ def some(candidates: IntArray, count: int) -> IntArray:
     return candidates[np.linspace(0, candidates.size - 1, count).astype(np.intp)]
 
 
-def scattered(samples: int, count: int) -> IntArray:
+def random_indices(samples: int, count: int) -> IntArray:
     """At most `count` of the indices below `samples`, drawn at random with a fixed seed, against aliasing."""
     if samples <= count:
         return np.arange(samples, dtype=np.intp)

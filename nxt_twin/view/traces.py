@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.diagnosis import Diagnosis, HeldOutRun, Spell
 from nxt_twin.view import palette
-from nxt_twin.view.thinning import envelope, finite, gaps, some
+from nxt_twin.view.thinning import envelope, gaps, some, without_infinities
 from nxt_twin.view.wording import improves, quantity
 
 _MOST_MARKS = 120
@@ -94,12 +94,12 @@ def traces_of(picture: RunPicture) -> list[ModelTrace]:
     """The re-fitted baseline and, where there is one, the improved model."""
     run = picture.run
     measured = trusted(run)
-    baseline = finite(run.baseline)
+    baseline = without_infinities(run.baseline)
     traces = [
         ModelTrace(picture.names[0], palette.BASELINE, baseline, baseline - measured, run.baseline_rmse)
     ]
     if picture.improves:
-        improved = finite(run.improved)
+        improved = without_infinities(run.improved)
         traces.append(
             ModelTrace(picture.names[1], palette.IMPROVED, improved, improved - measured, run.improved_rmse)
         )
@@ -108,7 +108,7 @@ def traces_of(picture: RunPicture) -> list[ModelTrace]:
 
 def trusted(run: HeldOutRun) -> FloatArray:
     """The measured values, NaN where they are stale or missing."""
-    return np.where(run.stale > 0.5, np.nan, finite(run.measured))
+    return np.where(run.stale > 0.5, np.nan, without_infinities(run.measured))
 
 
 def stale_samples(run: HeldOutRun) -> BoolArray:
@@ -137,7 +137,8 @@ def draw_measured(
     axes: Axes, run: HeldOutRun, part: slice, factor: float, columns: int, *, dots: bool
 ) -> None:
     """Draw what was measured, as a line or as dots, and the stale samples beside it as crosses."""
-    time_s, measured, stale = run.time_s[part], factor * finite(run.measured[part]), stale_samples(run)[part]
+    time_s, stale = run.time_s[part], stale_samples(run)[part]
+    measured = factor * without_infinities(run.measured[part])
     style = {"marker": "o", "markersize": 3.4, "linestyle": "none"} if dots else {"linewidth": 2.8}
     axes.plot(*envelope(time_s[~stale], measured[~stale], columns), color=palette.MEASURED, **style)
     marked = some(np.flatnonzero(stale), _MOST_MARKS)

@@ -19,7 +19,7 @@ from nxt_twin.mock.errors import WorldError
 from nxt_twin.world.assembly import Assembly, Gear, RigidLink, Vector
 from nxt_twin.world.engine import Body, Hit, Hits
 from nxt_twin.world.pose import Pose, quaternion_to_matrix
-from nxt_twin.world.urdf import urdf
+from nxt_twin.world.urdf import robot_urdf
 
 STEP_S: Final = 1e-3
 GRAVITY_M_S2: Final = 9.81
@@ -45,7 +45,7 @@ _ALL: Final = _MOVING | _FIXED
 
 
 @cache
-def library() -> Any:  # noqa: ANN401 - an untyped library
+def pybullet_module() -> Any:  # noqa: ANN401 - an untyped library
     """PyBullet, which says nothing while it is imported.
 
     Raises:
@@ -90,7 +90,7 @@ class Bullet:
     """
 
     def __init__(self, floor_friction: float = 1.0, gravity: Vector = (0.0, 0.0, -1.0)) -> None:
-        self._p = p = library()
+        self._p = p = pybullet_module()
         self._id = p.connect(p.DIRECT)
         self._closing = weakref.finalize(self, p.disconnect, self._id)
         self._links: dict[Body, dict[str, int]] = {}
@@ -137,7 +137,7 @@ class Bullet:
         p = self._p
         with tempfile.TemporaryDirectory(prefix="nxt-twin-") as folder:
             path = Path(folder) / "assembly.urdf"
-            path.write_text(urdf(assembly), encoding="utf-8")
+            path.write_text(robot_urdf(assembly), encoding="utf-8")
             with _quiet():
                 body: Body = p.loadURDF(
                     str(path),

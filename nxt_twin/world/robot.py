@@ -129,7 +129,7 @@ class Arm(Written):
 
     def link(self, name: str) -> RigidLink:
         """The arm."""
-        axis = axis_of(self.axis)
+        axis = unit_vector(self.axis)
         limits = (
             None
             if self.range_deg is None
@@ -210,7 +210,7 @@ def plunger_name(port: int) -> str:
     return f"sensor {port}"
 
 
-def axis_of(name: str) -> tuple[float, float, float]:
+def unit_vector(name: str) -> tuple[float, float, float]:
     """The unit vector of an axis such as ``-y``."""
     sign = -1.0 if name.startswith("-") else 1.0
     x, y, z = (sign * float(name[-1] == letter) for letter in "xyz")

@@ -8,7 +8,7 @@ from xml.sax.saxutils import quoteattr
 from nxt_twin.world.assembly import Assembly, RigidLink, Shape, Vector
 
 
-def urdf(assembly: Assembly) -> str:
+def robot_urdf(assembly: Assembly) -> str:
     """The text of the file.
 
     PyBullet refuses moments of inertia that no body has, such as those of a wheel with a gear train. The file

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, detectable
+from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, is_detectable
 from nxt_twin.blind.effects.library import UNKNOWN_EFFECTS
 from nxt_twin.blind.make import make_case, write_case
 from nxt_twin.blind.reach import reach
@@ -47,7 +47,7 @@ def test_only_detectable_singles_count():
     seen = judged(reach=Reach(50.0, 5.0, 1.0))
     hidden = judged(exact=False, reach=Reach(2.0, 0.1, 1.0))
     unreached = judged(exact=False)
-    assert [detectable(case) for case in (seen, hidden, unreached)] == [True, False, False]
+    assert [is_detectable(case) for case in (seen, hidden, unreached)] == [True, False, False]
     exact = aim([seen, hidden, unreached], "single, detectable: exact")
     assert (exact.measured, exact.cases, exact.met) == (1.0, 1, True)
 

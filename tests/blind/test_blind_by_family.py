@@ -26,7 +26,7 @@ from nxt_twin.blind.told import (
     unknown_rows,
 )
 from nxt_twin.blind.verdict import Judged
-from nxt_twin.diagnose.telling.calibration import told
+from nxt_twin.diagnose.telling.calibration import told_probability
 
 
 def judged(family="workshop", kind="single", *, exact=True, verdict="explained", probability=0.99, ratio=1.0):
@@ -117,8 +117,8 @@ def test_the_chance_of_something_else_is_learnt_on_the_other_families():
 
 
 def test_a_told_probability_leaves_room_for_what_was_not_weighed():
-    assert told(1.0) == pytest.approx(0.95)
-    assert told(0.6) == pytest.approx(0.57)
+    assert told_probability(1.0) == pytest.approx(0.95)
+    assert told_probability(0.6) == pytest.approx(0.57)
 
 
 def test_deletions_are_counted_by_verdict():

@@ -3,7 +3,7 @@
 import pytest
 
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS
-from nxt_twin.blind.located import Located, locate, parse_place
+from nxt_twin.blind.located import Located, locate_score, parse_place
 from nxt_twin.blind.location import location
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.verdict import NOTHING_GIVEN, Judged, judge
@@ -25,7 +25,7 @@ def placed(effect, equation=None, *, sources=(), onsets=(), **params):
     """What was hidden, judged beside what a diagnosis says of where."""
     hidden = [{"id": effect, "params": params}] if effect else []
     said = {"channel": "a_tacho_deg", "when": [], "regimes": [], "equation": equation}
-    return locate({"effects": hidden}, parse_place({**said, "sources": sources, "onsets": onsets}))
+    return locate_score({"effects": hidden}, parse_place({**said, "sources": sources, "onsets": onsets}))
 
 
 def case(kind, located: Located, *, seen=True):

@@ -14,7 +14,7 @@ from nxt_twin.blind.families.orders import Amounts, plan_orders
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.proof import Proof
 from nxt_twin.blind.ranges import SeedRange
-from nxt_twin.blind.tables import status_of, tables_of
+from nxt_twin.blind.tables import proof_status, tables_of
 from nxt_twin.fleet.workers.place import HERE
 
 SMALL = SeedRange("small", (7,), Amounts(("stiction",), 1, 0, 0, 0), None, "of a test")
@@ -50,7 +50,7 @@ def run(proof, many=99):
 def test_a_piece_does_the_first_cases_and_the_next_piece_goes_on(proof):
     first = run(proof, many=1)
     assert [name for name, _ in first] == [proof.cases[0].order.plan.name]
-    assert status_of(proof).splitlines()[:2] == [
+    assert proof_status(proof).splitlines()[:2] == [
         "small: 1 of 4 cases are finished",
         "3 cases are left: 6 min of processor time at 120.0 s a case",
     ]
@@ -94,7 +94,7 @@ def test_figures_of_several_engines_are_told(proof, monkeypatch):
     run(proof, many=1)
     monkeypatch.setattr("nxt_twin.blind.prove.engine_version", lambda: "another")
     run(proof)
-    assert "several engines" in status_of(proof)
+    assert "several engines" in proof_status(proof)
 
 
 def test_a_fair_order_spreads_each_stratum_over_the_whole():

@@ -13,7 +13,7 @@ from nxt_twin.blind.robot.bench import (
     solve_robots,
 )
 from nxt_twin.blind.robot.truth.body import TrueRobot
-from nxt_twin.blind.robot.truth.integrator import drive
+from nxt_twin.blind.robot.truth.integrator import drive_robot
 from nxt_twin.blind.robot.world import ROBOT_EFFECTS, make_world
 from nxt_twin.diagnose.robot.engine import diagnose_robot
 from nxt_twin.errors import DiagnosisError, NxtTwinError
@@ -24,7 +24,7 @@ TIME_S = np.arange(0.0, 1.5, 0.05)
 
 def states(robot, volts):
     none = np.zeros((TIME_S.size, 2))
-    return drive(np.array(robot.packed()), TIME_S, np.tile(volts, (TIME_S.size, 1)), none, none)
+    return drive_robot(np.array(robot.packed()), TIME_S, np.tile(volts, (TIME_S.size, 1)), none, none)
 
 
 def test_without_friction_the_true_robot_runs_at_the_speed_of_its_back_emf():

@@ -57,7 +57,7 @@ def link(monkeypatch) -> ScriptedLink:
 
 
 def searching(monkeypatch, *reports: WayReport) -> None:
-    monkeypatch.setattr(connect_module, "search", lambda clock, ways, timeout_s: reports)
+    monkeypatch.setattr(connect_module, "search_ways", lambda clock, ways, timeout_s: reports)
 
 
 def test_connect_says_who_the_brick_is_and_moves_nothing(run, link: ScriptedLink):

@@ -11,7 +11,7 @@ import pytest
 from brick_fakes import ScriptedLink, VirtualClock
 
 from nxt_twin.brick.clock import SystemClock
-from nxt_twin.brick.discovery import default_ways, search
+from nxt_twin.brick.discovery import default_ways, search_ways
 from nxt_twin.brick.errors import LinkRefusedError, LinkTimeoutError, Refusal
 from nxt_twin.brick.search.bluetooth import look_on_bluetooth
 from nxt_twin.brick.search.finding import FoundBrick, Reason, WayReport
@@ -32,7 +32,7 @@ def raising(error: Exception):
 
 
 def test_each_way_reports_in_the_order_in_which_they_were_named():
-    reports = search(SystemClock(), {"tcp": found("tcp"), "usb": found("usb")})
+    reports = search_ways(SystemClock(), {"tcp": found("tcp"), "usb": found("usb")})
     assert [report.way for report in reports] == ["tcp", "usb"]
     assert reports[1].bricks[0].url == "usb:x"
 
@@ -45,7 +45,7 @@ def test_a_way_that_fails_says_why_and_spoils_no_other():
         "bt": raising(OSError("odd")),
         "tcp": found("tcp"),
     }
-    usb, serial, bt, tcp = search(SystemClock(), ways)
+    usb, serial, bt, tcp = search_ways(SystemClock(), ways)
     assert usb.reasons == (Reason("bus 1: no rule", Refusal.NO_PERMISSION, "nxt-twin udev"),)
     assert serial.reasons[0].cause is Refusal.NO_DRIVER
     assert "odd" in bt.reasons[0].what
@@ -59,7 +59,7 @@ def test_a_way_that_hangs_is_left_behind():
         release.wait(10)
         return WayReport("usb")
 
-    usb, tcp = search(SystemClock(), {"usb": hang, "tcp": found("tcp")}, timeout_s=0.2)
+    usb, tcp = search_ways(SystemClock(), {"usb": hang, "tcp": found("tcp")}, timeout_s=0.2)
     release.set()
     assert "did not come back within 0.2 s" in usb.reasons[0].what
     assert tcp.bricks
@@ -75,7 +75,7 @@ def test_ways_are_walked_at_the_same_time():
 
         return walk
 
-    reports = search(SystemClock(), {way: look(way) for way in ("a", "b", "c")})
+    reports = search_ways(SystemClock(), {way: look(way) for way in ("a", "b", "c")})
     assert all(not report.reasons for report in reports)
 
 

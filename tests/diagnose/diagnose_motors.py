@@ -14,7 +14,7 @@ from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.recording.case import Case
 
 FAMILIES = ("steps", "ramps", "reversals")
@@ -49,7 +49,7 @@ def settled(simulator, case, *, added=None):
     plant = problem.plant
     for effect_id, values in (added or {}).items():
         plant = plant.with_effect(effect_id, values)
-    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
     rough = settling.settled(fitter, fitter.fit(plant, noise)[0].plant, noise)
     final = fit_everything(fitter, rough.plant, rough.noise)
     return problem, fitter, final

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.fitting.fit import Fitted
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging import floors
@@ -31,7 +31,7 @@ def bench(seconds=12.0, rate_hz=50.0):
 def made():
     """A problem whose plant is the truth, its noise, and a simulator."""
     problem = bench()
-    noise = replace(first_guess(problem.plant, problem.signals, 0.1), reading_std=5e-3, disturbance_std=1.0)
+    noise = replace(first_noise(problem.plant, problem.signals, 0.1), reading_std=5e-3, disturbance_std=1.0)
     with Simulator(problem.plant.layout) as simulator:
         yield simulator, problem, noise
 

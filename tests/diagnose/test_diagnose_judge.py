@@ -5,7 +5,7 @@ import pytest
 from diagnose_motors import clean_case
 
 from nxt_twin.diagnose.engine import problem_for
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.residuals import Residuals
 from nxt_twin.diagnose.judging.judge import leftover_nats, stale_readings
 from nxt_twin.diagnose.where.locate import regimes, spells
@@ -72,6 +72,6 @@ def test_a_plant_that_doubts_most_of_a_recording_does_not_choose_what_judges_it(
     plant = problem.plant.with_effect("stale_samples", {"stale_fraction": 0.02})
     trust = np.where(np.arange(signals.time_s.size) < doubted * signals.time_s.size, 0.1, 0.9)
     simulator = SimpleNamespace(trace=lambda *_: {"weight": trust})
-    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
     stale = stale_readings(simulator, signals, plant, noise)
     assert np.mean(stale) == pytest.approx(left_out, abs=0.02)

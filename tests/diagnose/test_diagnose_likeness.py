@@ -9,7 +9,7 @@ from diagnose_motors import clean_case
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.fit import fit
 from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
-from nxt_twin.diagnose.fitting.noise import first_guess, with_noise
+from nxt_twin.diagnose.fitting.noise import first_noise, with_noise
 from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import plant_from_config
@@ -93,7 +93,7 @@ def test_the_likeliest_of_them_is_where_the_priors_rest(logs):
 
 
 def test_a_fit_that_begins_far_along_comes_back_to_the_given_resistance(simulator, problem):
-    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
     target = with_noise(problem.target, noise)
 
     def resistance(start):

@@ -12,12 +12,12 @@ from nxt_twin.diagnose.fitting import batch
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import linearise
-from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_guess, with_noise
+from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_noise, with_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
 from nxt_twin.diagnose.search.drafts import Drafts
-from nxt_twin.diagnose.search.explain import candidates, explain
+from nxt_twin.diagnose.search.explain import addable_effects, explain
 from nxt_twin.diagnose.search.screen import screen
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.layout import Slot
@@ -36,7 +36,7 @@ class Bench:
         self.steps = 0.0
         self._run = self.simulator.run
         self.simulator.run = self._counted
-        noise = first_guess(self.problem.plant, self.problem.signals, self.problem.scale.torque)
+        noise = first_noise(self.problem.plant, self.problem.signals, self.problem.scale.torque)
         self.baseline = settled(self.fitter, self.problem.plant, noise)
 
     def _counted(self, values, active, jobs):
@@ -45,7 +45,7 @@ class Bench:
         return self._run(values, active, jobs)
 
     def screened(self):
-        return screen(self.fits, self.baseline, candidates(self.baseline.plant, self.problem.signals[0]))
+        return screen(self.fits, self.baseline, addable_effects(self.baseline.plant, self.problem.signals[0]))
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +136,7 @@ def test_noise_is_searched_for_a_body_that_nothing_damps(damping_per_s):
     problem = problem_of("case", {"kind": "rigid_body", "inertia": 0.02}, [recording], [], None)
     with Simulator(problem.plant.layout) as simulator:
         start = replace(
-            first_guess(problem.plant, problem.signals, problem.scale.torque), damping_per_s=damping_per_s
+            first_noise(problem.plant, problem.signals, problem.scale.torque), damping_per_s=damping_per_s
         )
         likeliest, gain = estimate(simulator, problem.plant, problem.target, start)
     assert gain >= 0.0
@@ -154,7 +154,7 @@ def test_effects_are_found_that_free_runs_speak_against_one_by_one():
 
 def test_a_draft_is_made_once_for_a_structure(lacking):
     drafts = Drafts(lacking.fits)
-    effects = candidates(lacking.baseline.plant, lacking.problem.signals[0])
+    effects = addable_effects(lacking.baseline.plant, lacking.problem.signals[0])
     first = drafts.of(lacking.baseline, effects, 2)
     before = lacking.steps
     again = drafts.of(lacking.baseline, effects, 2)

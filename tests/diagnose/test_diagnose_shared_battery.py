@@ -14,7 +14,7 @@ from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.program import MotorProgram, Run, Segment
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import ProgramDriver, excitation
-from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.logbook import Logbook, columns_to_fill
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.settings import PACES
 
@@ -66,7 +66,7 @@ def _recorded(folder, driver):
     clock, path = VirtualClock(), folder / "run.csv"
     with (
         Brick(open_mock_link(clock, seed=3, profile="usb"), clock) as brick,
-        RecordingWriter(path, columns_of(PORTS, {})) as writer,
+        RecordingWriter(path, columns_to_fill(PORTS, {})) as writer,
     ):
         logbook = Logbook(brick, clock, PORTS, Plan(period_s=0.01), writer, driver, PACES["usb"])
         logbook.keep(SECONDS)

@@ -12,7 +12,7 @@ from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.detectable import detectable
-from nxt_twin.diagnose.judging.sight import lacks
+from nxt_twin.diagnose.judging.sight import missing_motions
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.simulate import Simulator
@@ -120,7 +120,7 @@ def one_way(seed):
 @pytest.mark.slow
 def test_a_single_speed_in_one_direction_is_said_to_be_too_little():
     case = one_way(62)
-    said = " ".join(lacks(problem_for(case)))
+    said = " ".join(missing_motions(problem_for(case)))
     for part in ("never turns the other way", "one steady speed", "command changes only"):
         assert part in said
     diagnosis = diagnose(case).diagnosis
@@ -135,6 +135,6 @@ def test_a_single_speed_in_one_direction_is_said_to_be_too_little():
 
 def test_lively_inputs_lack_nothing(clean_linear):
     problem, _ = clean_linear
-    said = lacks(problem)
+    said = missing_motions(problem)
     assert all("other way" not in part and "steady speed" not in part for part in said)
     assert math.isfinite(sum(map(len, said)))

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case
@@ -66,7 +66,7 @@ def fitted(seed: int) -> Fit:
     structure = fit_everything(
         Fitter(simulator, problem),
         problem.plant,
-        first_guess(problem.plant, problem.signals, problem.scale.torque),
+        first_noise(problem.plant, problem.signals, problem.scale.torque),
     )
     return simulator, linearise(simulator, problem, structure, STEP_S), problem.everything()
 

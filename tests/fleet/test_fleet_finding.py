@@ -5,7 +5,7 @@ import pytest
 
 from nxt_twin.fleet.errors import FleetError
 from nxt_twin.fleet.finding.labels import Labels, labels_of
-from nxt_twin.fleet.finding.sessions import counted, sessions
+from nxt_twin.fleet.finding.sessions import session_count, sessions
 
 
 def laid_out(root, *names):
@@ -91,13 +91,13 @@ def test_local_urls_and_paths_find_alike(tmp_path):
 def test_two_sessions_of_one_name_are_refused(tmp_path):
     one, other = laid_out(tmp_path / "x", "U1/s/a.csv"), laid_out(tmp_path / "y", "U1/s/a.csv")
     with pytest.raises(FleetError, match="not the only session 's' of unit 'U1'"):
-        counted([one, other])
+        session_count([one, other])
 
 
 @pytest.mark.parametrize("place", ["nowhere", "nowhere/*", "memory://nowhere"])
 def test_a_place_without_anything_is_refused(place):
     with pytest.raises(FleetError, match="nowhere"):
-        counted([place])
+        session_count([place])
 
 
 WHEN = MappingProxyType(

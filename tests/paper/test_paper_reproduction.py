@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from nxt_twin.paper import printed
-from nxt_twin.paper.finding import compare
+from nxt_twin.paper.finding import compare_printed
 from nxt_twin.paper.motor import mean_absolute_error, model_speed, motor_numbers
 from nxt_twin.paper.reproduction import reproduce, to_json
-from nxt_twin.paper.touch import TABLES, deviations, means
+from nxt_twin.paper.touch import TABLES, means, sensor_deviations
 from nxt_twin.paper.ultrasonic import line_error_mm
 from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.view.paper_page import render_paper_page, write_paper_page
@@ -54,7 +54,7 @@ def test_equation_11_at_rest_and_without_friction():
 def test_tables_hold_eight_by_eight_readings():
     assert [table.samples.shape for table in TABLES] == [(8, 8)] * 4
     assert means(printed.FORCE_ON)[1] == 62.75
-    assert deviations(printed.FORCE_OFF)[6] == pytest.approx(math.sqrt(3.5 / 8))
+    assert sensor_deviations(printed.FORCE_OFF)[6] == pytest.approx(math.sqrt(3.5 / 8))
     assert (means(printed.FORCE_ON) >= means(printed.FORCE_OFF)).all()
     assert (means(printed.TRAVEL_ON) > means(printed.TRAVEL_OFF)).all()
 
@@ -73,7 +73,7 @@ def test_the_ultrasonic_line_by_unit(unit, near, far):
      ("1.92e-3", 1.9249e-3, True), ("1.92e-3", 1.9251e-3, False), ("57", 57.4, True)],
 )  # fmt: skip
 def test_a_printed_number_agrees_within_half_its_last_digit(shown, computed, agrees):
-    assert compare("", "", "", shown, computed).agrees is agrees
+    assert compare_printed("", "", "", shown, computed).agrees is agrees
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_printed_number_agrees_within_half_its_last_digit(shown, computed, agr
     [("3.558e-4", 8.4513e-3, "8.4513e-3"), ("24.39", 24.39999, "24.400"), ("57", 57.0, "57.0"), ("0", 0.0, "0.0")],
 )  # fmt: skip
 def test_a_computed_number_is_written_as_the_printed_one(printed_as, computed, shown):
-    assert compare("", "", "", printed_as, computed).shown == shown
+    assert compare_printed("", "", "", printed_as, computed).shown == shown
 
 
 def test_each_disagreeing_number_belongs_to_a_listed_contradiction():

@@ -9,7 +9,7 @@ import pytest
 from physics_samples import NXT
 
 from nxt_twin.physics import abreast
-from nxt_twin.physics.assemble import outline
+from nxt_twin.physics.assemble import source_outline
 from nxt_twin.physics.base.dc_motor import DC_MOTOR
 from nxt_twin.physics.base.rigid_body import RIGID_BODY
 from nxt_twin.physics.effects import BUILT_IN
@@ -103,7 +103,7 @@ def test_a_change_of_what_writes_a_kernel_changes_its_name(of, changed, tmp_path
 
 
 def test_the_code_that_rewrites_runs_is_part_of_a_kernels_name():
-    assert inspect.getsource(abreast) in outline(Layout(DC_MOTOR, "motor"))
+    assert inspect.getsource(abreast) in source_outline(Layout(DC_MOTOR, "motor"))
 
 
 def test_plants_at_rest_load_no_kernel(tmp_path, monkeypatch):

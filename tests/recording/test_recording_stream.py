@@ -19,7 +19,7 @@ import pytest
 
 from nxt_twin.errors import RecordingError
 from nxt_twin.recording.files import read_recording, read_sidecar
-from nxt_twin.recording.frames import frame
+from nxt_twin.recording.frames import framed
 from nxt_twin.recording.lags import KnownLags, RowLags
 from nxt_twin.recording.stream import RecordingWriter, recover, stream_path
 
@@ -198,7 +198,7 @@ def test_one_flipped_bit_is_told_and_nothing_wrong_comes_back(tmp_path):
 )
 def test_names_that_are_damaged_are_refused_and_the_stream_is_kept(tmp_path, head):
     stream = tmp_path / "run.csv.stream"
-    stream.write_bytes(2 * frame(0, head) + frame(1, bytes(16)))
+    stream.write_bytes(2 * framed(0, head) + framed(1, bytes(16)))
     with pytest.raises(RecordingError, match=r"its beginning is damaged, .*the stream is kept"):
         recover(stream)
     assert [path.name for path in tmp_path.iterdir()] == ["run.csv.stream"]

@@ -39,7 +39,8 @@ TARGETS = np.array([15.0, 41.0, 100.0, 249.0, 400.0, 900.0, 1500.0, 2546.0])
 def test_the_probabilities_of_all_readings_add_up_to_one(sensor, angle):
     truth = UltrasonicTruth(TARGETS, np.full(TARGETS.size, angle))
     total = sum(
-        ultrasonic.probability(sensor, np.full(TARGETS.size, float(reading)), truth) for reading in range(256)
+        ultrasonic.reading_probability(sensor, np.full(TARGETS.size, float(reading)), truth)
+        for reading in range(256)
     )
     np.testing.assert_allclose(total, 1.0, atol=0.01 if sensor.crosstalk_per_mm else 1e-9)
 
@@ -52,7 +53,7 @@ def test_readings_are_drawn_as_often_as_they_are_probable(sensor, target):
     drawn = ultrasonic.simulate(sensor, truth, np.random.default_rng(3))
     seen = np.bincount(drawn.astype(int), minlength=256) / draws
     one = UltrasonicTruth(np.full(256, target[0]), np.full(256, target[1]))
-    expected = ultrasonic.probability(sensor, np.arange(256.0), one)
+    expected = ultrasonic.reading_probability(sensor, np.arange(256.0), one)
     doubt = np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / draws)
     assert np.all(np.abs(seen - expected) < 5 * doubt)
 

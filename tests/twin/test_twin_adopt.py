@@ -21,13 +21,13 @@ from nxt_twin.twin.adopt import (
     Adopter,
     AtOnce,
     Finished,
+    adoption_events,
     battery_is_another,
     leaning_to,
-    told,
     weak_battery,
     why_not,
 )
-from nxt_twin.twin.again import Adoption, Refitter, refitted
+from nxt_twin.twin.again import Adoption, Refitter, fitted_again
 from nxt_twin.twin.apart import Apart
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import Hold
@@ -248,7 +248,7 @@ class _Answering:
         self.given = []
 
     def submit(self, work, *given):
-        if work is refitted:
+        if work is fitted_again:
             return AtOnce().submit(work, *given)
         case, plant, port, leaning = given
         self.leanings.append(leaning)
@@ -432,7 +432,7 @@ def test_a_battery_far_weaker_than_is_taken_for_granted_has_a_name(std, leaning_
     assert weak_battery(SimpleNamespace(**found, tolerance=Tolerance(0.5, "deg", 3.0)), leaning_nats) == 0.0
     diagnosis = SimpleNamespace(**found, tolerance=Tolerance(0.5, "deg", 1.0))
     weak = weak_battery(diagnosis, leaning_nats)
-    *_, adopted = told(Finished("a", 0.0, 12.0, None, "", Gain(4.4, 0.7), weak), diagnosis, 20.0)
+    *_, adopted = adoption_events(Finished("a", 0.0, 12.0, None, "", Gain(4.4, 0.7), weak), diagnosis, 20.0)
     assert adopted.effects == (("battery sag",) if named else ())
     assert adopted.words.endswith("(free-run error 4.4 deg before, 0.7 deg after)")
 

@@ -21,7 +21,7 @@ from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import plain_bridge
 from nxt_twin.twin.driver import ProgramDriver, excitation
-from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.logbook import Logbook, columns_to_fill
 from nxt_twin.twin.polling import Plan
 from nxt_twin.twin.session import Parts, Session
 from nxt_twin.twin.settings import AT_ARRIVAL, PACES
@@ -34,7 +34,7 @@ SESSION_S = 10.0
 def _watched(path, profile):
     """A session's recording."""
     outcome = run(Rig(profile=profile), SESSION_S, ports=PORTS, sensors=EVERY_SENSOR)
-    with RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
+    with RecordingWriter(path, columns_to_fill(PORTS, EVERY_SENSOR)) as writer:
         for row in outcome.rows:
             writer.row(row)
     outcome.session.row_lags.write_beside(path)
@@ -45,7 +45,7 @@ def _written_down(path, profile, seconds=SESSION_S):
     """One that nobody watched."""
     rig, driver = Rig(profile=profile), ProgramDriver(excitation(PORTS))
     pace = PACES["bt" if profile == "bluetooth" else "usb"]
-    with rig.open() as brick, RecordingWriter(path, columns_of(PORTS, EVERY_SENSOR)) as writer:
+    with rig.open() as brick, RecordingWriter(path, columns_to_fill(PORTS, EVERY_SENSOR)) as writer:
         logbook = Logbook(brick, rig.clock, PORTS, Plan(EVERY_SENSOR), writer, driver, pace)
         logbook.keep(seconds)
     logbook.row_lags.write_beside(path)

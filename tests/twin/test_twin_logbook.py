@@ -17,7 +17,7 @@ from nxt_twin.recording.files import read_sidecar
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.program import MotorProgram, Run, Segment
 from nxt_twin.twin.driver import ProgramDriver
-from nxt_twin.twin.logbook import Logbook, columns_of
+from nxt_twin.twin.logbook import Logbook, columns_to_fill
 from nxt_twin.twin.polling import Plan, tell
 from nxt_twin.twin.settings import PACES
 
@@ -73,7 +73,7 @@ def test_a_driven_motor_is_written_down_with_its_commands(brick, clock):
 def test_all_sensors_are_read_in_turn(brick, clock):
     rows = Rows()
     Logbook(brick, clock, ("a",), Plan(SENSORS, period_s=0.01), rows).keep(2.0)
-    names = columns_of(("a",), SENSORS)
+    names = columns_to_fill(("a",), SENSORS)
     assert set(names) >= {name for row in rows.rows for name in row}
     for name in ("s1_touch", "s2_sound_raw", "s3_light_raw", "s4_ultrasonic_cm"):
         assert np.isfinite(rows.column(name)).sum() > 5, name

@@ -17,7 +17,7 @@ from nxt_twin.view.dashboard.drawing import colours
 from nxt_twin.view.dashboard.drawing.layout import blueprint
 from nxt_twin.view.dashboard.drawing.painter import Painter
 from nxt_twin.view.dashboard.scene import DrawnShape, Scenery, WorldMoment
-from nxt_twin.view.dashboard.wire import Message, written
+from nxt_twin.view.dashboard.wire import Message, line_of
 from nxt_twin.view.dashboard.worker import draw
 
 chunk = pytest.importorskip("rerun.chunk")
@@ -35,7 +35,7 @@ def batches(tmp_path_factory: pytest.TempPathFactory):
 def _drawn(messages: Iterable[Message], path: Path, channels: Sequence[str], *, world: bool = False) -> Path:
     """What the dashboard's process does with these messages, without a process that has to be in time."""
     painter = Painter("a test's session", PORTS, channels, path, world=world)
-    draw(map(written, messages), painter, 2.0)
+    draw(map(line_of, messages), painter, 2.0)
     painter.close()
     return path
 

@@ -13,7 +13,7 @@ from nxt_twin.errors import DiagnosisError, NxtTwinError
 from nxt_twin.view.close_look import telling_part
 from nxt_twin.view.picture import write_picture
 from nxt_twin.view.telling import most_telling
-from nxt_twin.view.thinning import envelope, scattered, some, steps, trend
+from nxt_twin.view.thinning import envelope, random_indices, some, steps, trend
 from nxt_twin.view.traces import picture_of, traces_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -124,10 +124,10 @@ def test_a_held_command_is_drawn_from_its_changes_alone():
 def test_thinned_indices_stay_in_order_and_in_number():
     assert some(np.arange(7), 10).tolist() == list(range(7))
     assert some(np.arange(1000), 5).tolist() == [0, 249, 499, 749, 999]
-    drawn = scattered(1000, 50)
+    drawn = random_indices(1000, 50)
     assert drawn.size == 50
     assert np.all(np.diff(drawn) > 0)
-    assert drawn.tolist() == scattered(1000, 50).tolist()
+    assert drawn.tolist() == random_indices(1000, 50).tolist()
 
 
 def test_a_trend_finds_the_shape_along_its_axis_and_none_along_another():

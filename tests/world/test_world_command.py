@@ -121,10 +121,10 @@ def test_nothing_is_concealed_in_a_motor_that_moves_the_robot():
 
 def test_without_pybullet_the_command_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pybullet", None)
-    bullet.library.cache_clear()
+    bullet.pybullet_module.cache_clear()
     with pytest.raises(NxtTwinError, match=r"pip install 'nxt-twin\[world\]'"):
         open_brick(f"mock:?world={PLAYGROUND}", VirtualClock(), OPENERS)
-    bullet.library.cache_clear()
+    bullet.pybullet_module.cache_clear()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.case import ConcealedCase, rms
 from nxt_twin.blind.families.beginnings import BeginningName, draw_beginning, draw_kind
 from nxt_twin.blind.families.habits import Habits, draw_habits, draw_length_s, polls_s
-from nxt_twin.blind.families.host import Driven, Rows, Script, drive, follow, shown_deg, write_rows
+from nxt_twin.blind.families.host import Driven, Rows, Script, drive_machine, follow, shown_deg, write_rows
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.motors import draw_baseline, draw_motor, true_parameters
 from nxt_twin.blind.families.numbers import Chain, Numbers
@@ -257,7 +257,7 @@ def _reach_deg(
 
 def _driven(family: Foreign, hiding: _Hiding, number: int, script: Script, habits: Habits) -> Driven:
     machine = _machine(family, hiding.motor_in(number), script)
-    return drive(machine, hiding.chain, script, habits.step_deg, family.command_every_s)
+    return drive_machine(machine, hiding.chain, script, habits.step_deg, family.command_every_s)
 
 
 def _machine(family: Foreign, motor: Numbers, script: Script) -> Machine:

@@ -68,7 +68,7 @@ class Driven:
     states: FloatArray
 
 
-def drive(
+def drive_machine(
     machine: Machine, chain: Chain, script: Script, step_deg: float, command_every_s: float = 0.0
 ) -> Driven:
     """Run a machine through a script; a program that closes a loop sees what the encoder shows.

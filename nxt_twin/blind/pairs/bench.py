@@ -17,7 +17,7 @@ from nxt_twin.blind.effects.library import EFFECTS
 from nxt_twin.blind.excitation import FAMILIES as INPUTS
 from nxt_twin.blind.families.foreign import Foreign, draw_scripts
 from nxt_twin.blind.families.habits import draw_habits
-from nxt_twin.blind.families.host import drive, write_rows
+from nxt_twin.blind.families.host import drive_machine, write_rows
 from nxt_twin.blind.families.motors import draw_baseline
 from nxt_twin.blind.families.motors import draw_motor as draw_numbers
 from nxt_twin.blind.families.numbers import Chain
@@ -137,7 +137,7 @@ class ForeignBench(Bench):
         scripts = draw_scripts(rng, self._habits, programs, "off", every_s)
         for k, script in enumerate(scripts, start=1):
             machine = self._family.build(truth.motor, math.radians(script.start_deg), 0.0)
-            driven = drive(machine, truth.chain, script, self._habits.step_deg, every_s)
+            driven = drive_machine(machine, truth.chain, script, self._habits.step_deg, every_s)
             rows = write_rows(rng, script, truth.chain, self._habits, driven)
             found.append(replace(rows.recording, name=f"{name}-{k}.csv"))
         return tuple(found)

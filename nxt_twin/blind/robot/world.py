@@ -12,7 +12,7 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.robot.truth.body import TrueRobot
-from nxt_twin.blind.robot.truth.integrator import drive
+from nxt_twin.blind.robot.truth.integrator import drive_robot
 from nxt_twin.recording.recording import Recording
 
 NEEDS_POWER: Final = ("caster_drag", "floor_slope", "payload_mass", "centre_of_mass_offset")
@@ -247,7 +247,7 @@ def recorded_run(
     lost = _lost(time_s, power, slip_ratio, rng)
     battery = 8.0 + float(rng.uniform(-0.5, 0.3))
     push = _pushes(time_s, rng)
-    states = drive(np.array(robot.packed()), time_s, battery * power / 100.0, lost, push)
+    states = drive_robot(np.array(robot.packed()), time_s, battery * power / 100.0, lost, push)
     x, y, heading = _camera(states, seen, rng)
     columns = {
         "time_s": time_s,

@@ -12,7 +12,7 @@ from nxt_twin.brick.clock import Clock
 from nxt_twin.brick.errors import LinkRefusedError, Refusal
 from nxt_twin.brick.links.sockets import SocketStream
 from nxt_twin.brick.links.stream import StreamLink
-from nxt_twin.brick.url import bluetooth_address
+from nxt_twin.brick.url import checked_bluetooth_address
 
 CONNECT_TIMEOUT_S: Final = 15.0
 """The radio looks for a brick for ten seconds before it gives up."""
@@ -56,7 +56,7 @@ def open_bluetooth(
         LinkRefusedError: Python or kernel have no Bluetooth, there is no adapter, or the brick is off, out of
             reach, not paired or busy.
     """
-    wanted = bluetooth_address(address)
+    wanted = checked_bluetooth_address(address)
     url = f"bt:{wanted}"
     lack = lacks_sockets(sockets)
     if lack:

@@ -14,7 +14,7 @@ from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats, lacking_nats
 from nxt_twin.diagnose.changed.play import CLOSE_WINDOW_S
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.errors import DiagnosisError
@@ -133,7 +133,7 @@ def _at_both_lengths(
 def _side(case: Case, problem: Problem, window_s: float) -> Side:
     checking = frozenset(recording.name for recording in case.holdout)
     signals = every_signal(problem)
-    noise = first_guess(problem.plant, signals, problem.scale.torque)
+    noise = first_noise(problem.plant, signals, problem.scale.torque)
     return side_of(case.name, signals, checking, window_s, noise)
 
 

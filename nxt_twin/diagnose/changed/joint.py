@@ -12,7 +12,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.sides import Side, Which
-from nxt_twin.diagnose.fitting.batch import predictions
+from nxt_twin.diagnose.fitting.batch import batch_predictions
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.simulate import Simulator
 
@@ -119,7 +119,7 @@ class JointFitter:
         own = self.sides[side]
         values, active = model.values(x, after=side == 1)
         jobs = own.with_states(self.simulator, model.plant_at(x[-1], after=side == 1))
-        found, _ = predictions(self.simulator, values, active, jobs, own.masks(which))
+        found, _ = batch_predictions(self.simulator, values, active, jobs, own.masks(which))
         return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
 
     def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> JointSlopes:

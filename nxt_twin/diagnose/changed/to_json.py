@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from nxt_twin.diagnose.changed.answer import Changes
-from nxt_twin.diagnose.telling.to_json import SCHEMA, finite, moved
+from nxt_twin.diagnose.telling.to_json import SCHEMA, finite, moved_to_json
 
 
 def to_json(changes: Changes) -> str:
@@ -19,7 +19,7 @@ def to_json(changes: Changes) -> str:
         "verdict": changes.verdict,
         "sentence": changes.sentence,
         "changes": [asdict(change) for change in changes.changes],
-        "refit": {name: moved(each) for name, each in changes.refit.items()},
+        "refit": {name: moved_to_json(each) for name, each in changes.refit.items()},
         "mismatch": {
             "channel": changes.mismatch.channel,
             "when": [],

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from nxt_twin.diagnose.fitting.everything import roughly_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.observer import Noise
@@ -17,7 +17,7 @@ _AS_GIVEN = replace(SETTLED, iterations=0)
 def settled_baseline(fitter: Fitter) -> Structure:
     """The problem's own plant, fitted and settled from a first guess of the noise."""
     problem = fitter.problem
-    noise = first_guess(problem.plant, problem.signals, problem.scale.torque)
+    noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
     return settled(fitter, problem.plant, noise)
 
 

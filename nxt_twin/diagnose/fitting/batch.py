@@ -24,7 +24,7 @@ def samples_of(jobs: Sequence[Job]) -> int:
     return sum(job.signals.time_s.size for job in jobs)
 
 
-def predictions(
+def batch_predictions(
     simulator: Simulator,
     values: FloatArray,
     active: BoolArray,

@@ -10,7 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting import losses
-from nxt_twin.diagnose.fitting.batch import batches, one_of, predictions, samples_of
+from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, one_of, samples_of
 from nxt_twin.diagnose.fitting.likeness import most_likely, told_apart
 from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.physics.layout import Slot
@@ -211,7 +211,7 @@ def values_of(plant: Plant, variables: Sequence[Variable]) -> FloatArray:
     return np.array([plant.values[v.slots[0]] for v in variables])
 
 
-def moved(plant: Plant, variables: Sequence[Variable], x: FloatArray) -> Plant:
+def plant_at(plant: Plant, variables: Sequence[Variable], x: FloatArray) -> Plant:
     """`plant` with its variables set to `x`."""
     new = {
         slot: float(value) * ratio
@@ -273,7 +273,7 @@ def fit(
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
     width = search.scale * search.si_per_unit(x)
     fitted = Fitted(
-        moved(plant, variables, search.si(x)),
+        plant_at(plant, variables, search.si(x)),
         tuple(variables),
         spread * np.outer(width, width),
         cost,
@@ -402,7 +402,9 @@ class _FitSurroundings:
             sets[size + np.arange(size), np.arange(size)] = behind
         width = np.where(ahead == behind, np.inf, ahead - behind) / self.scale
         found = []
-        predicted, last = predictions(self._simulator, *self._sets(sets), self._target.jobs, self._counted)
+        predicted, last = batch_predictions(
+            self._simulator, *self._sets(sets), self._target.jobs, self._counted
+        )
         here = tuple(known or last)
         for own, result, mask in zip(predicted, here, self._counted, strict=True):
             below = own[size : 2 * size] if central else result.predicted[0, mask]

@@ -11,7 +11,7 @@ from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, dr
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
 from nxt_twin.diagnose.fitting.moments import moments_gained
-from nxt_twin.diagnose.fitting.noise import first_guess
+from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.promised import promised
 from nxt_twin.diagnose.fitting.settling import settled
@@ -37,7 +37,7 @@ class Fits:
 
     def first_noise(self) -> Noise:
         """Noise of the given plant to start a search from."""
-        return first_guess(self.problem.plant, self.problem.signals, self.problem.scale.torque)
+        return first_noise(self.problem.plant, self.problem.signals, self.problem.scale.torque)
 
     def starts(self, effect: Effect) -> list[dict[str, float]]:
         """Every combination of starting values of `effect`, SI by symbol; the typical one first."""

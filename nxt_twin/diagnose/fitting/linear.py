@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
-from nxt_twin.diagnose.fitting.batch import batches, predictions, samples_of
+from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
 from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
 from nxt_twin.diagnose.fitting.likeness import told_apart
 from nxt_twin.diagnose.fitting.noise import with_noise
@@ -133,7 +133,9 @@ def linearise(
     sets, widths = moves(structure.plant, variables)
     _, active = structure.plant.vectors()
     counted = target.seen()
-    predicted, last = predictions(simulator, sets, np.repeat(active[None], len(sets), axis=0), jobs, counted)
+    predicted, last = batch_predictions(
+        simulator, sets, np.repeat(active[None], len(sets), axis=0), jobs, counted
+    )
     gain = tuple(
         np.sqrt(worth * result.weight[0]) / job.observer.innovation_std
         for worth, job, result in zip(target.evidence, jobs, last, strict=True)

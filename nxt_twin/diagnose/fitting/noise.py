@@ -40,7 +40,7 @@ _DRIFT_ROUNDS = 30
 _DRIFT_FOUND = 1e-6
 
 
-def first_guess(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
+def first_noise(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:
     """Noise to start a search from; `torque` is one that is ordinary for the plant."""
     inertia = plant.values[Slot(BASE_OWNER, "inertia")]
     reading_std = max(reading_floor(signals), roughness(signals))

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
-from nxt_twin.diagnose.fitting.batch import batches, predictions, samples_of
+from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
 from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
@@ -53,7 +53,7 @@ class _Nuisance:
         ]
         weighed = self._simulator.run(values[-1:], active[-1:], target.jobs)
         self._masks = target.seen()
-        predicted, last = predictions(
+        predicted, last = batch_predictions(
             self._simulator, values, self._believing(active), target.jobs, self._masks
         )
         self._cost = float(target.cost(last)[0])

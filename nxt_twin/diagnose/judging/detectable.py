@@ -14,7 +14,7 @@ from nxt_twin.diagnose.fitting.batch import batches
 from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.search.explain import candidates
+from nxt_twin.diagnose.search.explain import addable_effects
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import Scale
@@ -56,7 +56,7 @@ def needed_nats(effect: Effect, readings: int) -> tuple[float, float]:
 
 def allowed(problem: Problem, plant: Plant) -> list[Effect]:
     """Effects that could be added to `plant` and whose trace is in the readings' values."""
-    return [e for e in candidates(plant, problem.signals[0]) if "outlier" not in e.terms]
+    return [e for e in addable_effects(plant, problem.signals[0]) if "outlier" not in e.terms]
 
 
 def detectable(simulator: Simulator, problem: Problem, linear: Linear) -> tuple[Detectable, ...]:

@@ -32,7 +32,7 @@ def in_sight(
     """The smallest size of each effect that would have been seen, and whether the inputs could show enough."""
     found = detectable(simulator, problem, linear)
     unseen = tuple(one.effect.id for one in found if not _ordinary_would_show(one, problem))
-    lacking = lacks(problem) if unseen else ()
+    lacking = missing_motions(problem) if unseen else ()
     enough = not unseen or (not lacking and len(unseen) <= _POOR_SHARE * len(found))
     return tuple(_as_size(one, problem) for one in found), Excitation(enough, lacking, unseen)
 
@@ -56,7 +56,7 @@ def _as_size(one: Detectable, problem: Problem) -> DetectableSize:
     return DetectableSize(one.effect.id, one.effect.name, name, size, main.unit, one.seen_above)
 
 
-def lacks(problem: Problem) -> tuple[str, ...]:
+def missing_motions(problem: Problem) -> tuple[str, ...]:
     """Motions that the inputs of these recordings never cause, in words."""
     speed = np.concatenate([smoothed(s)[1] for s in problem.signals])
     command = np.concatenate([s.command_at_samples() for s in problem.signals])

@@ -19,7 +19,7 @@ from nxt_twin.diagnose.robot.search import mend, refit_all, wheels_at
 from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.diagnose.robot_changed.body import body_changes
 from nxt_twin.diagnose.robot_changed.joint import FittedSide, JointSides, joint
-from nxt_twin.diagnose.robot_changed.places import CHANGED_PARTS, geometry_of, movable, slopes
+from nxt_twin.diagnose.robot_changed.places import CHANGED_PARTS, geometry_of, movable, movable_slopes
 from nxt_twin.diagnose.robot_changed.side import RobotSide, side_of
 from nxt_twin.diagnose.robot_changed.telling import RobotSides, told
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
@@ -128,7 +128,7 @@ def _without(before: RobotSide, after: RobotSide, sides: _Geometries, fold: int,
         return geometry_of(before.fitted.values)
     kept = tuple(run for index, run in enumerate(after.runs) if index % folds != fold)
     fit = refit_all(kept, after.found)
-    turn = slopes(fit.state.geometry)
+    turn = movable_slopes(fit.state.geometry)
     side = FittedSide(movable(fit.state.geometry), turn @ fit.covariance @ turn.T, fit.clusters)
     return geometry_of(joint(before.fitted, side, sides.told, sides.differs).after)
 

@@ -54,7 +54,7 @@ def movable(geometry: FloatArray) -> FloatArray:
     return np.concatenate([[left, ratio * left], geometry[2:]])
 
 
-def slopes(geometry: FloatArray) -> FloatArray:
+def movable_slopes(geometry: FloatArray) -> FloatArray:
     """How `movable` moves with a fit's vector, shape (6, 6)."""
     radius, ratio = geometry[:2]
     found = np.eye(geometry.size)

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.robot.runs import RobotRun, has_powers, robot_runs
 from nxt_twin.diagnose.robot.search import RobotFindings, search
 from nxt_twin.diagnose.robot.windows import PARAMETERS
 from nxt_twin.diagnose.robot_changed.joint import FittedSide
-from nxt_twin.diagnose.robot_changed.places import movable, slopes
+from nxt_twin.diagnose.robot_changed.places import movable, movable_slopes
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.physics.robot.powered import is_powered
@@ -66,5 +66,5 @@ def fitted_of(found: RobotFindings) -> FittedSide:
     """A fit of everything as a side's numbers; sessions that disagree make it as doubtful as they are apart."""
     between = [found.spread[name].between if name in found.spread else 0.0 for name in PARAMETERS]
     covariance = found.full.covariance + np.diag(np.square(between))
-    turn = slopes(found.full.state.geometry)
+    turn = movable_slopes(found.full.state.geometry)
     return FittedSide(movable(found.full.state.geometry), turn @ covariance @ turn.T, found.full.clusters)

@@ -65,7 +65,7 @@ def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     return Explanation(baseline, best, found, rivals, refused)
 
 
-def candidates(plant: Plant, signals: Signals) -> list[Effect]:
+def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
     """The effects that `plant` lacks and could have, driven as it is."""
     superseded = {gone for effect in plant.effects for gone in effect.supersedes}
     return [
@@ -337,7 +337,7 @@ class _Search:
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fits.problem
-        return [e for e in candidates(plant, problem.signals[0]) if e.id not in problem.without]
+        return [e for e in addable_effects(plant, problem.signals[0]) if e.id not in problem.without]
 
 
 def _names(plant: Plant, baseline: Plant) -> str:

@@ -57,7 +57,7 @@ def simulates_worse(best: Structure, trial: Structure, other: Effect) -> bool:
     return free_run_ratio(best, trial) >= (LIMITS.sure_rival_ratio if sure else LIMITS.rival_ratio)
 
 
-def probability(behind: float, others: list[float]) -> float:
+def share_of_belief(behind: float, others: list[float]) -> float:
     """The share of belief for a structure `behind` the best by these nats; `others` lie behind it by theirs."""
     nearest = min(behind, *others, behind)
     return math.exp(nearest - behind) / sum(math.exp(nearest - other) for other in [behind, *others])

@@ -22,7 +22,7 @@ from nxt_twin.diagnose.diagnosis import (
     Verdict,
 )
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.rivals import probability
+from nxt_twin.diagnose.search.rivals import share_of_belief
 from nxt_twin.diagnose.sensor import words
 from nxt_twin.diagnose.sensor.declaration import SensorEffect
 from nxt_twin.diagnose.sensor.explain import RIVAL_NATS, SensorExplanation, explain
@@ -249,7 +249,7 @@ def _found_effects(evidence: _SensorEvidence) -> list[FoundEffect]:
                 name=effect.name,
                 equation=effect.equation,
                 params=_estimates(evidence.fitter, effect, final),
-                probability=probability(0.0, behind),
+                probability=share_of_belief(0.0, behind),
                 confusable_with=tuple(
                     Confusion(rival.effect.id, words.why_confusable(effect, rival.effect, rival.behind))
                     for rival in rivals
@@ -328,7 +328,7 @@ def _alternatives(evidence: _SensorEvidence) -> tuple[Alternative, ...]:
         runs = held_out_runs(evidence.fitter, evidence.ideal, evidence.fitter.on_everything(rival.structure))
         behind = [0.0, *(other.behind for other in rivals if other is not rival)]
         error = overall(runs, lambda run: run.improved)
-        listed.append(Alternative(rival.effect.id, probability(rival.behind, behind), error))
+        listed.append(Alternative(rival.effect.id, share_of_belief(rival.behind, behind), error))
     return tuple(listed)
 
 

@@ -25,9 +25,9 @@ from nxt_twin.sensors.ultrasonic import (
     UltrasonicParameters,
     UltrasonicTruth,
     between_targets_mm,
+    echo_moments,
     log_likelihood_each,
-    moments,
-    probability,
+    reading_probability,
     simulate,
 )
 
@@ -182,7 +182,7 @@ class UltrasonicProblem:
         }
 
     def _near(self, values: Values) -> Sequence[Values]:
-        mean, _, none = moments(self._sensor(values), self._truths)
+        mean, _, none = echo_moments(self._sensor(values), self._truths)
         told = (self._readings < NO_ECHO) & (none < 0.5)
         starts = []
         for below in self._between(1000.0):
@@ -212,8 +212,8 @@ class UltrasonicProblem:
             later = self._readings > reading
             if later.any():
                 part = UltrasonicTruth(self._truths.distance_mm[later], self._truths.incidence_deg[later])
-                below[later] += probability(sensor, np.full(int(later.sum()), float(reading)), part)
-        own = probability(sensor, self._readings, self._truths)
+                below[later] += reading_probability(sensor, np.full(int(later.sum()), float(reading)), part)
+        own = reading_probability(sensor, self._readings, self._truths)
         place = below + own * rng.random(own.size)
         return np.asarray(ndtri(np.clip(place, 1e-9, 1.0 - 1e-9)), dtype=np.float64)
 
@@ -249,7 +249,7 @@ class UltrasonicProblem:
 
 def predicted_cm(sensor: UltrasonicParameters, distance_mm: FloatArray, angle_deg: FloatArray) -> FloatArray:
     """The expected reading, cm, shape as `distance_mm`: 255 where no echo is more likely than one."""
-    mean, _, none = moments(sensor, UltrasonicTruth(distance_mm, angle_deg))
+    mean, _, none = echo_moments(sensor, UltrasonicTruth(distance_mm, angle_deg))
     return np.asarray(np.where(none > 0.5, NO_ECHO, np.clip(mean, 0.0, NO_ECHO)), dtype=np.float64)
 
 

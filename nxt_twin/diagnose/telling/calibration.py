@@ -12,6 +12,6 @@ wrong, however far behind its rivals lay (development seeds 44, 45, 47, 53, 310 
 """
 
 
-def told(share: float) -> float:
+def told_probability(share: float) -> float:
     """The probability of what holds this `share` of the belief among all that was weighed."""
     return (1.0 - UNCONSIDERED) * share

@@ -10,10 +10,10 @@ from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.judge import free_runs, overall
 from nxt_twin.diagnose.judging.verdict import Record, is_patchwork, is_stalled, is_worse
 from nxt_twin.diagnose.search.limits import LIMITS
-from nxt_twin.diagnose.search.rivals import Rival, probability
+from nxt_twin.diagnose.search.rivals import Rival, share_of_belief
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling import words
-from nxt_twin.diagnose.telling.calibration import told
+from nxt_twin.diagnose.telling.calibration import told_probability
 from nxt_twin.diagnose.telling.estimates import estimates
 from nxt_twin.diagnose.telling.payload import as_a_payload
 from nxt_twin.diagnose.where.moment import with_bounds
@@ -34,7 +34,7 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
                 name=effect.name,
                 equation=effect.equation,
                 params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
-                probability=told(probability(0.0, [rival.doubt_nats for rival in rivals])),
+                probability=told_probability(share_of_belief(0.0, [rival.doubt_nats for rival in rivals])),
                 confusable_with=_named_once(
                     (*_confusions(simulator, evidence, effect, rivals), *as_a_payload(evidence, effect))
                 ),
@@ -87,12 +87,12 @@ def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative,
         runs = free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
         behind = [0.0, *(other.doubt_nats for other in rivals if other is not rival)]
         rmse = overall(runs) * evidence.units.reading_factor
-        share = probability(rival.doubt_nats, behind)
-        listed.append(Alternative(rival.effect.id, told(share), rmse))
+        share = share_of_belief(rival.doubt_nats, behind)
+        listed.append(Alternative(rival.effect.id, told_probability(share), rmse))
     return tuple(listed)
 
 
-def nearest(evidence: Evidence, verdict: Verdict) -> Nearest | None:
+def nearest_effect(evidence: Evidence, verdict: Verdict) -> Nearest | None:
     """The known effect that comes nearest to what is left unexplained, and why it was not accepted."""
     refused, found = evidence.explanation.refused, evidence.explanation.found
     if verdict != "unexplained" or not (refused or found):

@@ -19,7 +19,7 @@ def to_json(diagnosis: Diagnosis) -> str:
         "case": diagnosis.name,
         "verdict": diagnosis.verdict,
         "sentence": diagnosis.sentence,
-        "refit": {name: moved(each) for name, each in diagnosis.refit.items()},
+        "refit": {name: moved_to_json(each) for name, each in diagnosis.refit.items()},
         "mismatch": _mismatch(diagnosis.mismatch),
         "effects": [asdict(effect) for effect in diagnosis.effects],
         "alternatives": [asdict(alternative) for alternative in diagnosis.alternatives],
@@ -39,7 +39,7 @@ def to_json(diagnosis: Diagnosis) -> str:
     return json.dumps(finite(content), ensure_ascii=False, indent=1)
 
 
-def moved(one: Moved) -> dict[str, Any]:
+def moved_to_json(one: Moved) -> dict[str, Any]:
     """A parameter before and after, as JSON has it."""
     content = asdict(one)
     return {"from": content.pop("before"), "to": content.pop("after"), **content}

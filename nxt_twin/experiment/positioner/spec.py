@@ -15,7 +15,7 @@ from nxt_twin.experiment.positioner.nx100_session import TCP_PORT
 from nxt_twin.experiment.positioner.positioner import PositionerAxis
 from nxt_twin.experiment.positioner.rail import RailSetUp
 from nxt_twin.recording.columns import PORTS
-from nxt_twin.recording.source import nearest
+from nxt_twin.recording.source import nearest_name
 
 PositionerKind = Literal["hand", "rail", "nx100"]
 
@@ -94,7 +94,7 @@ def _options(text: str, of: type[RailSetUp] | type[RobotSetUp], where: str) -> d
         key, _, value = part.partition("=")
         if key not in types:
             raise ProgramError(
-                f"unknown key '{key}'", where=where, mend=f"nearest known: {nearest(key, types)}"
+                f"unknown key '{key}'", where=where, mend=f"nearest known: {nearest_name(key, types)}"
             )
         if key in _CHOICES:
             if value not in _CHOICES[key]:

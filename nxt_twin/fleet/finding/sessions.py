@@ -62,7 +62,7 @@ def sessions(places: Sequence[str]) -> Iterator[LoggedSession]:
             yield from _below(_Tree(store, root.base, file), root)
 
 
-def counted(places: Sequence[str]) -> int:
+def session_count(places: Sequence[str]) -> int:
     """How many sessions there are, after a check that no two have one name.
 
     Raises:

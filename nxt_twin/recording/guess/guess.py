@@ -28,7 +28,14 @@ from nxt_twin.recording.guess.roles import (
     roles_of,
     wrap_of,
 )
-from nxt_twin.recording.guess.scales import input_scale, output_scale, pulse_line, step_of, time_unit, turn_of
+from nxt_twin.recording.guess.scales import (
+    input_scale,
+    output_scale,
+    pulse_line,
+    step_of,
+    time_unit,
+    turn_length,
+)
 from nxt_twin.recording.guess.signs import sign_values
 from nxt_twin.recording.guess.united import united_cells
 from nxt_twin.recording.guess.vocabulary import MODE_WORDS
@@ -234,7 +241,7 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     kind, gain = OUTPUTS[role][unit]
     gain *= size
     step = step_of(column) * abs(gain)
-    turn = turn_of(column)
+    turn = turn_length(column)
     keys = {**column.keys, "kind": kind, **_gain(gain), **({"step": _short(step)} if step else {})}
     keys |= {"wraps_at": turn} if turn else {}
     taken = (column, roles.time, roles.input, roles.supply)
@@ -256,7 +263,7 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
         role, unit, size, why = input_scale(roles.input, roles.output, roles.time)
         kind, gain = INPUTS[role][unit]
         keys = roles.input.keys | {"kind": kind} | _gain(gain * size)
-        turn = turn_of(roles.output) if role == "goal" and roles.input.known.min() >= 0.0 else 0.0
+        turn = turn_length(roles.output) if role == "goal" and roles.input.known.min() >= 0.0 else 0.0
         keys |= {"wraps_at": turn} if roles.input.largest <= turn else {}
         if is_pulse(roles.input):
             keys |= _pulse(roles.input, roles.output, roles.time)

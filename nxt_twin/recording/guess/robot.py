@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from nxt_twin.recording.guess.profile import TableColumn
-from nxt_twin.recording.guess.vocabulary import has, unit_of
+from nxt_twin.recording.guess.vocabulary import has, quantity_and_unit
 
 _WRITTEN: Final = """
 outside: pose mocap optitrack vicon camera cam tracker tracking marker tag aruco apriltag gt truth true
@@ -93,7 +93,7 @@ def _places(columns: Sequence[TableColumn], letter: str) -> Iterator[tuple[float
     for column in columns:
         words = _words(column)
         is_named = letter in words or bool(words & {f"{letter}pos", f"pos{letter}", f"p{letter}"})
-        measures, _ = unit_of(column)
+        measures, _ = quantity_and_unit(column)
         if is_named and measures in ("", "position") and not words & _NO_PLACE and column.span > 0.0:
             yield 5.0 + _from_outside(words) + (measures == "position"), column
 
@@ -102,7 +102,7 @@ def _headings(columns: Sequence[TableColumn]) -> Iterator[tuple[float, TableColu
     for column in columns:
         words = _words(column)
         sided = any(words & side for side in _SIDES) or bool(words & _WHEEL - {"rad"})
-        measures, _ = unit_of(column)
+        measures, _ = quantity_and_unit(column)
         is_quaternion = words & _QUATERNION and words & {"x", "y", "z", "w"}
         fits = (
             words & _HEADING
@@ -119,7 +119,7 @@ def _wheels(columns: Sequence[TableColumn], side: frozenset[str]) -> Iterator[tu
     """Columns of a side that count or are an angle."""
     for column in columns:
         words = _words(column)
-        measures, _ = unit_of(column)
+        measures, _ = quantity_and_unit(column)
         counts = has(column, "angle") or has(column, "raw") or bool(words & _WHEEL)
         other = words & _SPEEDS or _is_power(column) or measures in ("speed", "time", "voltage", "current")
         if words & side and counts and not other and column.span > 0.0:
@@ -130,8 +130,8 @@ def _powers(columns: Sequence[TableColumn], side: frozenset[str]) -> Iterator[tu
     for column in columns:
         words = _words(column)
         if words & side and _is_power(column) and not words & _SPEEDS:
-            yield 1.0 + (unit_of(column)[0] == "power"), column
+            yield 1.0 + (quantity_and_unit(column)[0] == "power"), column
 
 
 def _is_power(column: TableColumn) -> bool:
-    return has(column, "power") or unit_of(column)[0] == "power"
+    return has(column, "power") or quantity_and_unit(column)[0] == "power"

@@ -14,7 +14,7 @@ from nxt_twin.recording.guess.robot import RobotColumns, holds_quaternion
 from nxt_twin.recording.guess.robot_frame import UNITS_RAD, RobotFrame, frame_of
 from nxt_twin.recording.guess.roles import names
 from nxt_twin.recording.guess.scales import duty_scale
-from nxt_twin.recording.guess.vocabulary import unit_of
+from nxt_twin.recording.guess.vocabulary import quantity_and_unit
 from nxt_twin.recording.robot_mapping import METRES, LengthUnit
 
 _LARGEST_M: Final = 15.0  # of a place that states no unit: robots of a classroom stay nearer to its origin
@@ -84,7 +84,7 @@ def _pose(
 
 
 def _heading(heading: TableColumn, units: tuple[str, ...], frame: RobotFrame | None) -> Guess:
-    measures, stated = unit_of(heading)
+    measures, stated = quantity_and_unit(heading)
     unit = frame.unit if frame else units[0]
     turns = frame.turns * (-1.0 if frame.mirrored else 1.0) if frame else 1.0
     if measures:
@@ -101,7 +101,7 @@ def _heading(heading: TableColumn, units: tuple[str, ...], frame: RobotFrame | N
 def _wheel(
     key: str, column: TableColumn, factor: float, frame: RobotFrame | None, place: LengthUnit
 ) -> Guess:
-    measures, stated = unit_of(column)
+    measures, stated = quantity_and_unit(column)
     told = f"; the robot travels {frame.step:.3g} {place} for each 1 of it" if frame else ""
     sign = _sign_of(factor)
     if factor < 0.0:
@@ -127,7 +127,7 @@ def _powers(columns: RobotColumns) -> Iterator[Guess]:
 
 
 def _place_scale(x: TableColumn, y: TableColumn) -> _Scale:
-    stated = (unit_of(column) for column in (x, y))
+    stated = (quantity_and_unit(column) for column in (x, y))
     named = next((unit for measures, unit in stated if measures == "position"), "")
     for known in METRES:
         if known == named:
@@ -139,7 +139,7 @@ def _place_scale(x: TableColumn, y: TableColumn) -> _Scale:
 
 def _heading_units(heading: TableColumn) -> tuple[str, ...]:
     """The units that a heading may have, the likeliest first."""
-    measures, unit = unit_of(heading)
+    measures, unit = quantity_and_unit(heading)
     if measures == "angle" and unit in UNITS_RAD:
         return (unit,)
     return ("rad", "deg") if _moves_within_a_turn(heading.known) else ("deg", "rad")

@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.recording.guess.motion import slopes_of
 from nxt_twin.recording.guess.profile import TableColumn, TableProfile
-from nxt_twin.recording.guess.vocabulary import has, unit_of
+from nxt_twin.recording.guess.vocabulary import has, quantity_and_unit
 from nxt_twin.recording.tables.nested import split_name
 
 _SLOPE = 2.5  # how much it speaks for a reading that another column is its slope
@@ -115,7 +115,11 @@ def _as_time(column: TableColumn, groups: Sequence[slice]) -> float:
         return 0.0
     steps = steps[steps >= 0.0]
     evenness = 1.0 - min(float(np.std(steps) / np.mean(steps)), 1.0) + 2.0 * bool(np.all(steps > 0.0))
-    named = 5.0 * has(column, "time") + 3.0 * (unit_of(column)[0] == "time") - 4.0 * has(column, "counter")
+    named = (
+        5.0 * has(column, "time")
+        + 3.0 * (quantity_and_unit(column)[0] == "time")
+        - 4.0 * has(column, "counter")
+    )
     return max(2.0 + named + evenness - 2.0 * _is_mere_count(column), 0.0)
 
 
@@ -158,7 +162,7 @@ def _as_output(column: TableColumn) -> float:
         or has(column, "supply")
     ):
         return 0.0
-    measures, _ = unit_of(column)
+    measures, _ = quantity_and_unit(column)
     named = 5.0 * has(column, "angle") + 3.0 * has(column, "speed") - 2.0 * has(column, "derived")
     united = 4.0 * (measures in ("angle", "ticks", "position")) + 3.0 * (measures == "speed")
     other = 6.0 * (measures in ("time", "power", "voltage", "current", "torque", "force"))
@@ -177,7 +181,7 @@ def _is_stepped(column: TableColumn) -> bool:
 
 
 def _as_input(column: TableColumn, output: TableColumn | None) -> float:
-    measures, _ = unit_of(column)
+    measures, _ = quantity_and_unit(column)
     if is_sign(column) or is_speed_goal(column):
         return 0.0
     if is_pulse(column):
@@ -202,7 +206,7 @@ def is_goal(column: TableColumn) -> bool:
 
 def is_speed_goal(column: TableColumn) -> bool:
     """Whether it is the speed that a loop is to hold."""
-    return has(column, "goal") and (has(column, "speed") or unit_of(column)[0] == "speed")
+    return has(column, "goal") and (has(column, "speed") or quantity_and_unit(column)[0] == "speed")
 
 
 def is_sign(column: TableColumn) -> bool:

@@ -6,11 +6,11 @@ import re
 
 import numpy as np
 
-from nxt_twin.recording.checks import hold
+from nxt_twin.recording.checks import held_commands
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.profile import CLOCK, ISO, TableColumn
 from nxt_twin.recording.guess.roles import is_goal, is_pulse
-from nxt_twin.recording.guess.vocabulary import has, unit_of
+from nxt_twin.recording.guess.vocabulary import has, quantity_and_unit
 from nxt_twin.recording.steps import smallest_step
 
 UnitScale = tuple[str, str, float, str]
@@ -48,7 +48,7 @@ _TURNS = (360.0, 1024.0, 2.0 * float(np.pi), 4096.0, 16384.0, 65536.0)
 
 def time_unit(column: TableColumn) -> tuple[str, str]:
     """The unit of stamps, and why."""
-    measures, unit = unit_of(column)
+    measures, unit = quantity_and_unit(column)
     if column.stated_unit in (ISO, CLOCK):
         return (
             column.stated_unit,
@@ -71,7 +71,7 @@ def time_unit(column: TableColumn) -> tuple[str, str]:
 
 def output_scale(column: TableColumn, time: TableColumn | None = None) -> UnitScale:
     """The guess of a reading's kind and unit; stamps tell how fast it moves, where nothing states the unit."""
-    measures, unit = unit_of(column)
+    measures, unit = quantity_and_unit(column)
     if measures in OUTPUTS:
         return measures, unit, 1.0, f"its name or unit says {unit}"
     if has(column, "speed"):
@@ -134,7 +134,7 @@ def input_scale(column: TableColumn, output: TableColumn, time: TableColumn | No
 
 def _goal_scale(column: TableColumn, output: TableColumn, time: TableColumn | None) -> UnitScale | None:
     """That of a goal; None where the command is none."""
-    measures, unit = unit_of(column)
+    measures, unit = quantity_and_unit(column)
     if is_pulse(column):
         why = "pulses of a hobby servo, 1500 us in the middle; CHECK gain and offset"
         return "goal", "deg", _PULSE_DEG_PER_US, why
@@ -151,7 +151,7 @@ def _goal_scale(column: TableColumn, output: TableColumn, time: TableColumn | No
 
 def _drive_scale(column: TableColumn) -> UnitScale:
     """That of a command that drives the motor by itself."""
-    measures, unit = unit_of(column)
+    measures, unit = quantity_and_unit(column)
     if measures in INPUTS:
         return measures, unit, 1.0, f"its name or unit says {unit}"
     few, most_volts = _LOW_VOLTS
@@ -176,7 +176,7 @@ def _drive_scale(column: TableColumn) -> UnitScale:
 
 def duty_scale(column: TableColumn, largest: float) -> tuple[float, str]:
     """Percent in one of a duty's column, and why; of several motors' columns `largest` is the largest value."""
-    measures, unit = unit_of(column)
+    measures, unit = quantity_and_unit(column)
     if measures == "power":
         return 1.0, f"its name or unit says {unit}"
     for most, full in _FULL_SCALES:
@@ -188,7 +188,7 @@ def duty_scale(column: TableColumn, largest: float) -> tuple[float, str]:
 
 def is_followed(command: TableColumn, reading: TableColumn) -> bool:
     """Whether the reading, before each leap of the command, is where the command says."""
-    at, there = (hold(each.values, float(each.known[0])) for each in (command, reading))
+    at, there = (held_commands(each.values, float(each.known[0])) for each in (command, reading))
     leaps = np.flatnonzero(np.diff(at) != 0.0)
     if leaps.size < _FEWEST_LEAPS or np.ptp(at[leaps]) == 0.0 or np.ptp(there[leaps]) == 0.0:
         return False
@@ -205,7 +205,7 @@ def pulse_line(command: TableColumn, reading: TableColumn, deg: float) -> tuple[
         reading: where the servo is.
         deg: degrees in one of the reading; 0 where it is no angle.
     """
-    at, there = (hold(each.values, float(each.known[0])) for each in (command, reading))
+    at, there = (held_commands(each.values, float(each.known[0])) for each in (command, reading))
     leaps = np.flatnonzero(np.diff(at) != 0.0)
     if deg and leaps.size >= _FEWEST_LEAPS and np.ptp(at[leaps]) > 0.0 and np.ptp(there[leaps]) > 0.0:
         slope, offset = np.polyfit(at[leaps], deg * there[leaps], 1)
@@ -219,7 +219,7 @@ def split_action(column: TableColumn) -> bool:
     return "action" in column.words
 
 
-def turn_of(column: TableColumn) -> float:
+def turn_length(column: TableColumn) -> float:
     """At which value a reading starts anew, in the column's unit; 0 where it does not."""
     leaps = np.abs(np.diff(column.known))
     for turn in _TURNS:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from nxt_twin.recording.checks import hold
+from nxt_twin.recording.checks import held_commands
 from nxt_twin.recording.guess.profile import TableColumn
 
 
 def sign_values(sign: TableColumn, command: TableColumn, reading: TableColumn) -> dict[str, int]:
     """The sign of a command by the value of the column that tells its direction."""
-    told, size, there = (hold(each.values, float(each.known[0])) for each in (sign, command, reading))
+    told, size, there = (
+        held_commands(each.values, float(each.known[0])) for each in (sign, command, reading)
+    )
     step = np.diff(there, append=there[-1]) * size
     values = np.unique(sign.known)
     paces = {value: float(np.sum(step[told == value])) for value in values.tolist()}

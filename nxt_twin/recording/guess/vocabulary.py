@@ -107,7 +107,7 @@ def _no_unit(column: TableColumn) -> tuple[str, ...]:
     return () if stated in _UNITS else tuple(stated.split())
 
 
-def unit_of(column: TableColumn) -> tuple[str, str]:
+def quantity_and_unit(column: TableColumn) -> tuple[str, str]:
     """The quantity of the column's unit and the unit, as `--columns` writes it; empty where none is stated."""
     for stated in (column.stated_unit.lower(), *_endings(column), *reversed(_no_unit(column))):
         if stated in _UNITS:

@@ -14,7 +14,7 @@ from typing import IO, Final, final
 
 from nxt_twin.twin.records import Event
 from nxt_twin.view.dashboard.scene import Scenery
-from nxt_twin.view.dashboard.wire import Message, written
+from nxt_twin.view.dashboard.wire import Message, line_of
 
 CAPACITY: Final = 3000
 """Messages that wait at most: half a minute of polls at 100 Hz."""
@@ -140,8 +140,8 @@ class Feeder:
                 while self._events or self._queue:
                     if self._dropped > self._told:
                         lost, self._told = self._dropped - self._told, self._dropped
-                        _write_all(pipe, written(lost))
-                    _write_all(pipe, written((self._events or self._queue).popleft()))
+                        _write_all(pipe, line_of(lost))
+                    _write_all(pipe, line_of((self._events or self._queue).popleft()))
                 if closing:
                     return
         except OSError:

@@ -87,7 +87,7 @@ def coarse(shades: FloatArray) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(row) for row in grey.tolist())
 
 
-def row_of(message: WorldMessage) -> tuple[object, ...]:
+def plain_values(message: WorldMessage) -> tuple[object, ...]:
     """A message as plain values."""
     if isinstance(message, Scenery):
         bodies = [(name, [tuple(vars(one).values()) for one in shapes]) for name, shapes in message.bodies]
@@ -96,7 +96,7 @@ def row_of(message: WorldMessage) -> tuple[object, ...]:
 
 
 def message_of(kind: str, row: Sequence[Any]) -> WorldMessage | None:
-    """What `row_of` made plain; None if it is something else."""
+    """What `plain_values` made plain; None if it is something else."""
     if kind == _SCENERY:
         floor_m, shades, bodies = row
         drawn = tuple((name, tuple(_shape(one) for one in shapes)) for name, shapes in bodies)

@@ -6,7 +6,7 @@ import json
 from typing import Any, Final
 
 from nxt_twin.twin.records import Event, Innovation, MotorBelief, Tick
-from nxt_twin.view.dashboard.scene import WorldMessage, message_of, row_of
+from nxt_twin.view.dashboard.scene import WorldMessage, message_of, plain_values
 
 _TICK: Final = "t"
 _EVENT: Final = "e"
@@ -16,7 +16,7 @@ Message = Tick | Event | WorldMessage | int
 """A poll, an event, something of a robot's world, or how many polls had to be dropped since the last message."""
 
 
-def written(message: Message) -> bytes:
+def line_of(message: Message) -> bytes:
     """A message as one line, which ends in a newline."""
     row: tuple[object, ...]
     if isinstance(message, Tick):
@@ -44,15 +44,15 @@ def written(message: Message) -> bytes:
     elif isinstance(message, int):
         row = (_DROPPED, message)
     else:
-        row = row_of(message)
+        row = plain_values(message)
     return json.dumps(row, separators=(",", ":"), default=_plain).encode() + b"\n"
 
 
 def read(line: bytes) -> Message:
-    """What `written` made into a line.
+    """What `line_of` made into a line.
 
     Raises:
-        ValueError: the line is none of `written`'s.
+        ValueError: the line is none of `line_of`'s.
     """
     kind, *row = json.loads(line)
     if kind == _TICK:

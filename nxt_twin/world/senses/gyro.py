@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 from numpy.random import Generator
 
-from nxt_twin.world.robot import axis_of
+from nxt_twin.world.robot import unit_vector
 from nxt_twin.world.senses.surroundings import Surroundings
 from nxt_twin.world.sensing import GyroMount
 
@@ -28,7 +28,7 @@ class GyroSense:
 
     def __init__(self, mount: GyroMount, around: Surroundings, rng: Generator) -> None:
         self._mount, self._around, self._rng = mount, around, rng
-        self._axis = np.array(axis_of(mount.axis))
+        self._axis = np.array(unit_vector(mount.axis))
 
     def measure(self, time_s: float) -> float:
         """One reading."""

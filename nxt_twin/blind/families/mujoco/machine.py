@@ -38,7 +38,7 @@ class MuJoCo(Machine):
 
         self._engine = mujoco
         self._motor, self._numbers = motor, as_record(motor)
-        self._model = mujoco.MjModel.from_xml_string(model.mjcf(motor))
+        self._model = mujoco.MjModel.from_xml_string(model.motor_mjcf(motor))
         self._data = mujoco.MjData(self._model)
         self._turn_to(start_rad)
         self._x = np.zeros(electric.SLOTS)

@@ -19,7 +19,7 @@ def hangs(motor: Numbers) -> bool:
     return motor.gravity_torque_nm > 0.0 and motor.added_inertia_kg_m2 > 0.0
 
 
-def mjcf(motor: Numbers) -> str:
+def motor_mjcf(motor: Numbers) -> str:
     """The model as XML: a hub on a hinge, and what is on it; the axis is level, gravity along -y."""
     return f"""<mujoco model="motor">
   <option timestep="{LONGEST_STEP_S}" gravity="0 {-GRAVITY_M_PER_S2} 0" integrator="implicitfast" iterations="30"/>

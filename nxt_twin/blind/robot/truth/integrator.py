@@ -74,7 +74,7 @@ def slopes(
 
 
 @njit(cache=True)
-def drive(
+def drive_robot(
     p: FloatArray, until_s: FloatArray, volts: FloatArray, lost: FloatArray, push: FloatArray
 ) -> FloatArray:
     """States at every stamp.

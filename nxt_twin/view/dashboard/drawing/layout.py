@@ -112,17 +112,17 @@ def _sensor_tab(channels: Sequence[str]) -> Any:  # noqa: ANN401
     for channel in channels:
         title = quantity(channel)
         curves = [sensor_path(channel, "reading"), sensor_path(channel, "refused")]
-        panes.append(_plot(curves, f"{title}: measured and model ({unit_of(channel)})"))
+        panes.append(_plot(curves, f"{title}: measured and model ({channel_unit(channel)})"))
         panes.append(
             _plot(
                 [sensor_path(channel, "innovation")],
-                f"{title}: innovation and its bounds ({unit_of(channel)})",
+                f"{title}: innovation and its bounds ({channel_unit(channel)})",
             )
         )
     return rrb.Grid(*panes, grid_columns=2, name="Sensors")
 
 
-def unit_of(channel: str) -> str:
+def channel_unit(channel: str) -> str:
     """The unit that a channel's name ends in."""
     ending = channel.rpartition("_")[2]
     return ending if ending in ("cm", "mm", "deg", "raw") else "0 or 1"

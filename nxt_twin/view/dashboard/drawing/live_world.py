@@ -68,7 +68,9 @@ class LiveWorld:
         time_s = np.array([moment.time_s for moment in moments])
         frames = np.array([moment.frames for moment in moments])
         for n, (name, _) in enumerate(scenery.bodies):
-            self._send(solids.path_of(name), time_s, solids.moved(rr, frames[:, n, :3], frames[:, n, 3:]))
+            self._send(
+                solids.path_of(name), time_s, solids.frame_columns(rr, frames[:, n, :3], frames[:, n, 3:])
+            )
         seen = [moment for moment in moments if moment.ghost is not None]
         if seen:
             poses = np.array([moment.ghost for moment in seen])

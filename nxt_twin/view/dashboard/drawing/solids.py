@@ -113,7 +113,7 @@ def path_of(name: str) -> str:
     return f"/world/{name.replace(' ', '_')}"
 
 
-def moved(rr: Any, place_m: FloatArray, quaternion: FloatArray) -> Any:  # noqa: ANN401
+def frame_columns(rr: Any, place_m: FloatArray, quaternion: FloatArray) -> Any:  # noqa: ANN401
     """A body's frames as columns, shapes (samples, 3) and (samples, 4)."""
     return rr.Transform3D.columns(translation=place_m, quaternion=quaternion)
 
@@ -122,7 +122,7 @@ def ghost_moved(rr: Any, pose: FloatArray) -> Any:  # noqa: ANN401
     """A ghost's frames as columns: x, y (m) and heading (rad), shape (samples, 3)."""
     still = np.zeros(len(pose))
     turns = np.column_stack([still, still, np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])])
-    return moved(rr, np.column_stack([pose[:, :2], still]), turns)
+    return frame_columns(rr, np.column_stack([pose[:, :2], still]), turns)
 
 
 def echoes(rr: Any, rays_m: FloatArray) -> Any:  # noqa: ANN401

@@ -80,7 +80,7 @@ class WorldView:
             path = solids.path_of(body.name)
             for n, shape in enumerate(one for one in body.shapes if one.seen):
                 self._stream.log(f"{path}/{n}", *solids.solid(self._rr, shape), static=True)
-            self._send(path, time_s, solids.moved(self._rr, body.place_m, body.quaternion))
+            self._send(path, time_s, solids.frame_columns(self._rr, body.place_m, body.quaternion))
 
     def echoes(self, time_s: FloatArray, rays_m: Sequence[FloatArray]) -> None:
         """The ways of echoes, for each time of shape (rays, 2, 3)."""
