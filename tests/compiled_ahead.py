@@ -18,6 +18,7 @@ from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.physics.abreast import FEWEST
+from nxt_twin.physics.jointed import JointDrives
 from nxt_twin.physics.plant import Plant, plant_from_config
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.stepper import Stepper
@@ -29,7 +30,7 @@ SERVO = plant_from_config({**NXT, "kind": "servo", "position_gain_pct_per_deg": 
 
 
 def run(plant: Plant, sets: int) -> None:
-    """Run so many sets over a moment: a few one by one, many abreast."""
+    """Run `sets` sets over a moment: a few one by one, many abreast."""
     values, active = (np.repeat(each[None], sets, axis=0) for each in plant.vectors())
     signals = commanded([(0.0, 0.5)], seconds=0.1)
     with Simulator(plant.layout, workers=1) as simulator:
@@ -43,21 +44,21 @@ def make(family: str) -> None:
 
 
 def one() -> None:
-    """Compile the motor's kernel with all that a session and its diagnosis need, and the truths of synthetic cases."""
+    """Compile the motor's kernel with all that a session and its diagnosis need."""
     run(MOTOR, FEWEST)
     run(MOTOR, 1)
     Stepper([MOTOR]).step(np.ones(1), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
     rehearse({"a": MOTOR}, adopting=True)
-    for family in FAMILIES:
-        make(family)
 
 
 def other() -> None:
-    """Compile the other plants' kernels: no kernel is compiled by both halves."""
-    for plant in (BODY, CART):
-        run(plant, FEWEST)
+    """Compile the other plants' kernels and the truths of synthetic cases: no kernel is compiled by both halves."""
+    for plant in (BODY, CART, SERVO):
         run(plant, 1)
-    run(SERVO, 1)
+    joint = np.zeros((1, 2))
+    JointDrives([MOTOR]).turn(joint, np.ones(1), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
+    for family in FAMILIES:
+        make(family)
 
 
 if __name__ == "__main__":

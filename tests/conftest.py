@@ -55,6 +55,15 @@ def _abreast(request: pytest.FixtureRequest) -> Iterator[None]:
         yield
 
 
+@pytest.fixture
+def one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let each set of parameters run alone: to run them abreast takes 10 s to compile for each kind of plant.
+
+    `tests/physics/test_physics_abreast.py` shows that sets abreast run as alone.
+    """
+    monkeypatch.setattr("nxt_twin.physics.simulate.FEWEST", sys.maxsize)
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Before the workers of a whole run start, compile once what each of them would compile for itself."""
     config = session.config

@@ -9,6 +9,8 @@ from typer.testing import CliRunner
 import nxt_twin as nt
 from nxt_twin.cli.app import program
 
+pytestmark = pytest.mark.usefixtures("one_by_one")
+
 COMMANDS = program(["changed"])
 
 

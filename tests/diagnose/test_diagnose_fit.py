@@ -29,6 +29,7 @@ def euler_cart(*, mass, viscous, coulomb, load, seconds, seed):
     return Recording(f"cart-{seed}", columns, SignalKinds("force_n", "position_m"))
 
 
+@pytest.mark.usefixtures("one_by_one")
 def test_a_fit_finds_the_parameters_of_a_cart_made_by_other_formulas(tmp_path):
     truth = {"mass": 95.0, "viscous": 200.0, "coulomb": 20.0, "load": 3.0}
     runs = tuple(euler_cart(**truth, seconds=8.0, seed=seed) for seed in (1, 2))

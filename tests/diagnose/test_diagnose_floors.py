@@ -15,6 +15,8 @@ from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording, SignalKinds
 
+pytestmark = pytest.mark.usefixtures("one_by_one")
+
 PLANT = {"kind": "rigid_body", "inertia": 1e-2, "viscous_friction": 5e-2, "coulomb_friction": 2e-2}
 KINDS = SignalKinds("torque_nm", "position_rad")
 

@@ -125,6 +125,7 @@ def test_no_noise_is_settled_on_under_which_a_run_runs_away():
     assert cost_under(likeliest) <= cost_under(start)
 
 
+@pytest.mark.usefixtures("one_by_one")
 @pytest.mark.parametrize("damping_per_s", [0.0, 5.0])
 def test_noise_is_searched_for_a_body_that_nothing_damps(damping_per_s):
     time_s = np.arange(0.0, 6.0, 0.01)

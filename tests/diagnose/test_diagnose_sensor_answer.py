@@ -47,7 +47,7 @@ def test_the_same_case_gives_the_same_answer():
     ("kind", "effect"), [("light_sensor", "light_saturation"), ("touch_sensor", "touch_hysteresis")]
 )
 def test_the_improved_sensor_foretells_a_recording_from_the_rigs_truth(kind, effect):
-    answer, _ = sensor_diagnosis(kind, (effect,), every=2 if kind == "light_sensor" else 1)
+    answer, _ = sensor_diagnosis(kind, (effect,), every=4 if kind == "light_sensor" else 1)
     case, _ = sensor_case(kind, (effect,))
     said = expected_readings(answer.model.to_config(), case.recordings[0])
     assert said.channel == answer.diagnosis.mismatch.channel
@@ -56,24 +56,24 @@ def test_the_improved_sensor_foretells_a_recording_from_the_rigs_truth(kind, eff
 
 
 def test_recordings_that_the_case_holds_out_are_judged_and_not_fitted():
-    answer, _ = sensor_diagnosis("light_sensor", ("light_ambient_offset",), every=2, hold_out=1)
+    answer, _ = sensor_diagnosis("light_sensor", ("light_ambient_offset",), every=4, hold_out=1)
     said = answer.diagnosis
     assert [run.recording for run in said.held_out] == ["r4.csv"]
     assert [effect.id for effect in said.effects] == ["light_ambient_offset"]
-    assert said.held_out[0].measured.size == 160  # a fifth of 200 tells its room light
+    assert said.held_out[0].measured.size == 80  # a fifth of 100 tells its room light
     assert said.fit.improved < 1.3 * said.fit.floor < said.fit.baseline
     assert any("first fifth" in note for note in said.notes)
 
 
 def test_the_report_shows_readings_against_the_truth():
-    page = render_report(sensor_diagnosis("light_sensor", ("light_saturation",), every=2)[0].diagnosis)
+    page = render_report(sensor_diagnosis("light_sensor", ("light_saturation",), every=4)[0].diagnosis)
     assert "true position (mm)" in page
     assert "value that the rig had set" in page
     assert "drawn large" not in page
 
 
 def test_a_scale_error_is_said_to_be_no_thermometer():
-    said = sensor_diagnosis("ultrasonic_sensor", ("ultrasonic_sound_speed",), every=2)[0].diagnosis
+    said = sensor_diagnosis("ultrasonic_sensor", ("ultrasonic_sound_speed",), every=4)[0].diagnosis
     assert any("thermometer" in note for note in said.notes)
 
 

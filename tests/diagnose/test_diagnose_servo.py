@@ -17,6 +17,8 @@ from nxt_twin.recording.case import case_of
 from nxt_twin.recording.columns import REGULATIONS
 from nxt_twin.recording.recording import Recording
 
+pytestmark = pytest.mark.usefixtures("one_by_one")
+
 MOTOR = {
     "resistance_ohm": 7.6,
     "torque_constant_nm_per_a": 0.4908,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from physics_samples import NXT, job_with_readings
+from physics_samples import NXT, commanded, job_with_readings, moving
 
 from nxt_twin.physics.abreast import LANES, abreast
 from nxt_twin.physics.layout import layout
@@ -37,6 +37,26 @@ def assert_as_alone(simulator, plants, job):
 def test_sets_abreast_run_as_alone(motor_simulator, effect_id):
     plants = [with_effect(effect_id, 1.0 + 0.02 * n) for n in range(LANES - 2)]
     assert_as_alone(motor_simulator, plants, job_with_readings(motor_simulator, seconds=0.5))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "config", "command", "level"),
+    [
+        ("rotary", {"kind": "rigid_body", "inertia": 2e-3, "viscous_friction": 5e-3}, "torque_nm", 0.1),
+        ("linear", {"kind": "rigid_body", "inertia": 2.0, "viscous_friction": 5.0}, "force_n", 1.0),
+        ("servo", {**NXT, "kind": "servo", "position_gain_pct_per_deg": 1.0}, "goal_position_rad", 1.0),
+    ],
+)
+def test_sets_of_other_plants_abreast_run_as_alone(request, kind, config, command, level):
+    plants = [
+        plant_from_config({**config, key: (1.0 + 0.1 * n) * config[key]}, command)
+        for key in config.keys() & {"viscous_friction", "position_gain_pct_per_deg"}
+        for n in range(LANES)
+    ]
+    run = commanded([(0.0, level), (0.1, -level)], seconds=0.3, kind=command)
+    simulator = request.getfixturevalue(f"{kind}_simulator")
+    assert_as_alone(simulator, plants, free_job(run, moving(run)))
 
 
 def test_sets_of_different_effects_and_delays_each_keep_their_place(motor_simulator):
