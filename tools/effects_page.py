@@ -155,6 +155,8 @@ SCENES: Final[dict[str, Scene]] = {
     "power_curve": Scene({"exponent": 1.5}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0),
     "goal_rate_limit": Scene({"goal_rate_limit_deg_per_s": 120.0}, _GOALS, 3.0, "angle"),
     "integral_action": Scene({"integral_rate_per_s": 0.7}, _GOALS, 3.0, "angle"),
+    "power_limit": Scene({"limit_pct": 25.0}, _GOALS, 3.0, "angle"),
+    "loop_dead_band": Scene({"width_deg": 12.0}, _GOALS, 3.0, "angle"),
     "firmware_regulation": Scene(
         {"regulation_p": 96.0},
         tuple((0.1 * n, 0.06 * min(n, 15) + 1e-9 * (n % 2)) for n in range(25)),
@@ -264,6 +266,8 @@ def _notable(effect: Effect) -> Iterator[str]:
         measure = f", as half the difference between `{main.name}` and `{effect.parameters[1].name}`"
     else:
         measure = f" more than `{main.above[0]}`" if main.above else ""
+    if effect.neutral > main.starts[0]:
+        measure = f" below {effect.neutral:g}{unit}"
     if effect.notable > 0.0:
         yield f"Notable size: {effect.notable:g}{unit}{measure}.\n"
     if math.isfinite(effect.notable_most):

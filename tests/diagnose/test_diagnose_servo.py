@@ -30,13 +30,14 @@ MOTOR = {
 }
 
 
-def followed(time_s, goal, gain, damping):
+def followed(time_s, goal, gain, damping, limit_pct=100.0, band_deg=0.0):
     """The angle, deg, of a servo that another simulator moves: a loop on the angle, and friction that is smooth."""
 
     def law(_, state, aim):
         angle, speed = state
-        pct = gain * math.degrees(aim - angle) - damping * math.degrees(speed)
-        volts = 0.08 * min(max(pct, -100.0), 100.0)
+        error = math.degrees(aim - angle)
+        pct = gain * (error if abs(error) > band_deg else 0.0) - damping * math.degrees(speed)
+        volts = 0.08 * min(max(pct, -limit_pct), limit_pct)
         torque = MOTOR["torque_constant_nm_per_a"] * (volts - 0.4908 * speed) / MOTOR["resistance_ohm"]
         torque -= 1.92e-3 * speed + 8.45e-3 * math.tanh(speed / 0.02)
         return speed, torque / MOTOR["inertia_kg_m2"]
@@ -74,6 +75,44 @@ def test_a_loop_s_gains_are_fitted_from_goal_and_reading_alone_where_they_are_30
     )
     frozen = {"dead_band_deg": 0.0, "power_limit_pct": 100.0, "goal_delay_s": 0.0}
     assert {name: config[name] for name in frozen} == frozen
+
+
+def loop_case(**loop):
+    """A case of a servo whose loop has more than its plant file says, with two recordings."""
+    rng = np.random.default_rng(11)
+    runs = []
+    for name in ("one", "two", "three"):
+        time_s = 0.01 * np.arange(600)
+        goal = np.repeat([0.0, *np.cumsum(rng.uniform(-60.0, 60.0, 19)).round(1)], 30)
+        read = np.round(followed(time_s, goal, 2.0, 0.02, **loop) / 0.088) * 0.088
+        columns = {"time_s": time_s, "a_goal_deg": goal, "a_tacho_deg": read}
+        runs.append(Recording(name, columns, tacho_step_deg={"a": 0.088}))
+    gains = {"position_gain_pct_per_deg": 1.8, "derivative_gain_pct_s_per_deg": 0.022}
+    return case_of(runs, {**MOTOR, "kind": "servo", **gains})
+
+
+@pytest.mark.parametrize(
+    ("loop", "effect_id", "name", "value"),
+    [
+        ({"limit_pct": 45.0}, "power_limit", "limit_pct", 45.0),
+        ({"band_deg": 3.0}, "loop_dead_band", "width_deg", 3.0),
+    ],
+)
+def test_a_power_limit_or_a_dead_band_that_a_servo_s_plant_file_lacks_is_named(loop, effect_id, name, value):
+    found = diagnose(loop_case(**loop)).diagnosis
+    assert (found.verdict, [effect.id for effect in found.effects]) == ("explained", [effect_id])
+    assert found.effects[0].params[name].value == pytest.approx(value, rel=0.05)
+
+
+def test_a_servo_without_either_gets_no_name_and_is_told_from_which_size_it_would_have():
+    found = diagnose(loop_case()).diagnosis
+    assert (found.verdict, found.effects) == ("adequate", ())
+    sizes = {one.id: one for one in found.detectable}
+    limit, band = sizes["power_limit"], sizes["loop_dead_band"]
+    assert not limit.seen_above
+    assert 60.0 < limit.size < 100.0
+    assert band.seen_above
+    assert 0.0 < band.size < 2.0
 
 
 @pytest.fixture(scope="module")

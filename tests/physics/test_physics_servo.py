@@ -42,6 +42,7 @@ def goals(*steps, seconds=1.5, mode=0):
             "goal_delay_s": 0.03,
         },
         {"goal_rate_limit_deg_per_s": 200.0, "integral_rate_per_s": 2.0},
+        {"effects": {"power_limit": {"limit_pct": 35.0}, "loop_dead_band": {"width_deg": 4.0}}},
         {
             "effects": {
                 "gravity_load": {"gravity_torque_nm": 0.05, "phase_deg": 20.0},
@@ -111,6 +112,59 @@ def test_an_error_within_the_dead_band_moves_nothing_and_coasting_neither(servo_
     loose = motion(servo_simulator, servo(), goals((0.0, 90.0), mode=MODE_COAST))["angle"]
     np.testing.assert_array_equal(quiet, 0.0)
     np.testing.assert_array_equal(loose, 0.0)
+
+
+def test_a_power_limit_clips_the_loop_s_duty_below_what_the_plant_states(servo_simulator):
+    run = goals((0.0, 300.0))
+    limited = {"effects": {"power_limit": {"limit_pct": 40.0}}}
+    found = motion(servo_simulator, servo(**limited), run)
+    stated = motion(servo_simulator, servo(power_limit_pct=40.0), run)
+    assert np.abs(found["duty"]).max() == pytest.approx(0.4)
+    np.testing.assert_allclose(found["angle"], stated["angle"], atol=1e-12)
+    lower = motion(servo_simulator, servo(power_limit_pct=25.0, **limited), run)
+    assert np.abs(lower["duty"]).max() == pytest.approx(0.25)
+
+
+def test_a_power_limit_bounds_the_speed_and_one_of_the_current_only_its_growth(servo_simulator):
+    run = goals((0.0, 2000.0), seconds=3.0)
+    half, current = (
+        motion(servo_simulator, servo(coulomb_friction_nm=0.0, **changes), run)["speed"]
+        for changes in ({"effects": {"power_limit": {"limit_pct": 50.0}}}, {"current_limit_a": 0.5})
+    )
+    free = motion(servo_simulator, servo(coulomb_friction_nm=0.0), run)["speed"]
+    assert half[100] == pytest.approx(0.5 * free[100], rel=0.01)
+    assert current[100] == pytest.approx(free[100], rel=0.01)
+    # At rest 8 V over 7.6 Ω drive 1.05 A: half a volt's worth and half an ampere's begin nearly alike.
+    assert half[2] == pytest.approx(current[2], rel=0.2)
+
+
+def test_a_power_limit_of_100_percent_does_nothing(servo_simulator):
+    run = goals((0.0, 300.0), (0.7, -200.0))
+    plain, limited = (
+        motion(servo_simulator, servo(**changes), run)["angle"]
+        for changes in ({}, {"effects": {"power_limit": {"limit_pct": 100.0}}})
+    )
+    np.testing.assert_array_equal(plain, limited)
+
+
+def test_a_loop_s_dead_band_is_that_of_the_plant_file_wherever_it_is_written(servo_simulator):
+    run = goals((0.0, 60.0), (0.7, 58.5), (1.0, -30.0))
+    added = motion(servo_simulator, servo(effects={"loop_dead_band": {"width_deg": 12.0}}), run)["angle"]
+    stated = motion(servo_simulator, servo(dead_band_deg=12.0), run)["angle"]
+    np.testing.assert_allclose(added, stated, atol=1e-12)
+    none = motion(servo_simulator, servo(), run)["angle"]
+    assert np.abs(added - none).max() > 0.5 * DEG
+
+
+def test_the_wider_of_two_dead_bands_holds(servo_simulator):
+    narrow = servo(dead_band_deg=5.0, effects={"loop_dead_band": {"width_deg": 1.0}})
+    np.testing.assert_array_equal(motion(servo_simulator, narrow, goals((0.0, 4.0)))["angle"], 0.0)
+
+
+def test_the_firmware_s_regulator_takes_the_place_of_the_loop_with_all_that_is_in_it():
+    regulated = servo(regulation_p=96)
+    gone = {"power_limit", "loop_dead_band", "integral_action", "goal_rate_limit"}
+    assert set(regulated.layout.effect("firmware_regulation").supersedes) == gone
 
 
 def test_a_goal_delay_moves_the_response_by_exactly_that_much(servo_simulator):

@@ -23,8 +23,6 @@ from nxt_twin.physics.simulate import Simulator
 
 _FACTORS = (1.0 / 32.0, 1.0 / 6.0, 1.0, 6.0)
 _NINE_OF_TEN = 1.2816
-_WITHOUT_EFFECT = {"exponent": 1.0}
-"""Values at which a parameter changes nothing, where that is not 0."""
 
 
 @final
@@ -76,7 +74,7 @@ def detectable(simulator: Simulator, problem: Problem, linear: Linear) -> tuple[
         order = np.argsort(at)
         guesses[n] = _crossing(at[order], np.append(curves[n], level)[order])
     return tuple(
-        _as_found(effect, plant, problem.scale, guess, seen_above=bool(curve[-1] >= curve[0]))
+        _as_found(effect, plant, problem.scale, guess, seen_above=_seen_above(effect, curve))
         for effect, guess, curve in zip(effects, guesses, curves, strict=True)
     )
 
@@ -89,7 +87,7 @@ def trial_of(effect: Effect, plant: Plant, scale: Scale, factor: float) -> Trial
         middle = _replaced(effect, plant)
         lean = 0.5 * factor * abs(start[main.symbol] - start[others[0].symbol])
         return Trial(effect, {**start, main.symbol: middle + lean, others[0].symbol: max(middle - lean, 0.0)})
-    neutral = _WITHOUT_EFFECT.get(main.symbol, 0.0)
+    neutral = effect.neutral * main.si
     size = neutral + factor * (start[main.symbol] - neutral)
     bounds = main.in_frame(plant.layout.frame).scaled(scale)
     return Trial(
@@ -131,6 +129,12 @@ def _crossing(logs: FloatArray, curve: FloatArray) -> float | None:
         return float(logs[0] - 0.5 * curve[0])
     share = -curve[k - 1] / max(curve[k] - curve[k - 1], 1e-12)
     return float(logs[k - 1] + share * (logs[k] - logs[k - 1]))
+
+
+def _seen_above(effect: Effect, curve: FloatArray) -> bool:
+    """Whether a larger main parameter shows better; `curve` is over its distance from where it does nothing."""
+    below = effect.neutral > effect.parameters[0].starts[0]
+    return bool(curve[-1] >= curve[0]) != below
 
 
 def _as_found(

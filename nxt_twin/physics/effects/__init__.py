@@ -35,7 +35,7 @@ from nxt_twin.physics.effects.load import (
 )
 from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE, TORQUE_SATURATION
 from nxt_twin.physics.effects.regulation import FIRMWARE_REGULATION
-from nxt_twin.physics.effects.servo import GOAL_RATE_LIMIT, INTEGRAL_ACTION
+from nxt_twin.physics.effects.servo import GOAL_RATE_LIMIT, INTEGRAL_ACTION, LOOP_DEAD_BAND, POWER_LIMIT
 from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, SAMPLE_HOLD, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
 
@@ -67,9 +67,11 @@ BUILT_IN: tuple[Effect, ...] = (
     BATTERY_SAG,
     BATTERY_DRAIN,
     VOLTAGE_DROP,
+    POWER_LIMIT,
     POWER_CURVE,
     GOAL_RATE_LIMIT,
     INTEGRAL_ACTION,
+    LOOP_DEAD_BAND,
     FIRMWARE_REGULATION,
     COMMAND_DELAY,
     CLOCK_SKEW,

@@ -114,7 +114,7 @@ FIRMWARE_REGULATION = Effect(
     },
     frames=("motor",),
     kinds=("servo",),
-    supersedes=("integral_action", "goal_rate_limit"),
+    supersedes=("integral_action", "goal_rate_limit", "power_limit", "loop_dead_band"),
     inputs=("goal_position_rad",),  # no candidate: a recording says whether the firmware regulates
     plain=True,
 )

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import NUMBER, Parameter
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
 
 _SERVO = ("servo",)
 
@@ -79,4 +84,60 @@ INTEGRAL_ACTION = Effect(
     frames=("motor",),
     kinds=_SERVO,
     plain=True,
+)
+
+
+def _clipped(duty: float, most: float) -> float:
+    return min(max(duty, -most), most)
+
+
+POWER_LIMIT = Effect(
+    id="power_limit",
+    name="power limit of the loop",
+    equation="|u| ≤ umax, below the limit that the plant states",
+    source="the PWM limit or maximum torque of a servo's register table",
+    equation_of="electrical",
+    shows=("after_command", "high_speed"),
+    neutral=100.0,
+    notable=5.0,
+    parameters=(Parameter("limit_pct", "most", "%", NUMBER, (60.0, 35.0, 80.0), 2.0, 100.0, si=0.01),),
+    terms={"duty": _clipped},
+    confusable_with={
+        "current_limit": "a long way tells: a limit of the duty bounds the speed, one of the current only its growth",
+        "goal_rate_limit": "a load tells: the speed under a limit of the duty falls with it, a ramp's does not",
+    },
+    frames=("motor",),
+    kinds=_SERVO,
+)
+
+
+def _outside(goal: float, angle: float, width: float) -> float:
+    """Within the band the loop follows where it is: its error counts as none."""
+    return goal if abs(goal - angle) > width else angle
+
+
+def _step(recordings: Sequence[Signals]) -> float:
+    """The coarsest step of a reading: an error within it moves no loop that counts."""
+    return max(signals.quantum for signals in recordings)
+
+
+LOOP_DEAD_BAND = Effect(
+    id="loop_dead_band",
+    name="loop dead band",
+    equation="e = 0 while |θg - θ| ≤ w, w above the band that the plant states",
+    source="the dead zone of a servo's register table",
+    equation_of="timing",
+    shows=("low_speed", "after_command"),
+    parameters=(
+        Parameter(
+            "width_deg", "width", "deg", NUMBER, (1.0, 0.4, 3.0), 0.0, 90.0, si=math.pi / 180.0, least=_step
+        ),
+    ),
+    terms={"goal": _outside},
+    confusable_with={
+        "coulomb_friction": "a goal that creeps tells: with a dead band each jump ends where the error leaves the band",
+        "backlash": "a hand tells: play gives way to it at once, a loop pushes back from the band's edge on",
+    },
+    frames=("motor",),
+    kinds=_SERVO,
 )
