@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar, final
 
 from firmware_protocol.enums import TelegramType
-from firmware_protocol.layout import Structure
+from firmware_protocol.layout import WireStructure
 
 
-class ReplyData(Structure):
+class ReplyData(WireStructure):
     """Abstract: the data of a reply, behind ``02 opcode status``."""
 
 
@@ -22,7 +22,7 @@ class NoData(ReplyData):
 ReplyT = TypeVar("ReplyT", bound=ReplyData)
 
 
-class Command(Structure, Generic[ReplyT]):
+class Command(WireStructure, Generic[ReplyT]):
     """Abstract: a request, behind ``type opcode``; its class is the command.
 
     Attributes:

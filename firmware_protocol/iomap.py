@@ -32,12 +32,12 @@ from firmware_protocol.fields import (
     SensorMode8,
     SensorType8,
 )
-from firmware_protocol.layout import Block, Repeat, Structure, field_named, pack, unpack
+from firmware_protocol.layout import Block, Repeat, WireStructure, field_named, pack, unpack
 from firmware_protocol.limits import INPUT_PORT_COUNT, OUTPUT_PORT_COUNT
 from firmware_protocol.wire import FixedBytes, FixedWire
 
 
-class IoMap(Structure):
+class IoMap(WireStructure):
     """Abstract: a module's IO map, or the head of one.
 
     Attributes:
@@ -56,7 +56,7 @@ IoMapT = TypeVar("IoMapT", bound=IoMap)
 
 @final
 @dataclass(frozen=True)
-class OutputPortBlock(Structure):
+class OutputPortBlock(WireStructure):
     """One motor in the output module.
 
     The stock LEGO firmware has three spare bytes in the places of ``options``, ``max_speed`` and
@@ -97,7 +97,7 @@ class OutputMap(IoMap, module_id=ModuleId.OUTPUT):
 
 @final
 @dataclass(frozen=True)
-class InputPortBlock(Structure):
+class InputPortBlock(WireStructure):
     """One sensor in the input module."""
 
     custom_zero_offset: U16
@@ -127,7 +127,7 @@ class InputMap(IoMap, module_id=ModuleId.INPUT):
 
 @final
 @dataclass(frozen=True)
-class LowSpeedBuffer(Structure):
+class LowSpeedBuffer(WireStructure):
     """A ring of 16 bytes of a digital sensor's channel, and how many bytes are still to be received."""
 
     data: Bytes16

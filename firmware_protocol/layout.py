@@ -17,11 +17,11 @@ from firmware_protocol.errors import (
 from firmware_protocol.wire import FixedWire, Wire
 
 
-class Structure(ABC):  # noqa: B024 - what subclasses have to give are the fields
+class WireStructure(ABC):  # noqa: B024 - what subclasses have to give are the fields
     """Abstract: a frozen dataclass with an ``Annotated[type, Wire]`` for each field, in wire order."""
 
 
-StructureT = TypeVar("StructureT", bound=Structure)
+StructureT = TypeVar("StructureT", bound=WireStructure)
 
 
 @final
@@ -41,12 +41,12 @@ class Field:
 
 
 @cache
-def fields_of(structure: type[Structure]) -> tuple[Field, ...]:
+def fields_of(structure: type[WireStructure]) -> tuple[Field, ...]:
     """The fields of a declaration, in the order of the wire."""
     hints = get_type_hints(structure, include_extras=True)
     laid_out: list[Field] = []
     offset: int | None = 0
-    for declared in fields(structure):  # type: ignore[arg-type]  # every Structure is a dataclass
+    for declared in fields(structure):  # type: ignore[arg-type]  # every WireStructure is a dataclass
         wire = next(mark for mark in hints[declared.name].__metadata__ if isinstance(mark, Wire))
         laid_out.append(Field(declared.name, wire, offset))
         width = wire.fixed_width
@@ -54,19 +54,19 @@ def fields_of(structure: type[Structure]) -> tuple[Field, ...]:
     return tuple(laid_out)
 
 
-def fixed_size_of(structure: type[Structure]) -> int | None:
+def fixed_size_of(structure: type[WireStructure]) -> int | None:
     """The structure's number of bytes, or None if it depends on the telegram."""
     widths = [field.wire.fixed_width for field in fields_of(structure)]
     known = [width for width in widths if width is not None]
     return sum(known) if len(known) == len(widths) else None
 
 
-def describe(structure: type[Structure]) -> str:
+def describe(structure: type[WireStructure]) -> str:
     """The layout in words, such as ``mailbox u8, size u8, data bytes[size]``; empty for no fields."""
     return ", ".join(f"{field.name} {field.wire.label}" for field in fields_of(structure))
 
 
-def pack(structure: Structure) -> bytes:
+def pack(structure: WireStructure) -> bytes:
     """The bytes of a structure.
 
     Raises:
@@ -130,7 +130,7 @@ def unpack_loosely(structure: type[StructureT], buffer: bytes, *, start: int, en
 class Block(FixedWire):
     """A structure of fixed size inside another."""
 
-    structure: type[Structure]
+    structure: type[WireStructure]
 
     @property
     def label(self) -> str:
@@ -151,7 +151,7 @@ class Block(FixedWire):
             raise FieldValueError(f"{value!r} is not a {self.structure.__qualname__} of {width} bytes")
         return pack(value)
 
-    def unpack(self, raw: bytes) -> Structure:
+    def unpack(self, raw: bytes) -> WireStructure:
         """The structure."""
         return unpack(self.structure, raw)
 
@@ -186,7 +186,7 @@ class Repeat(FixedWire):
         return tuple(self.element.unpack(raw[at : at + step]) for at in range(0, len(raw), step))
 
 
-def field_named(structure: type[Structure], name: str) -> Field:
+def field_named(structure: type[WireStructure], name: str) -> Field:
     """The field of that name.
 
     Raises:

@@ -19,6 +19,7 @@ MEANT: Final[Mapping[str, str]] = MappingProxyType(
 )
 """Names that functions of several rooms bear, and why a reader is not misled."""
 
+_PACKAGES: Final = ("nxt_twin", "firmware_protocol")
 _FRONTS: Final = ("api", "cli")
 """A function of the public face, or a verb, has the name of the function that it calls."""
 
@@ -41,8 +42,8 @@ def names(root: Path) -> Iterator[str]:
 
 def _classes(root: Path) -> Iterator[str]:
     first: dict[str, str] = {}
-    for path in sorted((root / "nxt_twin").rglob("*.py")):
-        for node in ast.walk(_tree(path)):
+    for path in (path for package in _PACKAGES for path in sorted((root / package).rglob("*.py"))):
+        for node in _tree(path).body:
             if isinstance(node, ast.ClassDef):
                 place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
                 if node.name in first:
@@ -52,7 +53,7 @@ def _classes(root: Path) -> Iterator[str]:
 
 def _functions(root: Path) -> Iterator[tuple[str, str, str]]:
     """Each public function of a file: its room, its name and its place."""
-    for package in ("nxt_twin", "firmware_protocol"):
+    for package in _PACKAGES:
         for path in sorted((root / package).rglob("*.py")):
             inside = path.relative_to(root / package)
             room = inside.parts[0].removesuffix(".py") if package == "nxt_twin" else package

@@ -62,7 +62,7 @@ _FLOORS = 1  # random numbers of their own, so that no other figure depends on t
 
 @final
 @dataclass(frozen=True)
-class Answer:
+class MotorAnswer:
     """A diagnosis, the improved plant that belongs to it, and the numbers that the verdict on a motor rests on."""
 
     diagnosis: Diagnosis
@@ -78,7 +78,7 @@ def diagnose(
     without: frozenset[str] = frozenset(),
     leaning: Mapping[str, float] | None = None,
     progress: Progress = lambda _: None,
-) -> Answer:
+) -> MotorAnswer:
     """Say what physics `case`'s baseline leaves out, if any.
 
     Args:
@@ -102,7 +102,7 @@ def diagnose(
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
         evidence = with_shapes(simulator, evidence)
-        return Answer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
+        return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
 
 def _misled(evidence: Evidence) -> bool:

@@ -12,7 +12,7 @@ from nxt_twin.experiment.folder import RowWriter, RunFolder
 from nxt_twin.experiment.plan import Load, MotorIdentification
 from nxt_twin.experiment.run_sweep import Apparatus, SweepProgress
 from nxt_twin.recording.columns import BATTERY, TIME, mode_column, power_column, tacho_column
-from nxt_twin.recording.program import Command, Run, commands
+from nxt_twin.recording.program import MotorCommand, Run, commands
 from nxt_twin.twin.dating import Dating
 from nxt_twin.twin.polling import OUTPUTS, tell
 
@@ -95,7 +95,7 @@ class _Recorder:
         self._clock = around.clock
         self._waiting = deque(commands(run))
         self._duration_s = run.duration_s
-        self._in_force = Command(0.0, 0, "coast")
+        self._in_force = MotorCommand(0.0, 0, "coast")
         self._zero_s = self._clock.now_s()
         self._start_deg: int | None = None
         self._dating = Dating(around.pace)

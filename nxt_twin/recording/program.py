@@ -90,7 +90,7 @@ class MotorProgram(BaseModel):
 
 @final
 @dataclass(frozen=True)
-class Command:
+class MotorCommand:
     """The command from `start_s` after a run's beginning until the next command."""
 
     start_s: float
@@ -98,7 +98,7 @@ class Command:
     mode: DriveMode
 
 
-def commands(run: Run) -> Iterator[Command]:
+def commands(run: Run) -> Iterator[MotorCommand]:
     """The commands of a run in order; a ramp is one command for each whole percent."""
     start_s = 0.0
     for segment in run.segments:
@@ -106,7 +106,7 @@ def commands(run: Run) -> Iterator[Command]:
         count = abs(end - segment.power_pct) + 1
         direction = 1 if end >= segment.power_pct else -1
         for n in range(count):
-            yield Command(
+            yield MotorCommand(
                 start_s + n * segment.duration_s / count, segment.power_pct + n * direction, segment.mode
             )
         start_s += segment.duration_s

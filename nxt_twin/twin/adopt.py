@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, final
 
 from nxt_twin.diagnose.diagnosis import Diagnosis, Moved
-from nxt_twin.diagnose.engine import Answer, diagnose
+from nxt_twin.diagnose.engine import MotorAnswer, diagnose
 from nxt_twin.errors import NxtTwinError
 from nxt_twin.physics.effects.electrical import BATTERY_SAG
 from nxt_twin.physics.plant import Plant
@@ -61,7 +61,7 @@ class Finished:
     port: Port
     began_s: float
     seconds: float
-    answer: Answer | None
+    answer: MotorAnswer | None
     why_not: str
     gain: Gain | None = None
     weak_battery: float = 0.0
@@ -81,7 +81,7 @@ class _Running:
     leaning: Mapping[str, float]
     unasked: bool
     anew: bool
-    future: Future[tuple[Answer, Gain]]
+    future: Future[tuple[MotorAnswer, Gain]]
 
 
 @final
@@ -224,7 +224,9 @@ class Adopter:
         self.executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _diagnosed(case: Case, plant: Plant, port: Port, leaning: Mapping[str, float]) -> tuple[Answer, Gain]:
+def _diagnosed(
+    case: Case, plant: Plant, port: Port, leaning: Mapping[str, float]
+) -> tuple[MotorAnswer, Gain]:
     answer = diagnose(case, leaning=leaning)
     return answer, gain(plant, answer.plant, case.recordings[0], port)
 

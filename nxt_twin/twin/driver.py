@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Protocol, final
 
 from nxt_twin.recording.columns import DriveMode, Port
-from nxt_twin.recording.program import Command, MotorProgram, Run, Segment, commands
+from nxt_twin.recording.program import MotorCommand, MotorProgram, Run, Segment, commands
 
 Told = tuple[int, DriveMode]
 
@@ -37,15 +37,15 @@ class ProgramDriver:
 
     def __init__(self, program: MotorProgram) -> None:
         self._program = program
-        self._commands: list[Command] = []
+        self._commands: list[MotorCommand] = []
         self._starts_s: list[float] = []
         end_s = 0.0
         for run in program.runs:
             self._starts_s.append(end_s)
             for each in commands(run):
-                self._commands.append(Command(end_s + each.start_s, each.power_pct, each.mode))
+                self._commands.append(MotorCommand(end_s + each.start_s, each.power_pct, each.mode))
             end_s += run.duration_s
-            self._commands.append(Command(end_s, 0, "coast"))
+            self._commands.append(MotorCommand(end_s, 0, "coast"))
             end_s += program.rest_s
         self.duration_s = end_s
         self._times_s = [each.start_s for each in self._commands]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import final
 
-from nxt_twin.diagnose.engine import Answer
+from nxt_twin.diagnose.engine import MotorAnswer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import Port
 from nxt_twin.recording.program import MotorProgram
@@ -147,7 +147,7 @@ class Improver:
         words = f"{where} {finished.why_not}; the motor now runs '{experiment.name}' for {lasts_s:.0f} s to tell more"
         self._sink.event(Event(now_s, "gathering", words, port, onset_s=onset_s))
 
-    def _take_over(self, finished: Finished, answer: Answer, now_s: float) -> None:
+    def _take_over(self, finished: Finished, answer: MotorAnswer, now_s: float) -> None:
         port, told_of_battery = finished.port, battery_is_another(answer.diagnosis.refit)
         before = self._taken.get(port) if finished.anew else None
         given = self._twin.plant_as_run(port) if before is None else before.given

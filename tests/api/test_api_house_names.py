@@ -61,11 +61,10 @@ def test_names_that_mislead_nobody_are_left_alone(house_names, tmp_path, files):
     assert findings(house_names, tmp_path, files) == []
 
 
-def test_classes_of_one_name_are_found(house_names, tmp_path):
-    found = findings(
-        house_names, tmp_path, dict.fromkeys(("nxt_twin/a.py", "nxt_twin/b.py"), "class A: ...\n")
-    )
-    assert found == ["nxt_twin/b.py:1: class A is defined in nxt_twin/a.py:1 already"]
+@pytest.mark.parametrize("other", ["nxt_twin/b.py", "firmware_protocol/b.py"])
+def test_classes_of_one_name_are_found(house_names, tmp_path, other):
+    found = findings(house_names, tmp_path, dict.fromkeys(("nxt_twin/a.py", other), "class A: ...\n"))
+    assert found == [f"{other}:1: class A is defined in nxt_twin/a.py:1 already"]
 
 
 def test_a_meant_name_that_no_two_rooms_share_is_to_go(house_names, tmp_path):

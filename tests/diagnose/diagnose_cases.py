@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from nxt_twin.blind.make import make_case
-from nxt_twin.diagnose.engine import Answer, diagnose
+from nxt_twin.diagnose.engine import MotorAnswer, diagnose
 from nxt_twin.recording.case import Case
 
 LONG: dict[str, Any] = {"seed": 11, "seconds": 12.0}
@@ -36,6 +36,6 @@ def concealed(
 
 
 @cache
-def diagnosed(effects: tuple[str, ...], **made: Any) -> Answer:
+def diagnosed(effects: tuple[str, ...], **made: Any) -> MotorAnswer:
     """The diagnosis of what `concealed` makes of these."""
     return diagnose(concealed(effects, **made))

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 from hypothesis import strategies as st
 
 from firmware_protocol import Command, all_commands
-from firmware_protocol.layout import Block, Repeat, Structure, fields_of
+from firmware_protocol.layout import Block, Repeat, WireStructure, fields_of
 from firmware_protocol.wire import (
     Choice,
     Counted,
@@ -20,7 +20,7 @@ from firmware_protocol.wire import (
     Wire,
 )
 
-StructureT = TypeVar("StructureT", bound=Structure)
+StructureT = TypeVar("StructureT", bound=WireStructure)
 
 
 def values_of(wire: Wire, earlier: dict[str, Any]) -> st.SearchStrategy[Any]:

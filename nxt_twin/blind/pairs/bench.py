@@ -40,13 +40,13 @@ LINKS: Final[tuple[LinkName, ...]] = ("usb", "bluetooth")
 
 @final
 @dataclass(frozen=True)
-class Truth:
+class BenchTruth:
     """A motor and its measuring chain, in a family's own types."""
 
     motor: Any
     chain: Any
 
-    def scaled(self, names: tuple[str, ...], factor: float) -> Truth:
+    def scaled(self, names: tuple[str, ...], factor: float) -> BenchTruth:
         """With these fields of the motor multiplied, as far as it has them."""
         own = {field.name for field in fields(self.motor)} & set(names)
         return replace(
@@ -57,7 +57,7 @@ class Truth:
 class Bench(ABC):
     """One motor on its bench."""
 
-    truth: Truth
+    truth: BenchTruth
     """As it is drawn, nothing hidden."""
 
     plant: Mapping[str, float]
@@ -68,12 +68,12 @@ class Bench(ABC):
 
     @abstractmethod
     def with_effect(
-        self, rng: Generator, truth: Truth, effect: str, size: Size
-    ) -> tuple[Truth, Mapping[str, float]]:
+        self, rng: Generator, truth: BenchTruth, effect: str, size: Size
+    ) -> tuple[BenchTruth, Mapping[str, float]]:
         """`truth` with an effect, and the effect's true parameters."""
 
     @abstractmethod
-    def record(self, rng: Generator, truth: Truth, name: str) -> tuple[Recording, ...]:
+    def record(self, rng: Generator, truth: BenchTruth, name: str) -> tuple[Recording, ...]:
         """Recordings of one side, `name`-1.csv and so on."""
 
 
@@ -82,19 +82,21 @@ class BristleBench(Bench):
     """Of the first family."""
 
     def __init__(self, rng: Generator) -> None:
-        self.truth = Truth(draw_motor(rng), Sensing())
+        self.truth = BenchTruth(draw_motor(rng), Sensing())
         self.plant, self.sidecar = NOMINAL, {}
         self._link = LINKS[int(rng.integers(len(LINKS)))]
 
     def with_effect(
-        self, rng: Generator, truth: Truth, effect: str, size: Size
-    ) -> tuple[Truth, Mapping[str, float]]:
+        self, rng: Generator, truth: BenchTruth, effect: str, size: Size
+    ) -> tuple[BenchTruth, Mapping[str, float]]:
         """As `Bench.with_effect`."""
         at = Situation(rng, size, truth.motor, RECORDINGS, DURATION_S, (0.5,) * RECORDINGS)
         drawn = EFFECTS[effect].sample(at)
-        return Truth(replace(truth.motor, **drawn.motor), replace(truth.chain, **drawn.sensing)), drawn.params
+        return BenchTruth(
+            replace(truth.motor, **drawn.motor), replace(truth.chain, **drawn.sensing)
+        ), drawn.params
 
-    def record(self, rng: Generator, truth: Truth, name: str) -> tuple[Recording, ...]:
+    def record(self, rng: Generator, truth: BenchTruth, name: str) -> tuple[Recording, ...]:
         """As `Bench.record`."""
         inputs = [str(rng.choice(SHOWING)), str(rng.choice([one for one in INPUTS if one not in SHOWING]))]
         runs = [draw_commands(rng, each, self._link, DURATION_S, float(rng.random()), 0.0) for each in inputs]
@@ -114,22 +116,24 @@ class ForeignBench(Bench):
             rng, family.steps_deg, longest_s=family.longest_s, duration_s=DURATION_S, least_recordings=1
         )
         self._habits = replace(habits, recordings=RECORDINGS)
-        self.truth = Truth(draw_numbers(rng), Chain())
+        self.truth = BenchTruth(draw_numbers(rng), Chain())
         self.plant = draw_baseline(rng, self.truth.motor)
         self.sidecar = {} if habits.step_deg == 1.0 else {"tacho_step_deg": habits.step_deg}
 
     def with_effect(
-        self, rng: Generator, truth: Truth, effect: str, size: Size
-    ) -> tuple[Truth, Mapping[str, float]]:
+        self, rng: Generator, truth: BenchTruth, effect: str, size: Size
+    ) -> tuple[BenchTruth, Mapping[str, float]]:
         """As `Bench.with_effect`."""
         at = DrawnCase(
             rng, size, truth.motor, RECORDINGS, DURATION_S, self._habits.poll_s, (0.5,) * RECORDINGS, ()
         )
         (hideable,) = self._family.chosen((effect,))
         drawn = hideable.draw(at)
-        return Truth(replace(truth.motor, **drawn.numbers), replace(truth.chain, **drawn.chain)), drawn.params
+        return BenchTruth(
+            replace(truth.motor, **drawn.numbers), replace(truth.chain, **drawn.chain)
+        ), drawn.params
 
-    def record(self, rng: Generator, truth: Truth, name: str) -> tuple[Recording, ...]:
+    def record(self, rng: Generator, truth: BenchTruth, name: str) -> tuple[Recording, ...]:
         """As `Bench.record`."""
         found = []
         every_s = self._family.command_every_s

@@ -13,7 +13,7 @@ from numpy.random import Generator
 from nxt_twin.blind.case import SEAL_FILE, ConcealedCase
 from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.make import SALT_BYTES, write_case
-from nxt_twin.blind.pairs.bench import Bench, Truth, bench_of
+from nxt_twin.blind.pairs.bench import Bench, BenchTruth, bench_of
 from nxt_twin.blind.pairs.touches import TOUCHES, MotorTouch, stand_together
 from nxt_twin.blind.sets import LARGEST_SEED
 from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
@@ -65,8 +65,8 @@ def _two(rng: Generator, every: Sequence[str]) -> tuple[str, ...]:
 class _Sides:
     """What is true on both sides, and what is known of it."""
 
-    before: Truth
-    after: Truth
+    before: BenchTruth
+    after: BenchTruth
     given: dict[str, dict[str, float]]
     changes: tuple[dict[str, Any], ...] = ()
 
@@ -124,7 +124,9 @@ def _given(key: str, value: float, off: float) -> float:
     return float(f"{value if key.endswith('_deg') else value * off:.4g}")
 
 
-def _recorded(rng: Generator, bench: Bench, truth: Truth, name: str, unread: bool) -> tuple[Recording, ...]:
+def _recorded(
+    rng: Generator, bench: Bench, truth: BenchTruth, name: str, unread: bool
+) -> tuple[Recording, ...]:
     found = bench.record(rng, truth, name)
     if not unread:
         return found

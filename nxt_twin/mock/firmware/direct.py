@@ -11,10 +11,10 @@ from typing import Any, Final, final
 import firmware_protocol as fp
 from firmware_protocol import OpcodeError, ReplyData, Status, limits
 from nxt_twin.mock.firmware.channel import Channel
-from nxt_twin.mock.firmware.input import InputModule, InputPort
+from nxt_twin.mock.firmware.input import InputModule, InputPortState
 from nxt_twin.mock.firmware.loader import Loader, LoaderRefusal
 from nxt_twin.mock.firmware.lowspeed import LowSpeedModule
-from nxt_twin.mock.firmware.output import OutputModule, OutputPort
+from nxt_twin.mock.firmware.output import OutputModule, OutputPortState
 from nxt_twin.mock.firmware.program import ProgramModule
 from nxt_twin.mock.firmware.radio import Contact, RadioModule
 from nxt_twin.mock.firmware.refusal import RefusedReply
@@ -340,12 +340,12 @@ class DirectCommands:
         wanted = fp.PropertyId(request.property_id)
         return fp.GetProperty.Reply.of(wanted, values[wanted])
 
-    def _output(self, port: int, blank: ReplyData | None = None) -> OutputPort:
+    def _output(self, port: int, blank: ReplyData | None = None) -> OutputPortState:
         if port >= limits.OUTPUT_PORT_COUNT:
             raise RefusedReply(Status.VALUE_OUT_OF_RANGE, blank)
         return self._outputs.ports[port]
 
-    def _input(self, port: int, blank: ReplyData | None = None) -> InputPort:
+    def _input(self, port: int, blank: ReplyData | None = None) -> InputPortState:
         return self._inputs.look(self._digital_port(port, blank))
 
     def _digital_port(self, port: int, blank: ReplyData | None = None) -> int:

@@ -49,7 +49,7 @@ _COUNTING: Final = frozenset({SensorMode.TRANSITION_COUNT, SensorMode.PERIOD_COU
 
 
 @final
-class InputPort:
+class InputPortState:
     """A sensor's part of the IO map, and what the module remembers of it."""
 
     __slots__ = (
@@ -230,12 +230,12 @@ class InputPort:
 
     def export(self) -> InputPortBlock:
         """The port as it lies in the IO map."""
-        names = (name for name in InputPort.__slots__ if not name.startswith("_"))
+        names = (name for name in InputPortState.__slots__ if not name.startswith("_"))
         return InputPortBlock(**{name: getattr(self, name) for name in names})
 
     def adopt(self, block: InputPortBlock) -> None:
         """Take over the port from the IO map."""
-        for name in (name for name in InputPort.__slots__ if not name.startswith("_")):
+        for name in (name for name in InputPortState.__slots__ if not name.startswith("_")):
             value = getattr(block, name)
             setattr(self, name, value if isinstance(value, bool | bytes) else int(value))
         self._settled = -1
@@ -249,7 +249,7 @@ class InputModule(Module):
     name = "Input.mod"
 
     def __init__(self, hardware: Hardware) -> None:
-        self.ports = tuple(InputPort() for _ in range(limits.INPUT_PORT_COUNT))
+        self.ports = tuple(InputPortState() for _ in range(limits.INPUT_PORT_COUNT))
         self._colors = bytes(limits.IO_MAP_SIZES[ModuleId.INPUT] - 20 * limits.INPUT_PORT_COUNT)
         self._hardware = hardware
         self._readings = [hardware.analog(port) for port in range(limits.INPUT_PORT_COUNT)]
@@ -268,14 +268,14 @@ class InputModule(Module):
             if not port.forgetful:
                 self._pass(index, port)
 
-    def _pass(self, index: int, port: InputPort) -> None:
+    def _pass(self, index: int, port: InputPortState) -> None:
         if self._stale[index]:
             self._stale[index] = False
             self._readings[index] = self._hardware.analog(index)
         if port.tick(self._readings[index]):
             self._hardware.set_sensor_type(index, port.sensor_type)
 
-    def look(self, index: int) -> InputPort:
+    def look(self, index: int) -> InputPortState:
         """A port for somebody who reads it: with the converter's last reading."""
         port = self.ports[index]
         if self._stale[index] and port.forgetful:

@@ -38,7 +38,7 @@ _COMMAND_FLAGS: Final = OutputFlags.MODE | OutputFlags.SPEED | OutputFlags.TACHO
 
 
 @final
-class OutputPort:
+class OutputPortState:
     """A motor's part of the IO map: settings from the host, and readings that each tick refreshes."""
 
     __slots__ = (
@@ -81,11 +81,11 @@ class OutputPort:
 
     def export(self) -> OutputPortBlock:
         """The port as it lies in the IO map."""
-        return OutputPortBlock(**{name: getattr(self, name) for name in OutputPort.__slots__})
+        return OutputPortBlock(**{name: getattr(self, name) for name in OutputPortState.__slots__})
 
     def adopt(self, block: OutputPortBlock) -> None:
         """Take over the port from the IO map."""
-        for name in OutputPort.__slots__:
+        for name in OutputPortState.__slots__:
             value = getattr(block, name)
             setattr(self, name, value if isinstance(value, bool) else int(value))
 
@@ -98,7 +98,7 @@ class OutputModule(Module):
     name = "Output.mod"
 
     def __init__(self, hardware: Hardware) -> None:
-        self.ports = tuple(OutputPort() for _ in range(limits.OUTPUT_PORT_COUNT))
+        self.ports = tuple(OutputPortState() for _ in range(limits.OUTPUT_PORT_COUNT))
         self.motors = tuple(MotorControl() for _ in self.ports)
         self.pair = Synchronisation()
         self.regulation_time_ms = REGULATION_TIME_MS
@@ -148,7 +148,7 @@ class OutputModule(Module):
                 self._hardware.set_motor(index, motor.actual_speed, brake=motor.brake)
         self._publish()
 
-    def _take_over(self, settings: OutputPort, motor: MotorControl, encoder: int) -> None:
+    def _take_over(self, settings: OutputPortState, motor: MotorControl, encoder: int) -> None:
         flags = settings.flags
         if flags & OutputFlags.RESET_ROTATION_COUNT:
             motor.rotation_count = 0
@@ -168,7 +168,7 @@ class OutputModule(Module):
             motor.max_acceleration = settings.max_acceleration
         settings.flags = flags & OutputFlags.PENDING
 
-    def _set_mode(self, settings: OutputPort, motor: MotorControl, encoder: int) -> None:
+    def _set_mode(self, settings: OutputPortState, motor: MotorControl, encoder: int) -> None:
         motor.brake = bool(settings.mode & MotorMode.BRAKE)
         if not settings.mode & MotorMode.ON:
             motor.command(_IDLE, 0, 0, encoder)
