@@ -45,7 +45,7 @@ from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
-from nxt_twin.diagnose.telling.far import moved_far
+from nxt_twin.diagnose.telling.far import furthest_off, moved_far
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.where.beyond import with_shapes
@@ -187,6 +187,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         excitation,
         {one.id: one.name for one in sizes},
         patchwork=is_patchwork(evidence.record),
+        instead=furthest_off(problem.plant, evidence.baseline.plant) if evidence.record.restores else "",
     )
     far = moved_far(problem.plant, evidence.final.plant)
     small = words.too_small([one.name for one in evidence.needless])

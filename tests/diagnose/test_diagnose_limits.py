@@ -33,10 +33,13 @@ def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
     )
 
 
-def structure(*effects, cost=0.0, error=2.0):
+def structure(*effects, cost=0.0, error=2.0, prior_cost=0.0):
     plant = SimpleNamespace(effects=(), active=frozenset(effects))
     noise = SimpleNamespace(disturbance_std=1.0, reading_std=1.0)
-    return SimpleNamespace(plant=plant, fitted_cost=cost, check_cost=0.0, free_run_rms=(error,), noise=noise)
+    fitted = SimpleNamespace(prior_cost=prior_cost)
+    return SimpleNamespace(
+        plant=plant, fitted=fitted, fitted_cost=cost, check_cost=0.0, free_run_rms=(error,), noise=noise
+    )
 
 
 def likelier(gain, *, check=2.5, ratio=1.0, explained=0.0, silent=False, effect=None, by_windows=False):
@@ -104,6 +107,24 @@ def is_taken(gain):
         structure(), lambda _: None
     )
     return grown.fitted_cost < 0.0
+
+
+def restored(prior_cost):
+    """How many effects are settled from the given numbers where those that were found cost so much."""
+    effects = [effect_named(str(n)) for n in range(9)]
+    best = structure(prior_cost=prior_cost)
+    best.plant.values, best.plant.with_values = {}, lambda _: None
+    fits = SimpleNamespace(
+        problem=SimpleNamespace(plant=SimpleNamespace(values={})), standing=lambda *_: structure()
+    )
+    draft = SimpleNamespace(fitted=SimpleNamespace(plant=None))
+    made = search(
+        _fits=fits,
+        _candidates=lambda _: effects,
+        _drafts=SimpleNamespace(of=lambda _, fresh, most: [(one, draft) for one in fresh[:most]]),
+        _settled=SimpleNamespace(settle=lambda *_: structure()),
+    )
+    return len(made._restoring(best, {"0"}))
 
 
 def is_kept(monkeypatch, total):
@@ -297,6 +318,7 @@ COUNTS = {
     "drafted": (lambda _: forward(1.0)["most"], 10),
     "promised": (lambda _: forward(1.0)["least"], pytest.approx(0.8)),
     "exchanges": (rounds, 5),
+    "restoring": (lambda _: 1 + restored(10.1), 3),
     "sober": (sober_std, pytest.approx(0.3)),
 }
 
@@ -311,6 +333,10 @@ def test_on_either_side_of_a_limit_the_answer_is_another(limit, monkeypatch):
 def test_so_many_are_tried(limit, monkeypatch):
     count, expected = COUNTS[limit]
     assert count(monkeypatch) == expected
+
+
+def test_nothing_is_sought_from_given_numbers_that_a_re_fit_hardly_moved():
+    assert restored(9.9) == 0
 
 
 def test_by_windows_a_free_curve_gives_way_to_what_it_cannot_be_told_from():

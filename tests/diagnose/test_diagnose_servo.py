@@ -77,17 +77,17 @@ def test_a_loop_s_gains_are_fitted_from_goal_and_reading_alone_where_they_are_30
     assert {name: config[name] for name in frozen} == frozen
 
 
-def loop_case(**loop):
-    """A case of a servo whose loop has more than its plant file says, with two recordings."""
+def loop_case(gain=2.0, damping=0.02, **loop):
+    """A case of a servo whose loop has more than its plant file says, with three recordings."""
     rng = np.random.default_rng(11)
     runs = []
     for name in ("one", "two", "three"):
         time_s = 0.01 * np.arange(600)
         goal = np.repeat([0.0, *np.cumsum(rng.uniform(-60.0, 60.0, 19)).round(1)], 30)
-        read = np.round(followed(time_s, goal, 2.0, 0.02, **loop) / 0.088) * 0.088
+        read = np.round(followed(time_s, goal, gain, damping, **loop) / 0.088) * 0.088
         columns = {"time_s": time_s, "a_goal_deg": goal, "a_tacho_deg": read}
         runs.append(Recording(name, columns, tacho_step_deg={"a": 0.088}))
-    gains = {"position_gain_pct_per_deg": 1.8, "derivative_gain_pct_s_per_deg": 0.022}
+    gains = {"position_gain_pct_per_deg": 0.9 * gain, "derivative_gain_pct_s_per_deg": 1.1 * damping}
     return case_of(runs, {**MOTOR, "kind": "servo", **gains})
 
 
@@ -102,6 +102,17 @@ def test_a_power_limit_or_a_dead_band_that_a_servo_s_plant_file_lacks_is_named(l
     found = diagnose(loop_case(**loop)).diagnosis
     assert (found.verdict, [effect.id for effect in found.effects]) == ("explained", [effect_id])
     assert found.effects[0].params[name].value == pytest.approx(value, rel=0.05)
+
+
+def test_a_limit_is_named_though_another_motor_behind_a_stiffer_loop_would_move_alike():
+    """At 45 % of its duty a motor moves as one with 2.2 times its constants and 4.9 times its inertia at all of it.
+
+    No reading tells the two apart. Of the given numbers, 2.2 times the torque constant is 5 standard deviations.
+    """
+    found = diagnose(loop_case(gain=8.0, damping=0.0, limit_pct=45.0)).diagnosis
+    assert (found.verdict, [effect.id for effect in found.effects]) == ("explained", ["power_limit"])
+    assert found.effects[0].params["limit_pct"].value == pytest.approx(45.0, rel=0.1)
+    assert found.refit["torque_constant_nm_per_a"].after == pytest.approx(0.4908, rel=0.1)
 
 
 def test_a_servo_without_either_gets_no_name_and_is_told_from_which_size_it_would_have():

@@ -163,6 +163,7 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
         ({"nearer": 0.3, "at_first": 0.49}, True),
         ({"nearer": 0.3, "at_first": 0.5}, False),
         ({"nearer": 0.3, "at_first": 0.49, "least_nats": 40.0}, False),
+        ({"restores": True}, False),
     ],
 )
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):

@@ -22,9 +22,9 @@ def windows(errors):
     return tuple(np.array([0.5 * error, 2.0 * error, np.nan]) for error in errors)
 
 
-def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0):
-    """A fitted structure as `weigh` reads one."""
-    fitted = SimpleNamespace(variables=[None] * variables, readings=READINGS)
+def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0, prior_cost=0.0):
+    """A fitted structure as `weigh` reads one; `cost` is with its priors'."""
+    fitted = SimpleNamespace(variables=[None] * variables, readings=READINGS, prior_cost=prior_cost)
     return SimpleNamespace(
         fitted=fitted,
         fitted_cost=cost,
@@ -79,9 +79,9 @@ def test_friction_grows_with_the_larger_of_drive_and_load_and_not_with_their_sum
     assert friction(0.02, drive, load, 0.2) == pytest.approx(0.02 + 0.2 * 0.3)
 
 
-def weighed(*, runs=(1.0, 1.0), check=0.0, plant=MOTOR, believed=READINGS):
+def weighed(*, runs=(1.0, 1.0), check=0.0, plant=MOTOR, believed=READINGS, restored=0.0):
     """A richer structure whose two free runs err by these ratios, with so much more likelihood on check readings."""
-    simpler = structure(cost=200.0, check_cost=100.0)
+    simpler = structure(cost=200.0, check_cost=100.0, prior_cost=restored)
     richer = structure(cost=150.0, variables=8, check_cost=100.0 - check, plant=plant)
     richer.window_errors, simpler.believed = windows(runs), believed
     return weigh(simpler, richer)
@@ -163,6 +163,21 @@ def test_readings_that_were_not_fitted_bear_it_out_by_likelihood_or_much_nearer_
 )
 def test_where_little_is_gained_three_nats_are_enough_to_deny_it(ratio, check, borne_out):
     assert Weight(10.0, check, ratio, runs_worse=False).borne_out(5.0) == borne_out
+
+
+@pytest.mark.parametrize(
+    ("restored", "check", "borne_out"),
+    [(10.1, -2.9, True), (9.9, -2.9, False), (10.1, -4.2, True), (10.1, -5.0, False)],
+)
+def test_what_brings_given_numbers_back_need_not_be_borne_out_by_readings(restored, check, borne_out):
+    assert weighed(restored=restored, check=check).borne_out(5.0) == borne_out
+
+
+@pytest.mark.parametrize(
+    ("restored", "ratio", "worse"), [(10.1, 1.04, False), (10.1, 1.06, True), (9.9, 1.04, True)]
+)
+def test_what_brings_given_numbers_back_may_run_a_little_worse(restored, ratio, worse):
+    assert weighed(restored=restored, runs=(ratio, ratio)).runs_worse == worse
 
 
 def test_a_weight_never_changes():

@@ -10,8 +10,9 @@ from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.observer import Noise
+from nxt_twin.physics.plant import Plant
 
-_AS_GIVEN = replace(SETTLED, iterations=0)
+_AS_IT_STANDS = replace(SETTLED, iterations=0)
 
 
 def settled_baseline(fitter: Fitter) -> Structure:
@@ -21,9 +22,9 @@ def settled_baseline(fitter: Fitter) -> Structure:
     return settled(fitter, problem.plant, noise)
 
 
-def as_given(fitter: Fitter, noise: Noise) -> Structure:
-    """The problem's own plant with its parameters as they came."""
-    return fitter.checked(fitter.fit(fitter.problem.plant, noise, _AS_GIVEN)[0], noise)
+def standing(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:
+    """`plant` with its parameters as they are."""
+    return fitter.checked(fitter.fit(plant, noise, _AS_IT_STANDS)[0], noise)
 
 
 def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Structure:
@@ -37,6 +38,6 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
         roughly_everything(fitter, baseline.plant, baseline.noise, rounds=2),
         roughly_everything(fitter, fitter.problem.plant, final.noise, rounds=0),
         fitter.checked(simulating, drifting),
-        as_given(fitter, baseline.noise),
+        standing(fitter, fitter.problem.plant, baseline.noise),
     ]
     return min(fits, key=lambda one: fitter.simulated_error(one.plant, final.noise))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import final
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.baselines import as_given, best_baseline, settled_baseline
+from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline, standing
 from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, draft_cost, draft_costs, drafted
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
@@ -98,4 +98,8 @@ class Fits:
 
     def as_given(self, noise: Noise) -> Structure:
         """The given plant with its parameters as they came."""
-        return as_given(self._fitter, noise)
+        return standing(self._fitter, self.problem.plant, noise)
+
+    def standing(self, plant: Plant, noise: Noise) -> Structure:
+        """`plant` as it stands."""
+        return standing(self._fitter, plant, noise)

@@ -209,6 +209,7 @@ def _record(
     tolerance = max(problem.tolerance, 1e-15)
     ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
     physical = any(not effect.fault for effect, _ in found)
+    weakest = min((weight for _, weight in found), key=lambda weight: weight.total, default=None)
     return Record(
         named=sum(not effect.plain for effect, _ in found),
         found=bool(found),
@@ -227,7 +228,8 @@ def _record(
         remaining=max((after.rms[n] for n in windows), default=0.0) / tolerance,
         longer=_drift(problem, before, after) if physical else 0.0,
         at_first=max((before.rms[n] for n in windows), default=0.0) / tolerance,
-        least_nats=min((weight.total for _, weight in found), default=0.0),
+        least_nats=weakest.total if weakest else 0.0,
+        restores=bool(weakest and weakest.restores),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 

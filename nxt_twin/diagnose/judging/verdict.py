@@ -105,6 +105,7 @@ class Record:
         longer: largest error of the improved plant over that of the baseline, of simulations longer than two seconds
             that err by more than the tolerance.
         least_nats: what speaks for the weakest of the found effects.
+        restores: whether that effect brings given numbers back which a re-fit had to move far without it.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
         at_first: largest error of the baseline over the tolerance, of windows of two seconds or shorter.
         shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects.
@@ -132,6 +133,7 @@ class Record:
     at_first: float = math.inf
     shape_nats: float = 0.0
     shape_left: float = 1.0
+    restores: bool = False
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -172,9 +174,10 @@ def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether single steps call for an effect, and not loudly, that no simulation needs.
 
-    It makes no difference to one, or nothing that matters, or a small one that long simulations take back.
+    It makes no difference to one, or nothing that matters, or a small one that long simulations take back. What brings
+    given numbers back need not make any: the numbers in their place simulate as well.
     """
-    if not record.found or record.least_nats >= limits.sure:
+    if not record.found or record.least_nats >= limits.sure or record.restores:
         return False
     taken_back = record.nearer > limits.idle and record.longer > limits.drifting
     return record.nearer >= limits.no_nearer or record.at_first < limits.silent or taken_back

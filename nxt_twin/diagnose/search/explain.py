@@ -19,7 +19,7 @@ from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
-from nxt_twin.diagnose.search.weight import Weight, weigh
+from nxt_twin.diagnose.search.weight import RESTORED_NATS, Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
@@ -217,15 +217,16 @@ class _Search:
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
-        behind = weigh(trial, best).total + self._favour(best, effect) - self._favour(trial, other)
-        return Rival(other, behind, trial, simulates_worse(best, trial, other))
+        weight = weigh(trial, best)
+        behind = weight.total + self._favour(best, effect) - self._favour(trial, other)
+        return Rival(other, behind, trial, weight.restores or simulates_worse(best, trial, other))
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
         """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
         needed = self._standard.needed(best)
         drafts = self._drafts.of(best, self._candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
         if not drafts:
-            return []
+            return self._ranked(best, self._restoring(best, set()))
         cost = self._fits.drafted_cost(best, best.noise)
         leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
@@ -238,24 +239,41 @@ class _Search:
         ]
         settled = [*self._leaders(best, cost, within), *self._scattering(best, [e for e, _ in within])]
         settled += self._suspected(best, {effect.id for effect, _ in settled})
+        settled += self._restoring(best, {effect.id for effect, _ in settled})
         lowest = min(trial.fitted_cost for _, trial in settled)
         in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
-        ranked = []
-        for effect, trial in settled:
-            if best.fitted_cost - trial.fitted_cost > in_reach:
-                trial = self._settled_anew(best, effect, trial)
-            if self._standard.is_notable(trial, effect.id):
-                ranked.append((effect, weigh(best, trial), trial))
+        anew = [
+            (
+                effect,
+                self._settled_anew(best, effect, trial)
+                if best.fitted_cost - trial.fitted_cost > in_reach
+                else trial,
+            )
+            for effect, trial in settled
+        ]
+        return self._ranked(best, anew)
+
+    def _ranked(
+        self, best: Structure, settled: list[tuple[Effect, Structure]]
+    ) -> list[tuple[Effect, Weight, Structure]]:
+        """Those of `settled` that are large enough for a name, the likeliest first."""
+        ranked = [
+            (effect, weigh(best, trial), trial)
+            for effect, trial in settled
+            if self._standard.is_notable(trial, effect.id)
+        ]
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
 
     def _rank(
         self, effect: Effect, weight: Weight, trial: Structure, best: Structure
-    ) -> tuple[bool, bool, float]:
+    ) -> tuple[bool, bool, bool, float]:
         worth_it = self._standard.worth_it(effect, weight, best)
         return (
             worth_it,
             worth_it and self._standard.lasts(weight, best, trial),
+            worth_it
+            and weight.restores,  # first: what readings gain far from the given numbers may be another law's
             weight.total + self._favour(trial, effect),
         )
 
@@ -334,6 +352,25 @@ class _Search:
         ]
         known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
         return [(effect, settled) for effect, settled in known if settled is not None]
+
+    def _restoring(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
+        """Effects settled from the given numbers, where `best` has moved these far.
+
+        A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
+        limited; a look from the given numbers does.
+        """
+        if best.fitted.prior_cost < RESTORED_NATS:
+            return []
+        given = self._fits.problem.plant.values
+        home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
+        drafts = self._drafts.of(
+            self._fits.standing(home, best.noise), self._candidates(home), EFFORT.restoring
+        )
+        return [
+            (effect, self._settled.settle(draft.fitted.plant, best.noise))
+            for effect, draft in drafts
+            if effect.id not in listed
+        ]
 
     def _candidates(self, plant: Plant) -> list[Effect]:
         problem = self._fits.problem

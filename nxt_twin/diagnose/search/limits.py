@@ -82,6 +82,7 @@ class SearchEffort:
         better_nats: gain below which a structure has not become another.
         sober: share of the unknown torque under which other starts are followed.
         fine: how many times an encoder's step readings have to scatter before held readings are looked for.
+        restoring: effects that are settled from the given numbers where a re-fit has moved these far.
         comb: starts of a period from which its likelihood has separate peaks.
     """
 
@@ -100,6 +101,7 @@ class SearchEffort:
     better_nats: float = 1.0
     sober: float = 0.3
     fine: float = 1.5
+    restoring: int = 3
     comb: int = 5
 
 

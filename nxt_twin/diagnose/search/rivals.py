@@ -21,7 +21,8 @@ class Rival:
         effect: the other.
         behind: nats, negative if it is likelier.
         structure: with it in the found one's place.
-        simulates_worse: whether free runs over checking readings speak against it.
+        simulates_worse: whether free runs over checking readings speak against it, or given numbers that are far off
+            with it.
     """
 
     effect: Effect

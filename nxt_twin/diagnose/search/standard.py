@@ -76,8 +76,11 @@ class Standard:
     def needed(self, best: Structure, weight: Weight | None = None) -> float:
         """Gain that a further effect needs; more where the error that `best` leaves is below the tolerance.
 
-        Unless the effect's `weight` shows that a simulation gets much nearer still.
+        Unless the effect's `weight` shows that a simulation gets much nearer still. Nor is more asked of what brings
+        given numbers back: what priors gain is no matter of the form of other laws.
         """
+        if weight is not None and weight.restores:
+            return LIMITS.gain_nats
         explained = self._explained(best)
         silent = self._is_silent(best)
         idle = silent and weight is not None and weight.free_run_ratio > LIMITS.nearer

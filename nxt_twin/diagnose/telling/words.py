@@ -26,16 +26,17 @@ def sentence(
     names: Mapping[str, str] | None = None,
     *,
     patchwork: bool = False,
+    instead: str = "",
 ) -> str:
     """The verdict with its figures, for a person; at most two sentences.
 
     `names` gives the names of the effects that `excitation` could not have shown, by id. `patchwork` says that more
-    effects were needed than are likely to be missing at once.
+    effects were needed than are likely to be missing at once. `instead` is what given numbers would have to be far off
+    in, were nothing missing.
     """
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out data"
     named = listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
-    those = "these" if len(effects) > 1 else "it"
     reduces, stands = ("reduce", "stand") if len(effects) > 1 else ("reduces", "stands")
     if verdict == "adequate" and excitation is not None and not excitation.enough:
         return (
@@ -47,15 +48,8 @@ def sentence(
             f"Nothing is missing: with its parameters fitted again, the model predicts held-out data to "
             f"{fit.improved:.3g} {fit.unit}."
         )
-    if verdict == "explained" and all(effect.id in FAULTS for effect in effects):
-        return f"No physics is missing: the recording itself has a fault, {named}."
-    if verdict == "explained" and not fit.improved < _HELPS * fit.baseline:
-        return (
-            f"The model leaves out {named}. With {those}, one-step prediction improves; simulation of held-out data "
-            f"does not ({fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g})."
-        )
     if verdict == "explained":
-        return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
+        return _explained(effects, fit, instead)
     if effects and not fit.improved < _HELPS * fit.baseline:
         return (
             f"Something is missing, and no known effect accounts for it. With {named}, one-step prediction improves; "
@@ -74,6 +68,25 @@ def sentence(
     return (
         "Something is missing, and it is no effect that nxt-twin knows; "
         f"the free-run error on held-out data stays at {fit.improved:.3g} {fit.unit}."
+    )
+
+
+def _explained(effects: Sequence[FoundEffect], fit: Fit, instead: str) -> str:
+    named = listed([effect.name for effect in effects])
+    those = "these" if len(effects) > 1 else "it"
+    if all(effect.id in FAULTS for effect in effects):
+        return f"No physics is missing: the recording itself has a fault, {named}."
+    if fit.improved < _HELPS * fit.baseline:
+        figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out data"
+        return f"The model leaves out {named}; with {those} in, the free-run error falls {figures}."
+    if instead:
+        return (
+            f"The model leaves out {named}, or numbers in it are far off: {instead}. Both predict held-out data alike, "
+            f"to {fit.improved:.3g} {fit.unit}; the given numbers speak for {named}."
+        )
+    return (
+        f"The model leaves out {named}. With {those}, one-step prediction improves; simulation of held-out data "
+        f"does not ({fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g})."
     )
 
 
