@@ -45,7 +45,7 @@ from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
-from nxt_twin.diagnose.telling.far import furthest_off, moved_far
+from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.where.beyond import with_shapes
@@ -205,6 +205,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         notes=(
             *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
             *onsets_told(evidence.onset_told),
+            *_what_stays(evidence),
             *_what_is_written(evidence),
         ),
         held_out=held_out,
@@ -221,6 +222,15 @@ def _stood_still(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:
     """A sentence on stalls where they leave names in doubt."""
     in_doubt = verdict == "unexplained" and is_stalled(evidence.record)
     return (words.stood_still(evidence.record.stalled_share),) if in_doubt else ()
+
+
+def _what_stays(evidence: Evidence) -> tuple[str, ...]:
+    """A remark where single steps ask for other numbers than the given ones, which simulate better."""
+    if evidence.problem.by_windows:
+        return ()
+    wanted = evidence.explanation.baseline.plant
+    coloured = evidence.colour > COLOURED
+    return stays(evidence.problem.plant, evidence.baseline.plant, wanted, coloured=coloured)
 
 
 def _what_is_written(evidence: Evidence) -> tuple[str, ...]:

@@ -2,15 +2,16 @@
 
 import csv
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
 
 import nxt_twin as nt
-from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.diagnose.engine import _what_stays, diagnose
 from nxt_twin.diagnose.fitting.tamed import tamed
-from nxt_twin.diagnose.telling.far import moved_far
+from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
 from nxt_twin.recording.case import read_case
 
 GIVEN = nt.load_plant("nxt_motor")
@@ -42,6 +43,44 @@ def test_the_answer_begins_with_a_quantity_that_vanished_or_grew_tenfold(times, 
 def test_nothing_is_said_of_smaller_moves_or_of_effects_that_replace_a_key():
     assert moved_far(GIVEN, refitted(inertia_kg_m2=9.0, coulomb_friction_nm=0.11)) == ()
     assert moved_far(GIVEN, GIVEN.without(["coulomb_friction"])) == ()
+
+
+def test_what_single_steps_would_rather_have_is_told_where_the_given_numbers_simulate_better():
+    wanted = refitted(inertia_kg_m2=1.2, viscous_friction_nm_s_per_rad=0.5)
+    (said,) = stays(GIVEN, GIVEN, wanted, coloured=True)
+    assert "with which a simulation errs more: the given ones stay" in said
+    assert "most of viscous_friction_nm_s_per_rad, 0.00096 N·m·s/rad in place of 0.00192" in said
+    assert "held, stamped late or taken at another rate" in said
+    (plain,) = stays(GIVEN, GIVEN, wanted, coloured=False)
+    assert "stamped late" not in plain
+
+
+def test_nothing_is_told_of_single_steps_that_got_their_way_or_ask_for_little():
+    wanted = refitted(inertia_kg_m2=1.2)
+    assert stays(GIVEN, wanted, wanted, coloured=True) == ()
+    assert stays(GIVEN, GIVEN, refitted(inertia_kg_m2=1.09), coloured=True) == ()
+    assert stays(GIVEN, GIVEN, refitted(inertia_kg_m2=1.11), coloured=True)
+
+
+@pytest.mark.parametrize(("by_windows", "colour", "told"), [(False, 1.7, 1), (False, 1.5, 1), (True, 1.7, 0)])
+def test_single_steps_ask_for_nothing_where_windows_alone_decide(by_windows, colour, told):
+    evidence = SimpleNamespace(
+        problem=SimpleNamespace(by_windows=by_windows, plant=GIVEN),
+        explanation=SimpleNamespace(baseline=SimpleNamespace(plant=refitted(inertia_kg_m2=1.2))),
+        baseline=SimpleNamespace(plant=GIVEN),
+        colour=colour,
+    )
+    said = _what_stays(evidence)
+    assert len(said) == told
+    assert ("stamped late" in "".join(said)) == (told == 1 and colour > 1.6)
+
+
+def test_the_number_that_is_furthest_off_is_so_by_how_sure_it_was():
+    found = refitted(inertia_kg_m2=3.0, torque_constant_nm_per_a=1.5)
+    assert furthest_off(GIVEN, found) == (
+        "torque_constant_nm_per_a would be 0.736 N·m/A, 1.5 times the given 0.491"
+    )
+    assert furthest_off(GIVEN.without(["inductance"]), refitted(inertia_kg_m2=30.0)).startswith("inertia")
 
 
 def test_the_squares_of_a_simulation_that_ran_away_are_numbers():

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from nxt_twin.diagnose.telling.words import listed
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
 _TENFOLD = 10.0
+_FAR_OFF = 1.1  # by factor: less is within what motors of one make differ by
 
 
 def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
@@ -23,6 +25,44 @@ def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
         value = f"{after / parameter.si:.3g} {parameter.unit}"
         said.append(f"{parameter.name} to {value}, {times} the given {before / parameter.si:.3g}")
     return (f"The re-fit moved {listed(said)}.",) if said else ()
+
+
+def stays(given: Plant, kept: Plant, wanted: Plant, *, coloured: bool) -> tuple[str, ...]:
+    """A remark where the given numbers stay, since a simulation errs more with those that single steps ask for.
+
+    Args:
+        given: the model as it came.
+        kept: the baseline that the diagnosis shows.
+        wanted: the baseline as single steps have it.
+        coloured: whether errors of single steps go on from reading to reading.
+    """
+    other = _apart(given, wanted)
+    moved = any(not math.isclose(kept.values.get(slot, 0.0), value) for slot, value in given.values.items())
+    if moved or not other:
+        return ()
+    most = max(other, key=lambda slot: abs(math.log(other[slot])))
+    parameter = given.layout.parameters[most]
+    value = given.values[most] / parameter.si
+    why = (
+        " Errors of single steps go on from reading to reading, as where readings are held, stamped late or taken at "
+        "another rate."
+        if coloured
+        else ""
+    )
+    return (
+        f"Single steps ask for other numbers, with which a simulation errs more: the given ones stay. They ask most of "
+        f"{parameter.name}, {other[most] * value:.3g} {parameter.unit} in place of {value:.3g}.{why}",
+    )
+
+
+def _apart(given: Plant, found: Plant) -> dict[Slot, float]:
+    """By which factors positive numbers of `given` are others in `found`, where that is more than they scatter."""
+    factors = {
+        slot: found.values[slot] / value
+        for slot, value in given.values.items()
+        if min(value, found.values.get(slot, 0.0)) > 0.0
+    }
+    return {slot: by for slot, by in factors.items() if not 1.0 / _FAR_OFF < by < _FAR_OFF}
 
 
 def furthest_off(given: Plant, found: Plant) -> str:
