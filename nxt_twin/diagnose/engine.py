@@ -117,7 +117,7 @@ def _misled(evidence: Evidence) -> bool:
         return False
     late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
     several = evidence.record.named > 1
-    return evidence.colour > COLOURED or (late and several) or is_patchwork(evidence.record)
+    return evidence.record.colour > COLOURED or (late and several) or is_patchwork(evidence.record)
 
 
 def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:

@@ -1,14 +1,26 @@
 """A free function beside the effects that were found: its sizes, and what it does to a simulation."""
 
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
+from typing import final
 
 import numpy as np
 import pytest
+from diagnose_records import FOUND
 
 from nxt_twin.diagnose.fitting.linear import Linear
+from nxt_twin.diagnose.judging.verdict import Record
+from nxt_twin.diagnose.where import beyond
 from nxt_twin.diagnose.where.beyond import with_shapes
-from nxt_twin.diagnose.where.marginal import likeliest
+from nxt_twin.diagnose.where.marginal import Missing, likeliest
 from nxt_twin.diagnose.where.response import free_response
+from nxt_twin.diagnose.where.rested import RESTED
+from nxt_twin.diagnose.where.setting_in import SETTING_IN, kin_of
+from nxt_twin.physics.effects.binding import PRESLIDING
+from nxt_twin.physics.effects.encoder import MISSED_COUNTS
+from nxt_twin.physics.effects.friction import QUADRATIC_DRAG, STICTION, VISCOUS_FRICTION
+from nxt_twin.physics.effects.load import GRAVITY_LOAD, SPRING_LOAD
+from nxt_twin.physics.effects.transmission import BACKLASH
 
 READINGS = 400
 STEP_S = 0.01
@@ -69,8 +81,87 @@ def test_a_missing_torque_adds_up_from_each_start_of_a_simulation():
     assert found[99] == pytest.approx(4.0 * 0.49**2)
 
 
-@pytest.mark.parametrize("changes", [{"found": False}, {"by_windows": True}, {"remaining": 1.9}])
-def test_shapes_are_asked_only_where_found_effects_leave_an_error_that_matters(changes):
+@pytest.mark.parametrize("changes", [{"found": False}, {"by_windows": True}])
+def test_shapes_are_asked_only_of_effects_that_single_steps_told(changes):
     record = SimpleNamespace(**({"found": True, "by_windows": False, "remaining": 5.0} | changes))
     evidence = SimpleNamespace(record=record)
     assert with_shapes(SimpleNamespace(), evidence) is evidence
+
+
+@pytest.fixture
+def heard(monkeypatch):
+    """Shapes that gain 30 nats, those of the time at rest 50, and a drag that sets in at a speed 70."""
+    drags = SETTING_IN["high_speed"]
+    nothing = np.zeros(0)
+
+    def gain(_scene, _linear, shape):
+        return Missing(70.0 if shape in drags else 50.0 if shape in RESTED else 30.0, nothing, nothing)
+
+    monkeypatch.setattr(beyond, "staged", lambda *_: None)
+    monkeypatch.setattr(beyond, "_unseen", lambda *_: [])
+    monkeypatch.setattr(beyond, "_heard", gain)
+
+
+@final
+@dataclass(frozen=True)
+class Told:
+    """The part of an evidence that shapes are asked by."""
+
+    record: Record
+    explanation: object
+    problem: object = None
+    linear: object = field(default_factory=lambda: SimpleNamespace(structure=None))
+
+
+def told(effect, remaining):
+    evidence = Told(replace(FOUND, remaining=remaining), SimpleNamespace(found=[(effect, None)]))
+    return with_shapes(None, evidence).record
+
+
+@pytest.mark.usefixtures("heard")
+def test_the_time_at_rest_is_asked_whatever_error_is_left_and_other_shapes_where_it_matters():
+    near, far = (told(STICTION, remaining) for remaining in (2.0, 2.01))
+    assert (near.rested_nats, near.kin_nats, near.shape_nats) == (50.0, 0.0, 0.0)
+    assert (far.rested_nats, far.kin_nats, far.shape_nats) == (50.0, 0.0, 30.0)
+
+
+@pytest.mark.usefixtures("heard")
+@pytest.mark.parametrize("effect", [PRESLIDING, BACKLASH, MISSED_COUNTS])
+def test_what_moves_on_at_rest_or_reads_amiss_is_not_asked_for_the_time_at_rest(effect):
+    assert told(effect, 0.1).rested_nats == 0.0
+
+
+@pytest.mark.usefixtures("heard")
+def test_a_drag_is_held_against_one_that_sets_in_at_a_speed():
+    assert told(QUADRATIC_DRAG, 0.1).kin_nats == 70.0
+
+
+@pytest.mark.parametrize(
+    ("effect", "regime"),
+    [
+        (QUADRATIC_DRAG, "high_speed"),
+        (SPRING_LOAD, "angle"),
+        (GRAVITY_LOAD, "angle"),
+        (STICTION, None),
+        (VISCOUS_FRICTION, None),
+        (MISSED_COUNTS, None),
+    ],
+)
+def test_torques_of_one_regime_alone_have_kin_that_sets_in_there(effect, regime):
+    assert kin_of(effect) == (SETTING_IN[regime] if regime else ())
+
+
+def test_what_sets_in_is_nought_up_to_there_and_grows_from_there():
+    course = SimpleNamespace(pace=np.linspace(-4.0, 4.0, 601), passed=np.linspace(-1.0, 1.0, 601))
+    unit = SimpleNamespace(speed=2.0, places=np.array([-1.0, 0.0, 1.0]))
+    for family in SETTING_IN["high_speed"]:
+        straight, bent = family.rows(course, unit)
+        assert not straight[np.abs(course.pace) < 0.5].any()
+        assert np.all(np.diff(straight) >= 0.0)
+        assert straight[-1] == -straight[0] > 0.0
+        assert bent == pytest.approx(straight * np.abs(straight))
+    starts = [np.flatnonzero(family.rows(course, unit)[0])[0] for family in SETTING_IN["angle"]]
+    assert course.passed[starts] == pytest.approx(np.linspace(-0.8, 0.8, 9), abs=0.01)
+    pull, growing = SETTING_IN["angle"][4].rows(course, unit)
+    assert set(pull) == {0.0, 1.0}
+    assert (growing[0], growing[-1]) == (0.0, pytest.approx(0.5))

@@ -11,6 +11,7 @@ from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     VerdictLimits,
     is_another_law,
+    is_contradicted,
     is_forgiven,
     is_idle,
     is_needless,
@@ -27,8 +28,10 @@ ABOVE = 1.01
 
 # Numbers, and not the limits themselves: a limit that is moved fails its test.
 EDGES = {
-    "structured_torque": (replace(STRUCTURED, torque_after=6e-3), "torque_after"),
-    "large_torque": (replace(QUIET, torque_after=3e-2), "torque_after"),
+    "structured_torque": (replace(STRUCTURED, torque_after=6e-3, remaining=2.0), "torque_after"),
+    "large_torque": (replace(QUIET, torque_after=3e-2, remaining=2.0), "torque_after"),
+    "excused": (replace(QUIET, torque_after=4e-3, remaining=2.01), "torque_after"),
+    "rested": (replace(FOUND, rested_nats=40.0, remaining=0.1, matters=False), "rested_nats"),
     "far_off": (replace(QUIET, off=4.0), "off"),
     "most_left": (
         replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.1 - 100.0),
@@ -90,6 +93,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "loud",
         "nearly",
         "shaped",
+        "coloured",
     }
 
 
@@ -113,6 +117,54 @@ def test_effects_stand_for_another_law_where_a_free_function_explains_much_besid
     record = replace(ANOTHER_LAW, **changes)
     assert is_another_law(record) is another
     assert verdict_of(record) == ("unexplained" if another else "explained" if record.found else "adequate")
+
+
+@pytest.mark.parametrize("changes", [{"remaining": 2.0}, {"by_windows": True}, {"matters": False}])
+def test_an_unknown_torque_excuses_a_small_error_and_what_windows_of_coloured_readings_leave(changes):
+    pushed = replace(QUIET, torque_after=2.9e-2, remaining=2.01)
+    assert verdict_of(pushed) == "unexplained"
+    assert verdict_of(replace(pushed, **changes)) == "adequate"
+
+
+@pytest.mark.parametrize(
+    ("changes", "contradicted"),
+    [
+        ({}, True),
+        ({"colour": 1.4}, False),
+        ({"nearer": 0.5}, False),
+        ({"remaining": 2.0}, False),
+        ({"by_windows": False}, False),
+        ({"found": False}, False),
+    ],
+)
+def test_windows_alone_name_nothing_where_single_steps_are_evidence_too(changes, contradicted):
+    alone = replace(FOUND, by_windows=True, colour=1.39, nearer=0.51, remaining=2.01)
+    record = replace(alone, **changes)
+    assert is_contradicted(record) is contradicted
+    assert verdict_of(record) == (
+        "unexplained" if contradicted else "explained" if record.found else "adequate"
+    )
+
+
+def test_an_unknown_torque_excuses_no_error_by_windows_where_single_steps_are_evidence_too():
+    pushed = replace(QUIET, by_windows=True, torque_after=2.9e-2, remaining=2.01)
+    assert verdict_of(replace(pushed, colour=1.4)) == "adequate"
+    assert verdict_of(replace(pushed, colour=1.39)) == "unexplained"
+
+
+@pytest.mark.parametrize(("kin_nats", "another"), [(25.0, False), (25.1, True)])
+def test_a_drag_or_a_spring_beside_which_another_sets_in_somewhere_is_refused_however_near_it_comes(
+    kin_nats, another
+):
+    record = replace(FOUND, kin_nats=kin_nats, remaining=0.1, matters=False)
+    assert is_another_law(record) is another
+    assert verdict_of(record) == ("unexplained" if another else "explained")
+    assert not is_another_law(replace(record, found=False))
+
+
+def test_what_goes_with_the_time_at_rest_speaks_against_a_found_effect_alone():
+    assert verdict_of(replace(QUIET, rested_nats=100.0)) == "adequate"
+    assert verdict_of(replace(FOUND, rested_nats=100.0, remaining=0.1)) == "unexplained"
 
 
 def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect_was_found():

@@ -70,7 +70,6 @@ class Evidence:
         floors: what a plant that lacks nothing would reach there, at each horizon, SI.
         doubts: how far `final` may err there because fitted readings leave its parameters open, at each horizon, SI.
         record: what the verdict rests on.
-        colour: how many readings of `after` count as one, over how many of clean recordings do.
         onset_told: effects whose onset fitted readings left open, so that held-out ones had to tell it.
         needless: effects that were found, and dropped since no simulation needs them.
     """
@@ -94,7 +93,6 @@ class Evidence:
     floors: tuple[float, ...]
     doubts: tuple[float, ...]
     record: Record
-    colour: float
     onset_told: tuple[Effect, ...] = ()
     needless: tuple[Effect, ...] = ()
 
@@ -156,9 +154,11 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
         final_errors=final_errors,
         floors=floors,
         doubts=doubts,
-        record=_record(problem, searched, left, (baseline_errors, final_errors), floors, expected),
-        colour=float(
-            colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
+        record=replace(
+            _record(problem, searched, left, (baseline_errors, final_errors), floors, expected),
+            colour=float(
+                colour(after.normalised[None], after.run)[0] / np.median(colour(clean_readings, after.run))
+            ),
         ),
         onset_told=told,
     )

@@ -23,6 +23,8 @@ from nxt_twin.diagnose.judging.verdict import LIMITS
 from nxt_twin.diagnose.where.course import Course, course_of
 from nxt_twin.diagnose.where.marginal import Missing, likeliest
 from nxt_twin.diagnose.where.response import free_response
+from nxt_twin.diagnose.where.rested import RESTED
+from nxt_twin.diagnose.where.setting_in import kin_of
 from nxt_twin.diagnose.where.shapes import SHAPES, ShapeFamily
 from nxt_twin.diagnose.where.staged import Staged, answers, staged
 from nxt_twin.physics.observer import observer
@@ -56,21 +58,35 @@ class _Unseen:
 def with_shapes(simulator: Simulator, evidence: Evidence) -> Evidence:
     """`evidence` whose record also tells what a shape explains beside the found effects, where this is asked."""
     record = evidence.record
-    if not record.found or record.by_windows or record.remaining <= LIMITS.nearly:
+    if not record.found or record.by_windows:
         return evidence
-    nats, left = _beyond(simulator, evidence)
-    return replace(evidence, record=replace(record, shape_nats=nats, shape_left=left))
+    scene = staged(simulator, evidence.problem, evidence.linear)
+    found = [effect for effect, _ in evidence.explanation.found]
+    kin = [shape for effect in found for shape in kin_of(effect)]
+    torques = all(effect.equation_of == "torque_balance" and not effect.states for effect in found)
+    record = replace(
+        record,
+        rested_nats=_most_nats(scene, evidence.linear, RESTED if torques else ()),
+        kin_nats=_most_nats(scene, evidence.linear, kin),
+    )
+    if record.remaining > LIMITS.nearly:
+        nats, left = _beyond(simulator, evidence, scene)
+        record = replace(record, shape_nats=nats, shape_left=left)
+    return replace(evidence, record=record)
 
 
-def _beyond(simulator: Simulator, evidence: Evidence) -> tuple[float, float]:
+def _beyond(simulator: Simulator, evidence: Evidence, scene: Staged) -> tuple[float, float]:
     """The most that a shape gains, nats, and the least share of the unseen error that is left with a likely one."""
     linear = evidence.linear
-    scene = staged(simulator, evidence.problem, linear)
     heard = [(shape, _heard(scene, linear, shape)) for shape in SHAPES]
     likely = [(shape, missing) for shape, missing in heard if missing.nats > LIMITS.shaped]
     unseen = _unseen(simulator, evidence) if likely else []
     left = [_left(unseen, scene, linear.structure, *one) for one in likely]
     return max(missing.nats for _, missing in heard), min(left, default=1.0)
+
+
+def _most_nats(scene: Staged, linear: Linear, shapes: Iterable[ShapeFamily]) -> float:
+    return max((_heard(scene, linear, shape).nats for shape in shapes), default=0.0)
 
 
 def _heard(scene: Staged, linear: Linear, shape: ShapeFamily) -> Missing:
