@@ -229,7 +229,7 @@ def _what_stays(evidence: Evidence) -> tuple[str, ...]:
     if evidence.problem.by_windows:
         return ()
     wanted = evidence.explanation.baseline.plant
-    coloured = evidence.colour > COLOURED
+    coloured = evidence.record.colour > COLOURED
     return stays(evidence.problem.plant, evidence.baseline.plant, wanted, coloured=coloured)
 
 

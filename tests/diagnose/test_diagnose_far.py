@@ -68,7 +68,7 @@ def test_single_steps_ask_for_nothing_where_windows_alone_decide(by_windows, col
         problem=SimpleNamespace(by_windows=by_windows, plant=GIVEN),
         explanation=SimpleNamespace(baseline=SimpleNamespace(plant=refitted(inertia_kg_m2=1.2))),
         baseline=SimpleNamespace(plant=GIVEN),
-        colour=colour,
+        record=SimpleNamespace(colour=colour),
     )
     said = _what_stays(evidence)
     assert len(said) == told
