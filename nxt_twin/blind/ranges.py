@@ -32,6 +32,7 @@ class SeedRange:
         amounts: of each family and seed; singles are every effect in three sizes.
         most: how many cases are run, the first in the range's order; None is all.
         words: what it is for.
+        singles: how many cases with one effect of the library are kept, the first in the range's order; None is all.
     """
 
     name: str
@@ -39,6 +40,7 @@ class SeedRange:
     amounts: Amounts
     most: int | None
     words: str
+    singles: int | None = None
 
     def cases(self, families: Sequence[Family]) -> list[RangeCase]:
         """The cases in the order in which they are run.
@@ -50,14 +52,25 @@ class SeedRange:
             for seed in self.seeds
             for order in plan_orders(families, seed, self.amounts)
         ]
-        return in_fair_order(every, _stratum)[: self.most]
+        singles = in_fair_order([each for each in every if _is_single(each)], _stratum)[: self.singles]
+        others = [each for each in every if not _is_single(each)]
+        return in_fair_order([*singles, *others], _stratum)[: self.most]
 
 
 def _stratum(case: RangeCase) -> Hashable:
     """Its kind, size and family."""
     plan = case.order.plan
-    stranger = any(effect in FAMILIES[case.order.family].unknown for effect in plan.effects)
-    return len(plan.effects), stranger, plan.size, case.order.family
+    return len(plan.effects), _is_stranger(case), plan.size, case.order.family
+
+
+def _is_single(case: RangeCase) -> bool:
+    """Whether it conceals one effect of the library."""
+    return len(case.order.plan.effects) == 1 and not _is_stranger(case)
+
+
+def _is_stranger(case: RangeCase) -> bool:
+    """Whether it conceals physics that no library holds."""
+    return any(effect in FAMILIES[case.order.family].unknown for effect in case.order.plan.effects)
 
 
 RANGES: Final[dict[str, SeedRange]] = {
@@ -83,6 +96,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             Amounts((), 25, 0, 0, 25),
             None,
             "clean motors and unknown effects alone, looked at by nobody before",
+        ),
+        SeedRange(
+            "second",
+            (5004,),
+            Amounts(None, 25, 6, 0, 25),
+            None,
+            "the engine after decisions 24 and 25, in half an hour, looked at by nobody before",
+            singles=60,
         ),
     )
 }

@@ -153,6 +153,20 @@ def test_the_range_of_silence_holds_clean_motors_and_unknown_effects_of_a_seed_o
     assert (len(clean), len(strangers), len(orders)) == (100, 100, 200)
 
 
+def test_the_second_range_holds_a_share_of_every_kind_and_a_seed_of_its_own():
+    second = RANGES["second"]
+    others = [seed for name, one in RANGES.items() if name != "second" for seed in one.seeds]
+    assert min(second.seeds) >= 5000
+    assert not set(second.seeds) & set(others)
+    orders = [case.order for case in second.cases(tuple(FAMILIES.values()))]
+    known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
+    counts = [sum(len(order.plan.effects) == number for order in known) for number in range(4)]
+    assert counts == [100, 60, 24, 0]
+    assert len(orders) - len(known) == 100
+    singles = [order for order in known if len(order.plan.effects) == 1]
+    assert [sum(order.family == name for order in singles) for name in FAMILIES] == [15, 15, 15, 15]
+
+
 def test_a_sample_is_a_fair_beginning_of_development_seeds():
     sample = RANGES["sample"]
     cases = sample.cases(tuple(FAMILIES.values()))
