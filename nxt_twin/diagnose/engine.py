@@ -225,8 +225,11 @@ def _stood_still(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:
 
 
 def _what_stays(evidence: Evidence) -> tuple[str, ...]:
-    """A remark where single steps ask for other numbers than the given ones, which simulate better."""
-    if evidence.problem.by_windows:
+    """A remark where single steps ask for other numbers than the given ones, which simulate better.
+
+    Effects that were found move the numbers anew: then nothing is said of the baseline's.
+    """
+    if evidence.problem.by_windows or evidence.explanation.found:
         return ()
     wanted = evidence.explanation.baseline.plant
     coloured = evidence.record.colour > COLOURED

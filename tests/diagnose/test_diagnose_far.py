@@ -62,11 +62,16 @@ def test_nothing_is_told_of_single_steps_that_got_their_way_or_ask_for_little():
     assert stays(GIVEN, GIVEN, refitted(inertia_kg_m2=1.11), coloured=True)
 
 
-@pytest.mark.parametrize(("by_windows", "colour", "told"), [(False, 1.7, 1), (False, 1.5, 1), (True, 1.7, 0)])
-def test_single_steps_ask_for_nothing_where_windows_alone_decide(by_windows, colour, told):
+@pytest.mark.parametrize(
+    ("by_windows", "found", "colour", "told"),
+    [(False, (), 1.7, 1), (False, (), 1.5, 1), (True, (), 1.7, 0), (False, ("spring_load",), 1.7, 0)],
+)
+def test_single_steps_ask_for_nothing_beside_effects_or_windows_that_decide_alone(
+    by_windows, found, colour, told
+):
     evidence = SimpleNamespace(
         problem=SimpleNamespace(by_windows=by_windows, plant=GIVEN),
-        explanation=SimpleNamespace(baseline=SimpleNamespace(plant=refitted(inertia_kg_m2=1.2))),
+        explanation=SimpleNamespace(baseline=SimpleNamespace(plant=refitted(inertia_kg_m2=1.2)), found=found),
         baseline=SimpleNamespace(plant=GIVEN),
         record=SimpleNamespace(colour=colour),
     )
