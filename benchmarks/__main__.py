@@ -24,7 +24,9 @@ def main(wanted: list[str]) -> None:
             continue
         report = getattr(importlib.import_module(f"benchmarks.{name}"), "report", None)
         if report is not None:
-            print(f"\n{name}", *report(), sep="\n  ", flush=True)
+            print(f"\n{name}", flush=True)
+            for line in report():
+                print(f"  {line}", flush=True)
 
 
 if __name__ == "__main__":

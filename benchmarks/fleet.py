@@ -1,11 +1,11 @@
 """How the time of a fleet grows with its sessions and shrinks with its workers, and what memory it takes.
 
 python -m benchmarks fleet
-python -m benchmarks.fleet [--sessions N,N,…] [--switches N,N,…] [--workers N,N,…]
+python -m benchmarks.fleet [--sessions N,N,…] [--workers N,N,…]
 
-A session is a motor's recording of 4 s at 50 Hz in which a constant load is missing, or not. Or it is one of a touch
-sensor, whose diagnosis is twenty times shorter, so that large fleets are soon done. The rate is that of the middle:
-neither the start of the workers counts, nor the end, when some have nothing left to do.
+A session is a motor's recording of 4 s at 50 Hz in which a constant load is missing, or not. Without options it takes
+about ten minutes on two idle cores. The rate is that of the middle: neither the start of the workers counts, nor the
+end, when some have nothing left to do.
 
 Other programs lengthen the time by the clock. The efficiency therefore rests on what Linux counts for each process: its
 processor time, and the time in which it wanted a core.
@@ -20,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import chain
 from multiprocessing import active_children
 from pathlib import Path
@@ -30,7 +30,6 @@ import numpy as np
 
 from nxt_twin.api.files import load_plant
 from nxt_twin.api.prediction import simulate
-from nxt_twin.arrays import FloatArray
 from nxt_twin.fleet.parcel import Options
 from nxt_twin.fleet.run import diagnose_fleet
 from nxt_twin.fleet.table import FleetTable
@@ -38,16 +37,18 @@ from nxt_twin.fleet.workers.place import Processes
 from nxt_twin.recording.files import write_recording
 from nxt_twin.recording.recording import Recording
 
-SESSIONS: Final = (10, 100)
-"""The usual counts of motors: 1000 take a quarter of an hour of processor time."""
-SWITCHES: Final = (10, 100, 1000)
-"""The usual counts of touch sensors."""
+SESSIONS: Final = (10, 100, 1000)
+"""The usual counts of motors: all three take a quarter of an hour of processor time."""
 WORKERS: Final = (1, 2, 4)
-COMPARED: Final = 16
+COMPARED: Final = 32
 """Sessions by which numbers of workers are compared."""
 _RUSAGE_MB: Final = 1024.0
-Writer = Callable[[Path, int], None]
-"""Writes a session into a folder, by its number."""
+_GROWTH: Final = (
+    "sessions", "time, s", "processor s/session", "planner, MB", "worker, MB", "again, ms/session", "row, bytes"
+)  # fmt: skip
+_EFFICIENCY: Final = (
+    "workers", "time, s", "efficiency by clock", "processor s/session", "cores wanted, %", "efficiency by processor"
+)  # fmt: skip
 
 
 class Measured(NamedTuple):
@@ -75,23 +76,26 @@ class Measured(NamedTuple):
 
 
 def report() -> Iterator[str]:
-    """Lines of all tables."""
-    yield from growth(SESSIONS, write_motor)
-    yield from growth(SWITCHES, write_switch)
+    """Lines of both tables."""
+    yield f"{os.cpu_count()} cores, load average {os.getloadavg()[0]:.1f}"
+    yield from growth(SESSIONS)
     yield from efficiency(WORKERS, COMPARED)
 
 
-def growth(counts: tuple[int, ...], write: Writer) -> Iterator[str]:
+def growth(counts: tuple[int, ...]) -> Iterator[str]:
     """Time and memory of fleets of these sizes, on as many workers as there are cores."""
     workers = os.cpu_count() or 1
     if counts:
-        yield f"{workers} workers, {write.__name__.removeprefix('write_')} recordings"
+        yield f"growth, with {workers} workers:"
+        yield "  ".join(_GROWTH)
     for count in counts:
-        one = _measured(count, workers, write)
-        yield (
-            f"{count:5d} sessions: {one.wall_s:7.1f} s, {one.whole_s:5.2f} s of processor time a session, "
-            f"planner {one.planner_mb:.0f} MB, largest worker {one.worker_mb:.0f} MB, "
-            f"run again {one.kept_ms:.1f} ms a session, table {one.row_bytes:.0f} bytes a session"
+        one = _measured(count, workers)
+        yield _row(
+            _GROWTH,
+            (
+                *(f"{count}", f"{one.wall_s:.1f}", f"{one.whole_s:.2f}", f"{one.planner_mb:.0f}"),
+                *(f"{one.worker_mb:.0f}", f"{one.kept_ms:.1f}", f"{one.row_bytes:.0f}"),
+            ),
         )
 
 
@@ -102,23 +106,32 @@ def efficiency(workers: tuple[int, ...], count: int) -> Iterator[str]:
     """
     cores = os.cpu_count() or 1
     alone: Measured | None = None
+    if workers:
+        yield f"efficiency, of {count} sessions on {cores} cores:"
+        yield "  ".join(_EFFICIENCY)
     for number in workers:
-        one = _measured(count, number, write_motor)
+        one = _measured(count, number)
         alone = alone or one
-        by_clock = alone.wall_s / (one.wall_s * min(number, cores))
+        by_clock = alone.wall_s / (one.wall_s * min(number, cores) / min(workers[0], cores))
         wanted = min(1.0, one.wanted * number / min(number, cores))
-        yield (
-            f"{number} workers on {cores} cores: {one.cpu_s:.2f} s of processor time a session, a core wanted "
-            f"{100.0 * wanted:.0f} % of the time: efficiency {wanted * alone.cpu_s / one.cpu_s:.2f} "
-            f"({by_clock:.2f} by the clock: {count} sessions in {one.wall_s:.1f} s)"
+        yield _row(
+            _EFFICIENCY,
+            (
+                *(f"{number}", f"{one.wall_s:.1f}", f"{by_clock:.2f}", f"{one.cpu_s:.2f}"),
+                *(f"{100.0 * wanted:.0f}", f"{wanted * alone.cpu_s / one.cpu_s:.2f}"),
+            ),
         )
 
 
-def _measured(count: int, workers: int, write: Writer) -> Measured:
+def _row(heads: tuple[str, ...], cells: tuple[str, ...]) -> str:
+    return "  ".join(f"{cell:>{len(head)}}" for head, cell in zip(heads, cells, strict=True))
+
+
+def _measured(count: int, workers: int) -> Measured:
     """A fleet in a program of its own, of which the system tells memory and time."""
     with tempfile.TemporaryDirectory() as folder:
         for number in range(count + 2 * workers):
-            write(Path(folder, "units", f"U{number // 10:05}", f"2026-01-{number % 10 + 1:02}"), number)
+            write_motor(Path(folder, "units", f"U{number // 10:05}", f"2026-01-{number % 10 + 1:02}"), number)
         program = [sys.executable, "-m", "benchmarks.fleet", "--run", folder, "--workers", str(workers)]
         told = subprocess.run(program, capture_output=True, check=True, text=True).stdout
         return Measured(*map(float, told.split()))
@@ -179,21 +192,8 @@ def write_motor(place: Path, number: int) -> None:
     run = simulate(
         loaded if number % 2 else motor, Recording("run.csv", {"time_s": time_s, "a_power_pct": power})
     )
-    _write(place, {**run.columns, "a_tacho_deg": np.floor(run.columns["a_tacho_deg"])})
-
-
-def write_switch(place: Path, number: int) -> None:
-    """A session of a touch sensor that switches at a force of its own."""
-    time_s = np.arange(0.0, 3.0, 0.05)
-    force_g = 300.0 * np.sin(time_s) ** 2
-    limit_g = np.random.default_rng(number).uniform(100.0, 200.0)
-    touched = (force_g > limit_g).astype(float)
-    _write(place, {"time_s": time_s, "rig_force_g": force_g, "s1_touch": touched})
-    (place / "run.yaml").write_text("plant: {kind: touch_sensor}\n", encoding="utf-8")
-
-
-def _write(place: Path, columns: dict[str, FloatArray]) -> None:
     place.mkdir(parents=True)
+    columns = {**run.columns, "a_tacho_deg": np.floor(run.columns["a_tacho_deg"])}
     write_recording(Recording("run.csv", columns), place / "run.csv")
 
 
@@ -205,7 +205,6 @@ def main() -> None:
     """The tables that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--sessions", type=_numbers, default=SESSIONS)
-    parser.add_argument("--switches", type=_numbers, default=SWITCHES)
     parser.add_argument("--workers", type=_numbers, default=WORKERS)
     parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -213,8 +212,7 @@ def main() -> None:
         print(*_run(chosen.run, chosen.workers[0]))
         return
     print(f"{os.cpu_count()} cores, load average {os.getloadavg()[0]:.1f}")
-    grown = chain(growth(chosen.sessions, write_motor), growth(chosen.switches, write_switch))
-    for line in chain(grown, efficiency(chosen.workers, COMPARED)):
+    for line in chain(growth(chosen.sessions), efficiency(chosen.workers, COMPARED)):
         print(line, flush=True)
 
 

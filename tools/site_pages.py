@@ -42,6 +42,11 @@ WRITTEN: Final[Mapping[str, Callable[[], str]]] = {
 }
 """Pages that are written from the code."""
 
+_CELL: Final = re.compile(r"<td.*?</td>", re.DOTALL)
+_CODE: Final = re.compile(r"(?<=<code>)[^<]+(?=</code>)")
+_JOINT: Final = re.compile(r"(?<=\w)([_/])(?=\w)")
+"""Where a long name may continue on the next line: after an underscore or a slash."""
+
 _LINK: Final = re.compile(r"(!?\[[^\]]*\]\()([^)\s#]+)((?:#[\w-]*)?\))")
 
 
@@ -61,6 +66,11 @@ def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
         return markdown
     source = COPIED.get(name, f"docs/{name}")
     return "\n".join(_led(markdown.splitlines(), name, source))
+
+
+def on_post_page(output: str, **_: object) -> str:
+    """Let the names in tables break where a reader parts them, so that no phone breaks them within a word."""
+    return _CELL.sub(lambda cell: _CODE.sub(lambda code: _JOINT.sub(r"\1<wbr>", code[0]), cell[0]), output)
 
 
 def placed(source: str, target: str) -> str | None:

@@ -54,3 +54,11 @@ def test_the_page_of_commands_has_every_command_and_every_option():
         assert f" {names}\n" in text
         options = [one for one in cli_page.parameters(command) if one.param_type_name == "option"]
         assert all(name in text for one in options for name in one.opts)
+
+
+def test_a_long_name_in_a_table_breaks_between_its_words():
+    import site_pages
+
+    page = "<p><code>row_lags</code></p><td><code>row_lags</code> or <a><code>nxt_twin/cli</code></a></td>"
+    told = "<td><code>row_<wbr>lags</code> or <a><code>nxt_<wbr>twin/<wbr>cli</code></a></td>"
+    assert site_pages.on_post_page(page) == "<p><code>row_lags</code></p>" + told
