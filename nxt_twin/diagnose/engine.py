@@ -38,6 +38,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_patchwork,
     is_spoiled,
     is_stalled,
+    leaves_little,
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
@@ -191,7 +192,8 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     )
     far = moved_far(problem.plant, evidence.final.plant)
     small = words.too_small([one.name for one in evidence.needless])
-    sentence = " ".join([*far, sentence, *small, *load, *_stood_still(evidence, verdict)])
+    rest = _what_is_left(evidence, verdict)
+    sentence = " ".join([*far, sentence, *small, *load, *rest, *_stood_still(evidence, verdict)])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,
@@ -216,6 +218,14 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         nearest=nearest_effect(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
+
+
+def _what_is_left(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:
+    """A sentence on a remaining error that is significant and does not matter."""
+    if verdict == "unexplained" or not leaves_little(evidence.record):
+        return ()
+    units = evidence.units
+    return (words.below_tolerance(evidence.problem.tolerance * units.reading_factor, units.reading),)
 
 
 def _stood_still(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from diagnose_records import FOUND, QUIET
 
-from nxt_twin.diagnose.engine import _stood_still
+from nxt_twin.diagnose.engine import _stood_still, _what_is_left
 from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     VerdictLimits,
@@ -17,6 +17,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_needless,
     is_spoiled,
     is_worse,
+    leaves_little,
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
@@ -292,6 +293,28 @@ def test_what_is_left_and_does_not_matter_is_no_objection():
     found = replace(FOUND, left_nats=1e4, torque_after=1.0, torque_before=1.0, run_ratio=1.0)
     assert verdict_of(found) == "unexplained"
     assert verdict_of(replace(found, matters=False, remaining=2.0)) == "explained"
+
+
+@pytest.mark.parametrize(
+    ("changes", "little"),
+    [
+        ({}, True),
+        ({"remaining": 1.01}, False),
+        ({"matters": True}, False),
+        ({"left_nats": 1.0, "torque_after": 1e-2}, False),
+    ],
+)
+def test_what_is_left_and_smaller_than_the_tolerance_is_told_in_the_sentence(changes, little):
+    record = replace(replace(STRUCTURED, matters=False, remaining=1.0), **changes)
+    assert leaves_little(record) is little
+    evidence = SimpleNamespace(
+        record=record,
+        units=SimpleNamespace(reading_factor=57.3, reading="deg"),
+        problem=SimpleNamespace(tolerance=0.5 / 57.3),
+    )
+    told = ("More than noise is left, but less than the tolerance of 0.5 deg.",)
+    assert _what_is_left(evidence, "adequate") == (told if little else ())
+    assert _what_is_left(evidence, "unexplained") == ()
 
 
 def test_with_nothing_found_and_nothing_left_nothing_is_missing():

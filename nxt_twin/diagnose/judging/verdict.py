@@ -181,6 +181,11 @@ def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return record.stalled_share > limits.most_stalled and (record.matters or record.named > 1)
 
 
+def leaves_little(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether more than noise is left, and less of it than the tolerance."""
+    return record.remaining <= 1.0 and not record.matters and _lacks_more(record, limits)
+
+
 def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether several effects were found that hardly bring a simulation nearer, though it is not near."""
     return record.named > 1 and record.matters and record.nearer > limits.idle

@@ -101,6 +101,11 @@ def too_small(names: Sequence[str]) -> tuple[str, ...]:
     )
 
 
+def below_tolerance(tolerance: float, unit: str) -> str:
+    """A sentence on an error that is more than noise and does not matter."""
+    return f"More than noise is left, but less than the tolerance of {tolerance:.3g} {unit}."
+
+
 def stood_still(share: float) -> str:
     """A sentence on a host or link that stood still for that share of a recording."""
     return f"The host or the link stood still for {100.0 * share:.0f} % of a recording, so no name is sure."
