@@ -22,6 +22,7 @@ from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import at_rest
 from nxt_twin.recording.recording import InputKind
 from nxt_twin.view import palette
+from nxt_twin.view.legends import name_curves
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
 PAGE: Final = DOCS / "effects.md"
@@ -345,7 +346,7 @@ def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
     above.plot(drawn.time_s, drawn.without, color=palette.BASELINE, linewidth=1.3, label="without")
     above.plot(drawn.time_s, drawn.having, color=palette.IMPROVED, linewidth=1.3, label="with")
     palette.dress(above, drawn.unit)
-    _name_curves(above)
+    name_curves(above)
     time_s, power = (list(column) for column in zip(*scene.steps, strict=True))
     below.step(
         [*time_s, scene.seconds],
@@ -359,14 +360,6 @@ def _draw_scene(figure: Figure, effect_id: str, scene: Scene) -> None:
     low, high = min(0.0, *power), max(0.0, *power)
     below.set_ylim(100 * low - 8, 100 * high + 8)
     below.set_xlim(scene.from_s, scene.seconds)
-
-
-def _name_curves(axes: Axes) -> None:
-    """A legend above the panel, beside its title."""
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=2, fontsize=palette.SMALL_PT, frameon=False,
-        labelcolor=palette.MUTED, handlelength=1.4, borderaxespad=0.2,
-    )  # fmt: skip
 
 
 def _played(effect_id: str, scene: Scene) -> Drawn:
@@ -436,7 +429,7 @@ def _draw_likelihood(axes: Axes, effect: Effect) -> None:
     axes.plot(reading, fresh, color=palette.BASELINE, linewidth=1.3, label="without")
     axes.plot(reading, 0.9 * fresh + stale, color=palette.IMPROVED, linewidth=1.3, label="with")
     palette.dress(axes, "density of a reading (1/deg)")
-    _name_curves(axes)
+    name_curves(axes)
     palette.name_abscissa(axes, "reading (deg)")
 
 

@@ -98,4 +98,4 @@ def _draw(changes: Changes, run: HeldOutRun, number: int) -> str:
         f"{run.recording}: measured and predicted {picture.quantity}, the command, and the errors over time"
     )
     figure = run_figure(picture) if run.path is None else robot_figure(picture, run.path)
-    return inline_svg(figure, f"run{number}", label, stacked=number == 0)
+    return inline_svg(figure, f"run{number}", label)

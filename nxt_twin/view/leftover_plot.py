@@ -54,6 +54,7 @@ def leftover_figure(leftover: Leftover, *, improves: bool) -> Figure:
             axes = figure.add_subplot(grid[number, column])
             _draw_cloud(axes, abscissa, factor * row.torque, row.colour, kept)
             palette.dress(axes, f"{row.title} ({unit})" if column == 0 else "")
+            axes.set_label(f"{row.title} ({unit})")
             axes.set_ylim(-limit, limit)
             axes.xaxis.set_major_locator(MaxNLocator(6))
             lowest = number == len(rows) - 1

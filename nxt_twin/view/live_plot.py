@@ -14,6 +14,7 @@ from nxt_twin.physics.library import name_of
 from nxt_twin.recording.columns import Port, tacho_column
 from nxt_twin.twin.records import Event, Innovation, Tick
 from nxt_twin.view import palette
+from nxt_twin.view.legends import name_curves
 from nxt_twin.view.thinning import envelope, some, trend
 from nxt_twin.view.wording import quantity
 
@@ -27,7 +28,6 @@ _NIS_MEMORY: Final = 50
 _MARKED: Final = ("divergence", "effect_named", "adopted", "stall", "slip", "link_lost")
 _LEAST_TOLD: Final = 0.05
 _MOST_TOLD: Final = 4
-_LETTERS_IN_A_ROW: Final = 32
 _EFFECTS: Final = ("#56616c", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6a00")
 
 
@@ -135,7 +135,7 @@ def draw_reading(axes: Axes, readings: Sequence[Innovation], title: str) -> None
             time_s[marked], measured[marked], linestyle="none", marker="x", markersize=4,
             color=palette.STALE, label="not believed",
         )  # fmt: skip
-    _legend(axes)
+    name_curves(axes)
 
 
 def draw_innovation(axes: Axes, readings: Sequence[Innovation], title: str) -> None:
@@ -193,7 +193,7 @@ def _draw_cloud(axes: Axes, states: _States, adopted_s: Sequence[float]) -> None
     for chosen, colour, label in epochs:
         _draw_epoch(axes, states.speed[chosen], states.torque[chosen], colour, label)
     axes.axhline(0.0, color=palette.LINE, linewidth=0.8)
-    _legend(axes)
+    name_curves(axes)
 
 
 def _draw_epoch(axes: Axes, speed: FloatArray, torque: FloatArray, colour: str, label: str) -> None:
@@ -229,7 +229,7 @@ def _draw_effects(axes: Axes, port: Port, ticks: Sequence[Tick]) -> None:
         axes.plot(*envelope(curve[:, 0], curve[:, 1], _COLUMNS), color=colour, linewidth=1.4, label=words)
     axes.set_ylim(-0.03, 1.03)
     if told:
-        _legend(axes)
+        name_curves(axes)
     else:
         axes.text(0.5, 0.5, "none were weighed", transform=axes.transAxes, ha="center", color=palette.MUTED)
 
@@ -260,13 +260,3 @@ def _mark(axes: Axes, events: Sequence[Event]) -> None:
     for event in events:
         if event.kind in _MARKED:
             axes.axvline(event.time_s, color=palette.SPELL_INK, linewidth=0.9, linestyle=(0, (3, 2)))
-
-
-def _legend(axes: Axes) -> None:
-    """Name the curves above the panel, beside its title, where they hide nothing; long names in two rows."""
-    letters = sum(map(len, axes.get_legend_handles_labels()[1]))
-    columns = 4 if letters <= _LETTERS_IN_A_ROW else 2
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 0.985), ncols=columns, columnspacing=1.0,
-        fontsize=palette.SMALL_PT, frameon=False, labelcolor=palette.MUTED, handlelength=1.4, borderaxespad=0.2,
-    )  # fmt: skip

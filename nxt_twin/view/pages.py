@@ -31,6 +31,7 @@ def environment() -> Environment:
         "p_value": numbers.p_value,
         "plain": numbers.plain,
         "rough": numbers.rough,
+        "sentence": wording.as_sentence,
         "seconds": numbers.seconds,
         "tenths": numbers.tenths,
         "spelled_out": wording.spelled_out,

@@ -45,7 +45,12 @@ def dress(axes: Axes, title: str, *, ticks: int = 4) -> None:
         axis.set_major_formatter(ScalarFormatter(useOffset=False, useMathText=False))
         axis.get_major_formatter().set_scientific(False)  # type: ignore[attr-defined]
     if title:
-        axes.set_title(title, loc="left", fontsize=TEXT_PT, color=MUTED, pad=5, parse_math=False)
+        name_panel(axes, title)
+
+
+def name_panel(axes: Axes, title: str) -> None:
+    """Write above the panel what it shows, and the unit."""
+    axes.set_title(title, loc="left", fontsize=TEXT_PT, color=MUTED, pad=5, parse_math=False)
 
 
 def name_abscissa(axes: Axes, title: str) -> None:

@@ -21,8 +21,3 @@ def draw(axes: Axes, ordinate: str, abscissa: str) -> None:
     """The house's look, with what each axis is and its unit."""
     palette.dress(axes, ordinate)
     palette.name_abscissa(axes, abscissa)
-
-
-def legend(axes: Axes) -> None:
-    """Say what is what, where it hides least."""
-    axes.legend(frameon=False, fontsize=palette.SMALL_PT, labelcolor=palette.MUTED, loc="best")

@@ -10,7 +10,8 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.paper import printed
 from nxt_twin.paper.motor import SUPPLY_V, MotorNumbers, line_speed, model_speed, voltages_v
 from nxt_twin.view import palette
-from nxt_twin.view.paper_axes import draw, legend, pair
+from nxt_twin.view.legends import name_all_curves
+from nxt_twin.view.paper_axes import draw, pair
 
 _CURRENT_LIMIT_A = 1.0
 """Figure 9 draws a limit of the current without a number; this one is for the picture."""
@@ -34,7 +35,7 @@ def emf_figure(numbers: MotorNumbers) -> Figure:
         left.plot(speed, fitted, color=colour, linewidth=1.1, label=name)
         right.plot(speed, voltage - fitted, "o-", color=colour, linewidth=0.8, markersize=3.5)
     right.axhline(0.0, color=palette.LINE, linewidth=0.8)
-    legend(left)
+    name_all_curves(figure)
     return figure
 
 
@@ -52,7 +53,7 @@ def models_figure(numbers: MotorNumbers) -> Figure:
         left.plot(voltage, speed, color=colour, linestyle=style, linewidth=1.1, label=name)
         right.plot(voltage, speed - line_speed(voltage), color=colour, linestyle=style, linewidth=1.1)
     right.axhline(0.0, color=palette.LINE, linewidth=0.8)
-    legend(left)
+    name_all_curves(figure)
     return figure
 
 
@@ -88,8 +89,7 @@ def limits_figure() -> Figure:
         wanted, printed.KS * current,
         color=palette.BASELINE, linewidth=1.1, label=f"and current, to {_CURRENT_LIMIT_A:.0f} A",
     )  # fmt: skip
-    legend(left)
-    legend(right)
+    name_all_curves(figure)
     return figure
 
 
@@ -115,7 +115,7 @@ def touch_figure() -> Figure:
         )  # fmt: skip
         axes.set_yticks([0, 1])
         axes.set_ylim(-0.1, 1.25)
-        legend(axes)
+    name_all_curves(figure)
     return figure
 
 
@@ -130,7 +130,7 @@ def units_figure() -> Figure:
         _dots(axes, on, palette.BASELINE, "off to on")
         _dots(axes, off, palette.IMPROVED, "on to off")
         axes.set_xticks(range(1, 9))
-        legend(axes)
+    name_all_curves(figure)
     return figure
 
 

@@ -14,7 +14,8 @@ from nxt_twin.recording.yaml_file import read_yaml
 from nxt_twin.sensors import light, ultrasonic
 from nxt_twin.sensors.errors import SensorError
 from nxt_twin.view import palette
-from nxt_twin.view.paper_axes import draw, legend, pair
+from nxt_twin.view.legends import name_all_curves
+from nxt_twin.view.paper_axes import draw, pair
 
 _SEED: Final = 0
 _ROOM_LIGHT_RAW: Final = -80.0
@@ -47,8 +48,7 @@ def sensors_figure() -> Figure:
         silent, np.zeros(silent.size), "|",
         color=palette.BASELINE, markersize=6, label="no echo (255)",
     )  # fmt: skip
-    legend(left)
-    legend(right)
+    name_all_curves(figure)
     return figure
 
 
@@ -76,8 +76,7 @@ def beam_figure() -> Figure:
         right.plot(
             angle, share, "o-", color=colour, markersize=3.5, linewidth=1.1, label=f"{place_mm:.0f} mm"
         )
-    legend(left)
-    legend(right)
+    name_all_curves(figure)
     return figure
 
 

@@ -96,7 +96,7 @@ def _draw(diagnosis: Diagnosis, run: HeldOutRun, number: int) -> _DrawnRun:
     of_sensor, of_robot = is_of_sensor(run), run.path is not None
     if run.path is not None:
         label = f"{run.recording}: the path on the floor as measured and predicted, and the errors over time"
-    svg = inline_svg(held_out_figure(picture), f"run{number}", label, stacked=number == 0)
+    svg = inline_svg(held_out_figure(picture), f"run{number}", label)
     shaded = bool(picture.shaded) and not of_sensor
     return _DrawnRun(run, svg, of_sensor, of_robot, shaded, int(np.count_nonzero(run.stale > 0.5)))
 

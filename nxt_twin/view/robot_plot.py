@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import DrivenPath
 from nxt_twin.view import palette
+from nxt_twin.view.legends import name_all_curves
 from nxt_twin.view.numbers import plain
 from nxt_twin.view.thinning import envelope
 from nxt_twin.view.traces import ModelTrace, RunPicture, traces_of
@@ -27,6 +28,7 @@ def robot_figure(picture: RunPicture, path: DrivenPath) -> Figure:
     _draw_floor(figure.add_subplot(grid[:, 0]), path, traces)
     _draw_distance(figure.add_subplot(grid[0, 1]), picture, traces)
     _draw_speed(figure.add_subplot(grid[1, 1]), picture)
+    name_all_curves(figure)
     return figure
 
 
@@ -52,7 +54,6 @@ def _draw_floor(axes: Axes, path: DrivenPath, traces: list[ModelTrace]) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     palette.name_abscissa(axes, "x ahead of the start (m); round dots: where each ends")
     axes.margins(0.08)
-    axes.legend(frameon=False, fontsize=palette.SMALL_PT, labelcolor=palette.INK, loc="best")
 
 
 def _draw_distance(axes: Axes, picture: RunPicture, traces: list[ModelTrace]) -> None:

@@ -24,7 +24,7 @@ from nxt_twin.view.traces import (
 )
 
 _PAGE_SIZE_IN = (10.4, 5.3)
-_COLUMNS = 640
+_COLUMNS = 520
 
 
 def run_figure(picture: RunPicture) -> Figure:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.view import palette
+from nxt_twin.view.legends import name_all_curves
 from nxt_twin.view.thinning import some
 from nxt_twin.view.traces import ModelTrace, RunPicture, traces_of, trusted
 from nxt_twin.view.wording import spelled_out
@@ -44,6 +45,7 @@ def sensor_figure(picture: RunPicture) -> Figure:
         axes = figure.add_subplot(place)
         _draw_errors(axes, picture, traces, abscissa[kept], kept)
         palette.name_abscissa(axes, title)
+    name_all_curves(figure)
     return figure
 
 
@@ -57,7 +59,6 @@ def _draw_readings(axes: Axes, picture: RunPicture, traces: list[ModelTrace], ke
         label = f"{trace.name}, error {trace.rmse:.3g} {picture.unit}"
         axes.plot(truth, trace.values[kept], color=trace.colour, markersize=2.4, label=label, **_DOT)
     palette.name_abscissa(axes, _truth_title(picture.run))
-    axes.legend(frameon=False, fontsize=palette.SMALL_PT, labelcolor=palette.INK, loc="best")
     axes.margins(y=0.12)
 
 

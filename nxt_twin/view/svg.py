@@ -14,7 +14,7 @@ from nxt_twin.view.stacking import stack
 
 _FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif"
 _NO_DATE = {"Date": None}
-_FEWEST_STACKED = 2
+_CURVED = re.compile(r"[CQ]")
 _HEX = re.compile(r"#[0-9a-fA-F]{6}\b")
 _VARIABLES = {"#ffffff": "var(--page)"} | {
     getattr(palette, name): f"var(--c-{name.lower().replace('_', '-')})" for name in palette.THEMED
@@ -29,7 +29,7 @@ def drawn_svg(figure: Figure) -> str:
     return _with_system_font(text.getvalue())
 
 
-def inline_svg(figure: Figure, key: str, label: str, *, stacked: bool = True) -> str:
+def inline_svg(figure: Figure, key: str, label: str) -> str:
     """The figure as two `<svg>` elements for a page, of which its style shows one: wide, or stacked for a phone.
 
     Their colours are the style's variables, so that they follow its dark mode.
@@ -38,11 +38,8 @@ def inline_svg(figure: Figure, key: str, label: str, *, stacked: bool = True) ->
         figure: what to draw; it is left stacked.
         key: a prefix that makes the ids of this picture its own within the page.
         label: what the picture shows, for those who cannot see it.
-        stacked: whether it is drawn for a phone too; else it is scrolled there.
     """
     wide = _element(drawn_svg(figure), key, label)
-    if not stacked or len(figure.axes) < _FEWEST_STACKED:
-        return wide
     stack(figure)
     narrow = _element(drawn_svg(figure), f"{key}n", label)
     return f'<div class="wide">{wide}</div><div class="narrow">{narrow}</div>'
@@ -69,8 +66,12 @@ def _with_system_font(svg: str) -> str:
 
 
 def _rounded(path: re.Match[str]) -> str:
+    """A path in steps of a tenth of a point; it says each point once, and leaves out letters that a reader adds."""
     numbers = re.sub(r"-?\d+\.\d{2,}", lambda found: f"{float(found.group()):.1f}", path.group())
-    return re.sub(r"M (\S+) (\S+) L \1 \2 ", r"M\1 \2h0", re.sub(r"\s+", " ", numbers))
+    dots = re.sub(r"M (\S+) (\S+) L \1 \2 ", r"M\1 \2h0", re.sub(r"\s+", " ", numbers))
+    if _CURVED.search(dots):
+        return dots
+    return re.sub(r"(?<=\d) L (?=[-\d])", " ", re.sub(r"(?: L (\S+ \S+))(?: L \1(?= ))+", r" L \1", dots))
 
 
 def _own_ids(svg: str, key: str) -> str:

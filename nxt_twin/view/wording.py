@@ -103,3 +103,8 @@ def ordinal(number: int) -> str:
 def capitalise(text: str) -> str:
     """The text with its first letter large and the others untouched."""
     return text[:1].upper() + text[1:]
+
+
+def as_sentence(text: str) -> str:
+    """The text as a sentence: its first letter large, and a full stop behind it where no mark ends it."""
+    return capitalise(text) if text.endswith((".", "!", "?", ":")) else f"{capitalise(text)}."

@@ -8,10 +8,15 @@ import view_samples as samples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from nxt_twin.errors import DiagnosisError, NxtTwinError
+from nxt_twin.view import palette
 from nxt_twin.view.close_look import telling_part
+from nxt_twin.view.legends import name_all_curves
 from nxt_twin.view.picture import write_picture
+from nxt_twin.view.stacking import stack
 from nxt_twin.view.telling import most_telling
 from nxt_twin.view.thinning import envelope, random_indices, some, steps, trend
 from nxt_twin.view.traces import picture_of, traces_of
@@ -144,3 +149,40 @@ def test_a_trend_finds_the_shape_along_its_axis_and_none_along_another():
 def test_a_trend_of_too_few_points_is_empty():
     assert trend(np.arange(5.0), np.arange(5.0)).at.size == 0
     assert trend(np.ones(100), np.arange(100.0)).at.size == 0
+
+
+def named(names, title="speed (rad/s)"):
+    """Two panels, whose curves bear names."""
+    figure = Figure(figsize=(10.4, 3.1))
+    grid = figure.add_gridspec(1, 2, top=0.9, bottom=0.16)
+    for place in grid:
+        axes = figure.add_subplot(place)
+        palette.dress(axes, title)
+        for number, name in enumerate(names):
+            axes.plot([0, 1], [0, number], label=name)
+    return figure
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("measured", "predicted"),
+        tuple(f"the curve with number {number}" for number in range(5)),
+        ("gravity load of an unbalanced arm",) * 7,
+    ],
+)
+def test_names_of_curves_stand_above_the_panel_and_hide_neither_title_nor_edge(names, stacked):
+    figure = named(names)
+    name_all_curves(figure)
+    if stacked:
+        stack(figure)
+    FigureCanvasAgg(figure).draw()
+    for axes in figure.axes:
+        box = axes.get_legend().get_window_extent()
+        title = axes._left_title.get_window_extent()
+        assert len(axes.get_legend().get_texts()) == len(names)
+        assert box.y0 >= axes.get_window_extent().y1 - 2.0
+        assert box.y1 <= figure.bbox.y1 + 1.0
+        assert box.x1 <= figure.bbox.x1
+        assert not box.overlaps(title)

@@ -6,10 +6,13 @@ from functools import cache
 
 import numpy as np
 
+from nxt_twin.api.files import load_plant
+from nxt_twin.diagnose.changed.answer import Change, Changes
 from nxt_twin.diagnose.diagnosis import (
     Alternative,
     Confusion,
     Diagnosis,
+    DrivenPath,
     Estimate,
     Fit,
     FoundEffect,
@@ -20,6 +23,7 @@ from nxt_twin.diagnose.diagnosis import (
     NextExperiment,
     RegimeFinding,
     Spell,
+    Tolerance,
 )
 
 PERIOD_S = 0.01
@@ -271,4 +275,79 @@ def with_stale_samples():
             "a_tacho_deg", (Spell("bluetooth_21.csv", 2.0, 2.6, 9.0),), REGIMES[:1], "torque_balance"
         ),
         leftover=None,
+    )
+
+
+@cache
+def of_sensor():
+    """As of an ultrasonic sensor on a rig."""
+    rng = np.random.default_rng(3)
+    true_mm = np.linspace(50.0, 1500.0, 400)
+    measured = np.round(0.1 * true_mm + 1.5 + rng.normal(0.0, 0.4, true_mm.size))
+    run = HeldOutRun(
+        recording="rig_with_a_long_name_of_its_own_01.csv",
+        time_s=np.arange(true_mm.size) * 0.1,
+        command=true_mm,
+        command_label="rig_distance_mm",
+        measured=measured,
+        baseline=0.1 * true_mm,
+        improved=0.1 * true_mm + 1.5,
+        stale=np.zeros(true_mm.size),
+        baseline_rmse=1.56,
+        improved_rmse=0.43,
+    )
+    return replace(
+        explained(runs=1), name="sonar", held_out=(run,), leftover=None,
+        mismatch=Mismatch("s4_ultrasonic_cm", (), (), "measurement"), fit=Fit("held-out RMSE", "cm", 1.56, 0.43, 0.4),
+    )  # fmt: skip
+
+
+@cache
+def of_robot():
+    """As of a robot that drove a square."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 600)
+    measured = np.column_stack((np.sin(turn), np.cos(turn) - 1.0))
+    path = DrivenPath(measured, 1.2 * measured, 1.1 * measured, 1.01 * measured)
+    off_mm = [1e3 * np.linalg.norm(places - measured, axis=1) for places in (path.baseline, path.improved)]
+    run = HeldOutRun(
+        recording="held_out/square_231220200029_02.csv",
+        time_s=np.arange(turn.size) * 0.1,
+        command=0.1 + 0.02 * np.sin(5 * turn),
+        command_label="speed of the wheels' middle (m/s)",
+        measured=np.zeros(turn.size),
+        baseline=off_mm[0],
+        improved=off_mm[1],
+        stale=np.zeros(turn.size),
+        baseline_rmse=float(np.sqrt(np.mean(off_mm[0] ** 2))),
+        improved_rmse=float(np.sqrt(np.mean(off_mm[1] ** 2))),
+        path=path,
+    )
+    return replace(
+        explained(runs=1), name="robot", held_out=(run,), leftover=None,
+        mismatch=Mismatch("pose", (), (), None), fit=Fit("position error", "mm", 117.0, 11.7, 10.0),
+    )  # fmt: skip
+
+
+@cache
+def changes():
+    """A motor with more inertia and a spring after."""
+    run = held_out("after_the_repair_of_the_arm_03.csv", 5, truth={"gravity": 9.0}, improved={"gravity": 8.8})
+    inertia = Change("inertia_kg_m2", 1.2e-3, 1.92e-3, 4e-5, "kg·m²", (1.84e-3, 2.0e-3), 0.9998)
+    load = Change(
+        "gravity_load", None, 0.0171, 6e-4, "N·m", (0.0159, 0.0183), 0.93, params=GRAVITY.params
+    )  # fmt: skip
+    return Changes(
+        name="after-the-repair",
+        before="before",
+        verdict="changed",
+        sentence="The load changed: inertia 0.0012 to 0.00192 kg·m², and gravity load of an unbalanced arm came in.",
+        changes=(inertia, load),
+        refit=REFIT,
+        effects=(GRAVITY,),
+        fit=overall([run]),
+        tolerance=Tolerance(0.5, "deg", 0.42),
+        mismatch=Mismatch("a_tacho_deg", (), (), None),
+        notes=("recordings of one side were made on another day",),
+        held_out=(run,),
+        plant=load_plant("nxt_motor"),
     )

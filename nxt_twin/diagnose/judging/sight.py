@@ -68,9 +68,7 @@ def missing_motions(problem: Problem) -> tuple[str, ...]:
         said.append("it runs at hardly more than one steady speed")
     changes = sum(int(np.count_nonzero(np.diff(s.command))) for s in problem.signals)
     if changes < _FEW_COMMANDS:
-        said.append(
-            f"its command changes only {changes} times" if changes != 1 else "its command changes once"
-        )
+        said.append(_few_changes(changes))
     small = np.abs(command) < _MOVING_SHARE * max(float(np.max(np.abs(command))), 1e-12)
     if np.mean(small) < _RARE:
         said.append("its command never rests near zero")
@@ -82,6 +80,12 @@ def missing_motions(problem: Problem) -> tuple[str, ...]:
     if first.input_kind == "power_pct" and all(np.all(s.command_mode == MODE_DRIVE) for s in problem.signals):
         said.append("it never runs out without current")
     return tuple(said)
+
+
+def _few_changes(count: int) -> str:
+    if count > 1:
+        return f"its command changes only {count} times"
+    return "its command changes once" if count else "its command never changes"
 
 
 def _is_one_speed(speeds: Sequence[float] | np.ndarray) -> bool:
