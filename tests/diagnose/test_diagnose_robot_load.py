@@ -48,3 +48,29 @@ def test_commands_that_act_late_are_no_missing_force():
     assert [effect.id for effect in found.effects] == ["payload_mass"]
     (told,) = (note for note in found.notes if "after their stamps" in note)
     assert abs(float(told.split("act ")[1].split(" ms")[0]) - 3e3 * period_s) <= 10.0
+
+
+def _lost_from_sight(case):
+    """The case where a camera loses the robot for a third of a second, ten times a run."""
+
+    def blinded(recording):
+        rows = np.arange(recording.time_s.size)
+        gone = (rows % (rows.size // 10) > rows.size // 10 - 8) & (rows > 20)
+        lost = {
+            name: np.where(gone, np.nan, values)
+            for name, values in recording.columns.items()
+            if name.startswith("pose_")
+        }
+        return replace(recording, columns={**recording.columns, **lost})
+
+    return replace(case, recordings=tuple(map(blinded, case.recordings)))
+
+
+def test_powers_act_while_the_camera_does_not_see_the_robot():
+    truth = robot_of_seed(5)
+    loaded = powered_case("blind", replace(truth, mass_kg=truth.mass_kg + ADDED_KG), 1)
+    found = diagnose_robot(_lost_from_sight(loaded)).diagnosis
+    assert found.verdict == "explained"
+    assert [effect.id for effect in found.effects] == ["payload_mass"]
+    low_kg, high_kg = found.effects[0].params["added_mass_kg"].interval_95
+    assert low_kg < ADDED_KG < high_kg

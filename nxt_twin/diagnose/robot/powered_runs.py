@@ -9,7 +9,7 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
-from nxt_twin.diagnose.robot.runs import RobotRun
+from nxt_twin.diagnose.robot.runs import filled_run
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import wheel_angles
 from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
@@ -32,7 +32,6 @@ class PoweredStack:
         volts: at both motors from each row on, shape (rows, 2); NaN where a motor is let go.
         angles_rad: of both wheels, shape (rows, 2).
         heading_rad: as measured.
-        place: measured x + i·y.
         speeds: travel and turning rate from the counts, shape (rows, 2).
         shape: radii, track, caster, as `wheel_angles` takes them.
         delay_s: by which the voltages act later than the recordings' stamps say.
@@ -43,7 +42,6 @@ class PoweredStack:
     volts: FloatArray
     angles_rad: FloatArray
     heading_rad: FloatArray
-    place: FloatArray
     speeds: FloatArray
     shape: FloatArray
     delay_s: float = 0.0
@@ -83,22 +81,21 @@ class PoweredStack:
 
 def powered_stack(
     recordings: Sequence[Recording],
-    runs: Sequence[RobotRun],
     drive: DifferentialDrive,
     geometry: Geometry,
     shape_back_m: float,
     supply_v: float,
 ) -> PoweredStack:
-    """Runs with their powers.
+    """Runs with their powers, at every row: a command acts whether the camera saw the robot or not.
 
     Args:
         recordings: with both power columns.
-        runs: of the same recordings, with poses.
         drive: names the ports.
         geometry: the fitted wheels and track.
         shape_back_m: the caster's distance behind the axle.
         supply_v: of the battery where a recording holds none.
     """
+    runs = [filled_run(recording, drive) for recording in recordings]
     volts, time_s = [], []
     for index, (recording, run) in enumerate(zip(recordings, runs, strict=True)):
         supply = _supply(recording, run.time_s, supply_v)
@@ -119,7 +116,6 @@ def powered_stack(
         volts=np.concatenate(volts),
         angles_rad=np.concatenate(angles),
         heading_rad=np.concatenate([run.pose.heading_rad for run in runs]) - offset,
-        place=np.concatenate([np.stack([run.pose.x_m, run.pose.y_m], axis=1) for run in runs]),
         speeds=np.concatenate(speeds),
         shape=np.array([*radii, geometry.track_m, shape_back_m]),
     )

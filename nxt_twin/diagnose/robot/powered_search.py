@@ -16,7 +16,6 @@ from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
 from nxt_twin.diagnose.robot.powered_runs import PoweredStack, powered_stack
-from nxt_twin.diagnose.robot.runs import robot_runs
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import LOAD_GYRATION, NAMES
@@ -113,9 +112,7 @@ def fit_body(
         PlantError: a dynamic key is missing or none.
     """
     robot = powered_robot(drive)
-    stack = powered_stack(
-        recordings, robot_runs(recordings, drive), drive, geometry, robot.caster_back_m, robot.supply_v
-    )
+    stack = powered_stack(recordings, drive, geometry, robot.caster_back_m, robot.supply_v)
     free = np.ones(len(NAMES), dtype=bool)
     fitted = fit_powered(stack, robot.values, free)
     if fitted.left_deg < STRUCTURED_TIMES * noise_deg(stack, fitted.values):
@@ -223,9 +220,7 @@ def _notes(
         )
     if held:
         robot = powered_robot(drive)
-        stack = powered_stack(
-            held, robot_runs(held, drive), drive, geometry, robot.caster_back_m, robot.supply_v
-        )
+        stack = powered_stack(held, drive, geometry, robot.caster_back_m, robot.supply_v)
         late = stack.delayed(delay_s) if delay_s else stack
         before, after = rms_of(stack, robot.values), rms_of(late, values)
         said.append(

@@ -67,6 +67,21 @@ def robot_runs(recordings: Sequence[Recording], drive: DifferentialDrive) -> tup
     return tuple(_run(recording, drive) for recording in recordings)
 
 
+def filled_run(recording: Recording, drive: DifferentialDrive) -> RobotRun:
+    """A recording at all its rows between the first and the last pose; poses that rows lack are interpolated.
+
+    Raises:
+        DiagnosisError: as `robot_runs`.
+    """
+    seen = _run(recording, drive)
+    time_s = recording.time_s
+    kept = (np.diff(time_s, prepend=-np.inf) > 0.0) & (time_s >= seen.time_s[0]) & (time_s <= seen.time_s[-1])
+    left, right = (angle[kept] - angle[kept][0] for angle in wheels_of(recording, drive))
+    told = (seen.pose.x_m, seen.pose.y_m, seen.pose.heading_rad)
+    pose = PosePath(*(np.interp(time_s[kept], seen.time_s, each) for each in told))
+    return RobotRun(seen.name, seen.session, time_s[kept], left, right, pose)
+
+
 def session_of(name: str) -> str:
     """The name without its ending and its last number: `square_2306_01.csv` and `square_2306_02.csv` share one."""
     return re.sub(r"[_\- ]?\d+$", "", PurePath(name).with_suffix("").as_posix())
