@@ -102,10 +102,18 @@ def _seen(guessed: Guessed, recordings: tuple[Recording, ...]) -> list[str]:
     seconds = sum(recording.duration_s for recording in recordings)
     count = f"{len(recordings)} recordings" if len(recordings) > 1 else "one recording"
     rate = rows / seconds if seconds > 0.0 else 0.0
-    unused = f"; no numbers in {', '.join(list(profile.others)[:6])}" if profile.others else ""
+    idle = [name for name in profile.others if name not in _columns_in(guessed.keys)]
+    unused = f"; no numbers in {', '.join(idle[:6])}" if idle else ""
     robot = [_PLANT] if is_robots(guessed.keys) else []
     return [
         f"{profile.path.name}: {profile.kind}, {profile.rows} rows, {len(profile.columns)} columns of numbers{unused}",
         f"read so: {count}, {seconds:.4g} s, about {rate:.4g} rows a second",
         *robot,
     ]
+
+
+def _columns_in(keys: object) -> set[str]:
+    """The columns that a mapping names, at any depth."""
+    within = keys.values() if isinstance(keys, dict) else keys if isinstance(keys, list) else ()
+    own = {keys["column"]} if isinstance(keys, dict) and isinstance(keys.get("column"), str) else set()
+    return own.union(*(_columns_in(each) for each in within))

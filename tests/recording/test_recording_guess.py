@@ -65,6 +65,21 @@ def test_text_tables(tmp_path, text, encoding):
     assert ("supply" in keys) == ("Batterie" in text)
 
 
+@pytest.mark.parametrize(("forward", "backward"), [("V", "R"), ("R", "V")])
+def test_a_bench_that_writes_the_direction_as_a_word_and_leaves_units_empty(tmp_path, forward, backward):
+    rows = (
+        f"10:{int(t) // 60:02}:{t % 60:05.2f};{abs(u) * 2.55:.0f};{forward if u >= 0 else backward};{y}".replace(
+            ".", ","
+        )
+        for t, u, y in zip(T, U, DEG, strict=True)
+    )
+    head = "Bench 3; motor A\n\nUhrzeit;Stellgröße;Richtung;Drehwinkel\nhh:mm:ss;PWM;;Grad"
+    (tmp_path / "log.csv").write_bytes("\n".join([head, *rows]).encode("cp1252"))
+    keys, recordings = guessed(tmp_path / "log.csv")
+    assert keys["input"]["sign"] == {"column": "Richtung", "values": {forward: 1, backward: -1}}
+    holds(recordings)
+
+
 def test_a_phone_s_log_of_json_lines(put):
     rows = (
         {"timestamp": 1.7e12 + 1e3 * t, "device": "phone", "motor": {"duty": u, "angle_deg": y}}

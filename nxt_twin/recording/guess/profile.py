@@ -30,6 +30,7 @@ _WORDS = re.compile(r"[A-Z]?[a-zäöü°µ]+|[A-Z]+(?![a-zäöü])|\d+|%")
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _TRUTHS = {"true": "1", "false": "0"}
 _FEW_WORDS = 8
+_SWITCHED = 2
 _FEWEST_ROWS = 2
 _LEVELS_UP = 4  # from a LeRobot episode to its data set's meta/info.json
 
@@ -44,12 +45,14 @@ class TableColumn:
         values: shape (rows,); NaN is an empty cell.
         stated_unit: what a row of units, or brackets in the name, state.
         joint: the joint that it is of, where the data set's description names it.
+        labels: the words that 0, 1 and so on stand for, of a column of words.
     """
 
     name: str
     values: FloatArray
     stated_unit: str = ""
     joint: str = ""
+    labels: tuple[str, ...] = ()
 
     @cached_property
     def words(self) -> tuple[str, ...]:
@@ -101,6 +104,7 @@ class TableProfile:
         columns: those of numbers, as many rows each.
         others: the columns that hold none, and the words of those with few different ones.
         twice: names that several columns bear, none of which is read.
+        switches: the columns that hold one of two words in each row.
     """
 
     path: Path
@@ -109,6 +113,7 @@ class TableProfile:
     columns: tuple[TableColumn, ...]
     others: Mapping[str, tuple[str, ...]]
     twice: tuple[str, ...] = ()
+    switches: tuple[TableColumn, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -142,7 +147,12 @@ def profile_of(path: Path) -> TableProfile:
     joints = _joints(file)
     columns = (TableColumn(n, v, units.get(n, _bracketed(n)), joints.get(n, "")) for n, v in numbers.items())
     others = {name: _few(words[name]) for name, values in cells.items() if values is None}
-    return TableProfile(file, kind, layout, tuple(columns), others, _twice(file, layout))
+    switches = (
+        TableColumn(name, _coded(words[name], own), labels=own)
+        for name, own in others.items()
+        if len(own) == _SWITCHED
+    )
+    return TableProfile(file, kind, layout, tuple(columns), others, _twice(file, layout), tuple(switches))
 
 
 def _twice(file: Path, layout: TextLayout | None) -> tuple[str, ...]:
@@ -157,6 +167,12 @@ def _few(cells: Sequence[str]) -> tuple[str, ...]:
     """The different words of a column; none where there are many."""
     found = sorted({word for word in cells if word})
     return tuple(found) if len(found) <= _FEW_WORDS else ()
+
+
+def _coded(cells: Sequence[str], labels: tuple[str, ...]) -> FloatArray:
+    """The place of each cell's word among the labels; NaN is an empty cell."""
+    places = {word: float(place) for place, word in enumerate(labels)}
+    return np.array([places.get(cell, np.nan) for cell in cells], dtype=np.float64)
 
 
 def _words(file: Path, kind: TableKind) -> tuple[TextLayout | None, dict[str, tuple[str, ...]]]:

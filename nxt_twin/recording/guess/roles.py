@@ -69,7 +69,9 @@ def roles_of(profile: TableProfile, joint: str | None) -> Roles:
     command = _take(given, lambda column: _as_input(column, output)) if output else None
     left = [column for column in left if column is not command]
     supply = _take(left, _as_supply)
-    sign = _take(left, lambda column: float(is_sign(column) and bool(command and command.known.min() >= 0.0)))
+    unsigned = command is not None and command.known.min() >= 0.0
+    sign = _take([*left, *profile.switches], lambda column: float(unsigned and is_sign(column)))
+    left = [column for column in left if column is not sign]
     return Roles(time, split, output, command, supply, tuple(filter(_is_mode, left)), sign, slopes)
 
 

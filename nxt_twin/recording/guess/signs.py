@@ -18,6 +18,8 @@ def sign_values(sign: TableColumn, command: TableColumn, reading: TableColumn) -
     paces = {value: float(np.sum(step[told == value])) for value in values.tolist()}
     forward = max(paces, key=lambda value: paces[value])
     return {
-        f"{value:g}": 1 if value == forward else (0 if value == 0.0 and values.size > 2 else -1)
+        sign.labels[int(value)] if sign.labels else f"{value:g}": 1
+        if value == forward
+        else (0 if value == 0.0 and values.size > 2 else -1)
         for value in paces
     }

@@ -109,7 +109,7 @@ def text_layout(path: Path, given: Mapping[str, object]) -> TextLayout:
     transposed = bool(given.get("transposed", lies))
     header = bool(body) and not (_is_value(body[0][0]) if transposed else _is_values(body[0]))
     below = body[1:3]
-    units_row = header and len(below) == 2 and not any(map(_is_value, below[0])) and _is_values(below[1])
+    units_row = header and len(below) == 2 and _is_words(below[0]) and _is_values(below[1])
     decimal = "," if _has_comma_numbers(body) else "."
     found = TextLayout(
         delimiter=delimiter,
@@ -172,6 +172,11 @@ def _cut(line: str, delimiter: str) -> list[str]:
 
 def _is_value(cell: str) -> bool:
     return cell in EMPTY_WORDS or bool(_NUMBER.fullmatch(cell) or _COMMA_NUMBER.fullmatch(cell))
+
+
+def _is_words(row: Sequence[str]) -> bool:
+    """Whether a line holds words and no number, as a row of units does; a column without a unit leaves it empty."""
+    return any(row) and not any(_is_value(cell) for cell in row if cell)
 
 
 def _is_values(row: Sequence[str]) -> bool:
