@@ -49,6 +49,7 @@ from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
+from nxt_twin.diagnose.telling.signs import lost_signs
 from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.diagnose.where.mismatch import mismatch_of
 from nxt_twin.physics.effect import Effect
@@ -193,7 +194,11 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     far = moved_far(problem.plant, evidence.final.plant)
     small = words.too_small([one.name for one in evidence.needless])
     rest = _what_is_left(evidence, verdict)
-    sentence = " ".join([*far, sentence, *small, *load, *rest, *_stood_still(evidence, verdict)])
+    faults = (
+        *_stood_still(evidence, verdict),
+        *(lost_signs(problem.signals) if verdict == "unexplained" else ()),
+    )
+    sentence = " ".join([*far, sentence, *small, *load, *rest, *faults])
     return Diagnosis(
         name=problem.name,
         verdict=verdict,

@@ -318,3 +318,11 @@ def test_repeated_stamps_want_a_look(put, each, told):
     guessed = guess_mapping(put("twice.csv", "time_ms,pwm,deg\n" + rows))
     why = {guess.key: guess.why for guess in guessed.guesses}["time"]
     assert ("50% of the rows repeat the stamp before" in why and "CHECK" in why) == told
+
+
+def test_a_command_of_one_sign_under_which_the_angle_goes_both_ways_asks_for_its_sign(tmp_path):
+    doubt = "has one sign, and y_deg goes both ways under it: CHECK for a lost sign"
+    for size, said in ((np.abs(U), True), (U, False)):
+        (tmp_path / "log.csv").write_text(lines("t,pwm,y_deg", T, size, DEG))
+        why = next(guess.why for guess in guess_mapping(tmp_path / "log.csv").guesses if guess.key == "input")
+        assert (doubt in why) is said

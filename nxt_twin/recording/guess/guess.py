@@ -11,7 +11,9 @@ from typing import Any, final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.errors import MappingError
+from nxt_twin.recording.checks import held_commands
 from nxt_twin.recording.column_words import INPUTS, OUTPUTS
 from nxt_twin.recording.guess.found import Guess
 from nxt_twin.recording.guess.joints import joints_beside
@@ -41,6 +43,7 @@ from nxt_twin.recording.guess.united import united_cells
 from nxt_twin.recording.guess.vocabulary import MODE_WORDS
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.nested import split_name
+from nxt_twin.recording.unsigned import lost_sign
 
 _IN_NAME = re.compile(
     r"(power|pwm|duty|volt(?:age)?|spannung)[^\d+-]{0,3}([+-]?\d+(?:\.\d+)?)", re.IGNORECASE
@@ -270,6 +273,10 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
         if roles.sign is not None:
             keys["sign"] = roles.sign.keys | {"values": sign_values(roles.sign, roles.input, roles.output)}
             why += f"; {roles.sign.name} tells its direction, by which way the reading goes"
+        elif role != "goal" and lost_sign(*_driven(roles.input, roles.output, roles.time)):
+            why += (
+                f"; it has one sign, and {roles.output.name} goes both ways under it: CHECK for a lost sign"
+            )
         return Guess("input", keys, why)
     named = _IN_NAME.search(profile.path.name)
     if named:
@@ -289,6 +296,18 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
     either = "`input: {column: …, kind: power_pct}` or `input: {value: 60, kind: power_pct}`"
     mend = f"write {either} in a mapping{rest}"
     raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
+
+
+def _driven(
+    command: TableColumn, reading: TableColumn, time: TableColumn | None
+) -> tuple[FloatArray, FloatArray]:
+    """The command in force in each row that has a reading, and how far the motor has come there."""
+    rows = np.isfinite(reading.values)
+    held = held_commands(command.values, float(command.known[0]))[rows]
+    if output_scale(reading, time)[0] == "speed":
+        return held, np.cumsum(reading.values[rows])
+    turn = turn_length(reading)
+    return held, np.unwrap(reading.values[rows], period=turn) if turn else reading.values[rows]
 
 
 def _pulse(command: TableColumn, reading: TableColumn, time: TableColumn | None) -> dict[str, float]:
