@@ -1,4 +1,4 @@
-"""`nxt-twin blind changed`: pairs of recordings before and after a touch: make, solve, score."""
+"""`nxt-twin blind changed`: pairs of recordings before and after a touch: make, solve, reach, score."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ FoundArgument = Annotated[Path, typer.Argument(help="Folder for one JSON a pair.
 JobsOption = Annotated[int, typer.Option(min=1, help="Processes that share the work.")]
 
 pairs = typer.Typer(
-    no_args_is_help=True, help="Pairs of recordings before and after a touch: make, solve and score them."
+    no_args_is_help=True,
+    help="Pairs of recordings before and after a touch: make, solve, reach and score them.",
 )
 
 
@@ -59,14 +60,30 @@ def solve(cases: CasesArgument, out: FoundArgument, jobs: JobsOption = 1) -> Non
 
 
 @pairs.command()
+def reach(cases: CasesArgument, answers: AnswersArgument, out: FoundArgument, jobs: JobsOption = 1) -> None:
+    """Fit the true changes to every pair: whether its recordings show them at all."""
+    from nxt_twin.blind.pairs.reach import reach_pairs
+    from nxt_twin.blind.solve import case_folders
+    from nxt_twin.fleet.workers.place import place_of
+
+    folders = case_folders(cases)
+    follow_cases("reaching", reach_pairs(folders, answers, out, place=place_of(jobs, None)), len(folders))
+    print(f"{len(folders)} pairs, what the true changes gain in {out}")
+
+
+@pairs.command()
 def score(
-    cases: CasesArgument, answers: AnswersArgument, found: FoundArgument, json: JsonOption = None
+    cases: CasesArgument,
+    answers: AnswersArgument,
+    found: FoundArgument,
+    reached: Annotated[Path | None, typer.Option(help="Folder of what the true changes gain.")] = None,
+    json: JsonOption = None,
 ) -> None:
     """Hold what is said to have changed against the sealed answers: the shares, and what was wrong."""
     from nxt_twin.blind.aims import as_text
     from nxt_twin.blind.pairs.score import aims_of_pairs, as_lines, score_pairs
 
-    judged = score_pairs(cases, answers, found)
+    judged = score_pairs(cases, answers, found, reached)
     if json:
         emit_json(
             json, json_format.dumps({"schema": "nxt-twin/pairs/1", "pairs": [asdict(one) for one in judged]})

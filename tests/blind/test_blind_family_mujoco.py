@@ -63,6 +63,14 @@ def test_a_stop_holds_the_hub_at_its_limit():
     assert hub_rad[-1] == pytest.approx(2.0, abs=0.05)
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_a_load_bears_its_share_of_the_friction_and_adds_none(share):
+    motor = replace(PLAIN, load_inertia_kg_m2=6e-4, gap_rad=np.deg2rad(1.0), share=share)
+    hub_rad = MuJoCo(motor, 0.0).run(STOPS_S, 0.6, 0)[:, 0]
+    steady, plain = (np.diff(rad[-10:]).mean() for rad in (hub_rad, oracle(PLAIN, 0.6)))
+    assert steady == pytest.approx(plain, rel=0.01)
+
+
 def test_a_load_behind_play_is_taken_along_once_the_play_is_used_up():
     motor = replace(PLAIN, load_inertia_kg_m2=1.2e-3, gap_rad=np.deg2rad(16.0))
     hub_rad = MuJoCo(motor, 0.0).run(STOPS_S, 0.6, 0)[:, 0]

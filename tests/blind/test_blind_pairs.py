@@ -1,12 +1,14 @@
 """Pairs of recordings before and after a touch: what is made, what is sealed, and how an answer is judged."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from nxt_twin.blind.pairs.make import PairPlan, make_pair, make_pairs, plan_pairs
-from nxt_twin.blind.pairs.score import aims_of_pairs, score_pairs
+from nxt_twin.blind.pairs.reach import PairReach, reach_pairs, read_reach
+from nxt_twin.blind.pairs.score import aims_of_pairs, as_lines, score_pairs
 from nxt_twin.blind.pairs.touches import TOUCHES, stand_together
 from nxt_twin.errors import CaseError
 from nxt_twin.physics.library import library
@@ -22,13 +24,18 @@ def written(tmp_path_factory):
     return folder
 
 
-def said(folder, *changes, verdict="changed"):
-    """Judge an answer that names these."""
+def said(folder, *changes, verdict="changed", others=(), reached=None):
+    """Judge an answer that names these, and `others` as pairs of a named change and what may stand in its place."""
     found = folder / "found"
     found.mkdir(exist_ok=True)
-    content = {"verdict": verdict, "changes": [{"of": one} for one in changes]}
+    alternatives = [{"instead_of": name, "id": other} for name, other in others]
+    content = {
+        "verdict": verdict,
+        "changes": [{"of": one} for one in changes],
+        "alternatives": alternatives,
+    }
     (found / "pair-0001.json").write_text(json.dumps(content))
-    (judged,) = score_pairs(folder / "cases", folder / "answers", found)
+    (judged,) = score_pairs(folder / "cases", folder / "answers", found, reached)
     return judged
 
 
@@ -72,7 +79,42 @@ def test_an_answer_has_to_name_everything_and_nothing_else(written):
     assert not said(written, "gravity_torque_nm", "supply_v", "coulomb_friction_nm").exact
     wrong = said(written, "gravity_torque_nm", "supply_v", verdict="unexplained")
     assert (wrong.exact, wrong.touched) == (False, ("gravity", "supply"))
-    assert [aim.measured for aim in aims_of_pairs([wrong])] == [None, None, 0.0]
+    assert [aim.measured for aim in aims_of_pairs([wrong])] == [None, None, None, 0.0, 0.0]
+
+
+def test_an_alternative_counts_beside_exact_and_never_as_exact(written):
+    set_of_two = said(written, "gravity_torque_nm", "resistance_ohm", others=[("resistance_ohm", "supply_v")])
+    assert (set_of_two.exact, set_of_two.holds, set_of_two.set_size) == (False, True, 3)
+    elsewhere = said(
+        written, "gravity_torque_nm", "resistance_ohm", others=[("gravity_torque_nm", "supply_v")]
+    )
+    assert not elsewhere.holds
+    assert said(written, "gravity_torque_nm", "supply_v").holds
+    exact, either = aims_of_pairs([set_of_two])[-2:]
+    assert (exact.measured, either.measured) == (0.0, 1.0)
+
+
+def test_the_true_changes_are_fitted_and_a_pair_that_hardly_shows_them_is_counted_apart(written):
+    reached = written / "reached"
+    (failed,) = reach_pairs([written / "cases" / "pair-0001"], written / "answers", reached)
+    assert failed == ("pair-0001", "")
+    reach = read_reach(reached / "pair-0001.json")
+    assert reach.is_detectable
+    assert set(reach.gain_nats) == {"gravity", "supply"}
+    assert max(reach.true_rms) < 0.2 * max(reach.shared_rms)
+    seen = said(written, "gravity_torque_nm", reached=reached)
+    assert seen.detectable
+    assert "not detectable" not in as_lines([seen])
+    weak = PairReach({"gravity": 9.9, "supply": 99.0}, {}, (0.1, 0.2), (0.01, 0.01), 0.05)
+    assert not weak.is_detectable
+    assert not replace(weak, gain_nats={"gravity": 99.0}, tolerance=0.3).is_detectable
+    assert replace(weak, gain_nats={"gravity": 10.1}).is_detectable
+    unseen = replace(seen, detectable=False)
+    assert "not detectable" in as_lines([unseen])
+    assert [(aim.words, aim.cases) for aim in aims_of_pairs([unseen, seen])][-1] == (
+        "two changes: both named, detectable",
+        1,
+    )
 
 
 def test_an_answer_that_was_not_sealed_is_refused(written):

@@ -1,4 +1,4 @@
-"""Two changes that together look like another winding, and are named nonetheless."""
+"""Changes that look like others, and are named nonetheless; or the other stands beside them."""
 
 import pytest
 
@@ -7,14 +7,58 @@ from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.recording.case import Case
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
-def test_more_inertia_and_viscous_friction_are_told_from_another_resistance(tmp_path, seed):
-    pair = make_pair(PairPlan("pair", "bristle", seed, ("viscous_friction", "inertia")))
+def answered(folder, plan):
+    """What `changed` says of a pair that was made by `plan`."""
+    pair = make_pair(plan)
     before, after = (
-        Case(name, tmp_path, pair.content["plant"], recordings, (), "a")
+        Case(name, folder, pair.content["plant"], recordings, (), "a")
         for name, recordings in (("before", pair.recordings[:2]), ("after", pair.recordings[2:]))
     )
     (found,) = changed(before, [after])
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_more_inertia_and_viscous_friction_are_told_from_another_resistance(tmp_path, seed):
+    found = answered(tmp_path, PairPlan("pair", "bristle", seed, ("viscous_friction", "inertia")))
     assert {change.of for change in found.changes} == {"inertia_kg_m2", "viscous_friction_nm_s_per_rad"}
     assert "The motor did not change." in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "seed", "touches", "named"),
+    [
+        # A second body lends each window a speed of its own: without play it gains as much.
+        ("stiff", 4180661421639318, ("inertia", "constant_load"), {"inertia_kg_m2", "constant_load"}),
+        # 3.5 times the viscous friction: a straight line promises other changes more.
+        ("bristle", 3295693422651867, ("viscous_friction",), {"viscous_friction_nm_s_per_rad"}),
+        # Readings that only check tell drag that came in from drag on both sides.
+        ("workshop", 8931666385939929, ("quadratic_drag",), {"quadratic_drag"}),
+        # Beside a sag, a load too small to have a name is what the model lacks.
+        ("stiff", 8703024939634641, ("battery_sag",), {"battery_sag"}),
+        # 5 % more viscous friction, where nothing changed.
+        ("workshop", 4655944039609400, (), set()),
+    ],
+)
+def test_what_looks_like_another_change_is_named(tmp_path, family, seed, touches, named):
+    found = answered(tmp_path, PairPlan("pair", family, seed, touches))
+    assert {change.of for change in found.changes} == named
+
+
+@pytest.mark.slow
+def test_an_earlier_command_and_less_inertia_are_not_told_apart_and_both_are_listed(tmp_path):
+    found = answered(tmp_path, PairPlan("pair", "workshop", 2127203907632197, ("command_delay",)))
+    both = {change.of for change in found.changes} | {other.id for other in found.alternatives}
+    assert both == {"inertia_kg_m2", "command_delay"}
+    (other,) = found.alternatives
+    assert other.instead_of in {change.of for change in found.changes}
+    assert "fits these recordings as well" in found.notes[0]
+
+
+@pytest.mark.slow
+def test_a_steady_torque_and_another_rest_of_a_band_are_one_motion_and_both_are_listed(tmp_path):
+    found = answered(tmp_path, PairPlan("pair", "mujoco", 8242053332630627, ("constant_load", "spring")))
+    assert {change.of for change in found.changes} == {"stiffness_nm_per_rad", "rest_angle_deg"}
+    assert ("constant_load", "rest_angle_deg") in [(one.id, one.instead_of) for one in found.alternatives]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
 from nxt_twin.blind.aims import Aim
+from nxt_twin.blind.pairs.reach import read_reach
 from nxt_twin.blind.pairs.touches import TOUCHES
 from nxt_twin.blind.solve import case_folders
 from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
@@ -38,6 +39,9 @@ class JudgedPair:
         verdict: the answer's, or `none` where there was none.
         named: what the answer says has changed.
         exact: whether everything that was done is named and nothing else.
+        detectable: whether the recordings show every change at all; None where nobody fitted the truth.
+        holds: whether it is exact, or would be with an alternative in the place of the change that it names.
+        set_size: how many things the answer considers: what it names, and alternatives.
     """
 
     name: str
@@ -46,6 +50,9 @@ class JudgedPair:
     verdict: str
     named: tuple[str, ...]
     exact: bool
+    detectable: bool | None = None
+    holds: bool = False
+    set_size: int = 0
 
 
 def solve_pairs(folders: Sequence[Path], out: Path, *, place: Place = HERE) -> Iterator[NameAndFailure]:
@@ -65,16 +72,25 @@ def _solve(folder: Path, target: Path) -> NameAndFailure:
     return folder.name, ""
 
 
-def score_pairs(cases: Path, answers: Path, found: Path) -> list[JudgedPair]:
+def score_pairs(cases: Path, answers: Path, found: Path, reached: Path | None = None) -> list[JudgedPair]:
     """Judge each pair.
+
+    Args:
+        cases: folder of the pairs.
+        answers: folder of the sealed answers.
+        found: folder of the answers that were given.
+        reached: folder of what the true changes gain (`reach_pairs`), where that is known.
 
     Raises:
         CaseError: an answer is another than was sealed.
     """
-    return [
-        _judged(read_sealed(answers / f"{folder.name}.json", folder), found / f"{folder.name}.json")
-        for folder in case_folders(cases)
-    ]
+    judged = []
+    for folder in case_folders(cases):
+        file = f"{folder.name}.json"
+        pair = _judged(read_sealed(answers / file, folder), found / file)
+        reach = read_reach(reached / file) if reached else None
+        judged.append(replace(pair, detectable=reach.is_detectable) if reach else pair)
+    return judged
 
 
 def _judged(answer: Mapping[str, Any], found: Path) -> JudgedPair:
@@ -82,9 +98,19 @@ def _judged(answer: Mapping[str, Any], found: Path) -> JudgedPair:
     verdict = str(said.get("verdict", NO_ANSWER))
     named = tuple(str(change["of"]) for change in said.get("changes", ()))
     touched = tuple(str(change["id"]) for change in answer["changes"])
+    others = [(str(one["instead_of"]), str(one["id"])) for one in said.get("alternatives", ())]
     right = verdict == ("changed" if touched else "unchanged")
+    exact = right and _names(touched, named)
+    sets = (tuple(other if each == place else each for each in named) for place, other in others)
     return JudgedPair(
-        str(answer["case"]), str(answer["family"]), touched, verdict, named, right and _names(touched, named)
+        str(answer["case"]),
+        str(answer["family"]),
+        touched,
+        verdict,
+        named,
+        exact,
+        holds=exact or (right and any(_names(touched, each) for each in sets)),
+        set_size=len(named) + len(others),
     )
 
 
@@ -96,19 +122,36 @@ def _names(touched: Sequence[str], named: Sequence[str]) -> bool:
 
 
 def aims_of_pairs(pairs: Sequence[JudgedPair]) -> list[Aim]:
-    """The share that is exact, beside what is asked for."""
+    """The share that is exact, beside what is asked for: of all pairs, and of those that show their changes."""
     found = []
     for words, changes, bound in _AIMS:
-        own = [pair.exact for pair in pairs if len(pair.touched) == changes]
-        found.append(Aim(words, sum(own) / len(own) if own else None, bound, at_least=True, cases=len(own)))
+        own = [pair for pair in pairs if len(pair.touched) == changes]
+        found.append(_exact(words, own, bound))
+        if changes:
+            found.append(_share(f"{words}, or an alternative is", [pair.holds for pair in own], bound))
+        if changes and any(pair.detectable is not None for pair in own):
+            found.append(_exact(f"{words}, detectable", [pair for pair in own if pair.detectable], bound))
     return found
+
+
+def _exact(words: str, pairs: Sequence[JudgedPair], bound: float) -> Aim:
+    return _share(words, [pair.exact for pair in pairs], bound)
+
+
+def _share(words: str, right: Sequence[bool], bound: float) -> Aim:
+    return Aim(words, sum(right) / len(right) if right else None, bound, at_least=True, cases=len(right))
 
 
 def as_lines(pairs: Sequence[JudgedPair]) -> str:
     """The faults, a line each."""
     return "".join(
         f"{pair.name} {pair.family:9} {' + '.join(pair.touched) or 'nothing':34} "
-        f"{pair.verdict}: {', '.join(pair.named) or 'nothing'}\n"
+        f"{pair.verdict}: {', '.join(pair.named) or 'nothing'}{_shown(pair)}\n"
         for pair in pairs
         if not pair.exact
     )
+
+
+def _shown(pair: JudgedPair) -> str:
+    """What a fault's line says of a change that the recordings do not show."""
+    return " (not detectable)" if pair.touched and pair.detectable is False else ""

@@ -45,6 +45,24 @@ class Change:
 
 
 @final
+@dataclass(frozen=True)
+class OtherChange:
+    """A change that the recordings do not tell from one that is named.
+
+    Attributes:
+        id: the parameter's name, or the effect's id.
+        instead_of: the named change in whose place it would stand.
+        probability: that it is this one of the two.
+        holdout_rmse: error of simulated windows after that no fit saw, with it.
+    """
+
+    id: str
+    instead_of: str
+    probability: float
+    holdout_rmse: float
+
+
+@final
 @dataclass(frozen=True, repr=False)
 class Changes:
     """What differs on a side after, and how well that accounts for it.
@@ -65,6 +83,7 @@ class Changes:
         held_out: recordings of the side after, in windows that no fit saw: as measured, as predicted by the
             plant before (`baseline`), and with the changes (`improved`).
         plant: of the side after.
+        alternatives: changes that the recordings do not tell from named ones, the likeliest first.
     """
 
     name: str
@@ -80,6 +99,7 @@ class Changes:
     notes: tuple[str, ...]
     held_out: tuple[HeldOutRun, ...]
     plant: Plant | DifferentialDrive = field(compare=False)
+    alternatives: tuple[OtherChange, ...] = ()
 
     def __repr__(self) -> str:
         """Short: names, verdict and changes."""

@@ -32,6 +32,24 @@ _WORSE = 1.02  # of the error of windows that only check: what is not worse
 
 @final
 @dataclass(frozen=True)
+class RivalChange:
+    """A change that readings do not tell from a chosen one.
+
+    Attributes:
+        instead_of: of a chosen variable its index, of an effect its id.
+        of: likewise, of the rival.
+        joint: with the rival in that place.
+        worth: what speaks for the rival in all readings, nats; negative where it is less likely.
+    """
+
+    instead_of: int | str
+    of: int | str
+    joint: JointFit
+    worth: float
+
+
+@final
+@dataclass(frozen=True)
 class Chosen:
     """The differences that earned their place.
 
@@ -39,11 +57,13 @@ class Chosen:
         joint: with them.
         nats: what each is worth beyond its penalty: of a variable by its index, of an effect by its id.
         lacking: ids of effects that would help on both sides, and are no change.
+        rivals: changes that readings do not tell from these, the likeliest first.
     """
 
     joint: JointFit
     nats: dict[int | str, float]
     lacking: tuple[str, ...]
+    rivals: tuple[RivalChange, ...] = ()
 
 
 @final
@@ -55,10 +75,11 @@ class Chooser:
     ) -> None:
         self._fitter, self._scale = fitter, scale
         penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
-        self.weighing = Weighing(penalty, limit_nats, inexact_nats)
+        self.weighing = Weighing(penalty, limit_nats, inexact_nats, scale)
         self._play = PlayTest(fitter, close, self.weighing, scale)
         self._signals = fitter.sides[1].jobs[0].signals
         self._lacking: set[str] = set()
+        self._tried: dict[int, tuple[JointFit, dict[int | str, list[tuple[JointFit, JointFit]]]]] = {}
         self._may_be_motor = True
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
@@ -74,7 +95,28 @@ class Chooser:
             best = self._searched(best, self._pairs(joint), progress)
         if best.joint.model.motor_constants:
             best = self._sparing_the_motor(joint, best, progress)
-        return replace(best, lacking=tuple(sorted(self._lacking)))
+        return replace(best, lacking=tuple(sorted(self._lacking)), rivals=tuple(self._not_told(best)))
+
+    def _not_told(self, chosen: Chosen) -> list[RivalChange]:
+        """What may stand in the place of one change: the readings, priors apart, favour neither clearly."""
+        joint, found = chosen.joint, []
+        for each in chosen.nats:
+            for _, rival in self._rivals(joint, each):
+                new = (set(rival.model.differs) | set(rival.model.effects)) - set(chosen.nats)
+                if len(new) != 1 or rival.model.changes != joint.model.changes:
+                    continue
+                of = new.pop()
+                if self._is_as_likely(joint, rival) and self.weighing.has_a_name(rival, of):
+                    found.append(RivalChange(each, of, rival, self.weighing.worth(joint, rival)))
+        return sorted(found, key=lambda one: -one.worth)
+
+    def _is_as_likely(self, joint: JointFit, rival: JointFit) -> bool:
+        """Whether the readings favour `joint` by less than a change has to gain."""
+        behind = rival.cost + rival.check_cost - joint.cost - joint.check_cost
+        more = rival.model.size - joint.model.size
+        if sum(rival.check_rms) > max(_WORSE * sum(joint.check_rms), 2.0 * self._fitter.tolerance):
+            return False
+        return behind + self.weighing.penalty * more < self.weighing.limit_nats
 
     def _searched(self, best: Chosen, beginnings: Iterator[JointFit], progress: Progress) -> Chosen:
         """`best`, or what is likelier and grows from one of the first `beginnings`."""
@@ -150,7 +192,8 @@ class Chooser:
             joint = chosen.joint
             exchangeable = [each for each in chosen.nats if each != BACKLASH.id]  # closer windows showed it
             rivals = [rival for each in exchangeable for rival in self._rivals(joint, each)]
-            better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in rivals]
+            as_near = [pair for pair in rivals if sum(pair[1].check_rms) < _WORSE * sum(joint.check_rms)]
+            better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in as_near]
             better = [each for each in better if each[0] > _BETTER_NATS]
             better.sort(key=lambda each: -each[0])
             best = next((rival for _, bare, rival in better if not self._is_on_both(bare, rival)), None)
@@ -160,7 +203,16 @@ class Chooser:
         return chosen
 
     def _rivals(self, joint: JointFit, each: int | str) -> list[tuple[JointFit, JointFit]]:
-        """`joint` without one change, and with others in its place that readings which were not fitted accept."""
+        """`joint` without one change, and with others in its place.
+
+        What was found is kept by the fit itself, which `_tried` holds.
+        """
+        _, known = self._tried.setdefault(id(joint), (joint, {}))
+        if each not in known:
+            known[each] = self._rivals_anew(joint, each)
+        return known[each]
+
+    def _rivals_anew(self, joint: JointFit, each: int | str) -> list[tuple[JointFit, JointFit]]:
         model = self._without(joint.model, each)
         bare = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
         found = []
@@ -171,15 +223,21 @@ class Chooser:
                 joint.model.effects,
             ):
                 found.append(self._fitter.fit(wider, wider.moved_from(model, bare.x)))
-        return [(bare, rival) for rival in found if sum(rival.check_rms) < _WORSE * sum(joint.check_rms)]
+        return [(bare, rival) for rival in found]
 
     def _promising(self, joint: JointFit, most: int) -> list[ChangeCandidate]:
-        """What promises most beside `joint`, best first."""
+        """What promises most beside `joint`, best first; beside no change each parameter too.
+
+        A promise is a straight line's. It misleads where a first change is large.
+        """
         every = candidates_for(self._fitter, joint.model, self._scale)
         if not self._may_be_motor:
             ways = joint.model.ways
             every = [each for each in every if not any(ways[n].is_motor_constant for n in each.slots)]
-        return promising(self._fitter, joint, every, self._scale, most)
+        best = promising(self._fitter, joint, every, self._scale, most)
+        if joint.model.changes:
+            return best
+        return [*best, *(each for each in every if each.effect is None and each not in best)]
 
     def _wider(self, joint: JointFit, most: int) -> list[JointFit]:
         """`joint` with each of what promises most."""
@@ -218,7 +276,8 @@ class Chooser:
         model = joint.model.differing(tried.model.differs).lacking(effect, own, self._scale)
         common = self._fitter.fit(model, model.moved_from(tried.model, tried.x))
         spoils = common.check_rms[0] > max(_WORSE * tried.check_rms[0], self._fitter.tolerance)
-        if self.weighing.plain(joint, common) <= self.weighing.plain(joint, tried) or spoils:
+        together, alone = (self.weighing.plain(joint, fit) - fit.check_cost for fit in (common, tried))
+        if together <= alone or spoils:
             return False
         self._lacking.add(effect)
         return True

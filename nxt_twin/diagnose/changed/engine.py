@@ -14,6 +14,7 @@ from nxt_twin.diagnose.changed.model import Model, all_shared
 from nxt_twin.diagnose.changed.null import alarm_nats, lacking_nats
 from nxt_twin.diagnose.changed.play import CLOSE_WINDOW_S
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
+from nxt_twin.diagnose.changed.weighing import CLOSE_NATS
 from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.progress import Progress
@@ -25,7 +26,6 @@ from nxt_twin.recording.configs import load_plant_config
 LIMIT_NATS = 5.0
 """What a change has to gain beyond its penalty where no repeats tell how far one state varies."""
 
-_CLOSE_NATS = 20.0  # in close windows: there are more of them, and their errors go together
 _SAFETY = 1.5  # times what repeats seem to differ: they are few
 _INEXACT = 2.0  # times what an effect helps before: another load asks more of what the model lacks
 
@@ -73,6 +73,58 @@ class Compared:
     window_s: float
 
 
+@final
+@dataclass(frozen=True)
+class ReadyPair:
+    """Two sides made ready to be compared.
+
+    Attributes:
+        problems: of the sides before and after.
+        windows: both sides in windows of simulation.
+        model: all that they may share, and the ways in which they may differ.
+    """
+
+    problems: tuple[Problem, Problem]
+    windows: Windows
+    model: Model
+
+    @property
+    def tolerance(self) -> float:
+        """Error of a simulation that does not matter, SI."""
+        return max(problem.tolerance for problem in self.problems)
+
+
+def ready_pairs(before: Case, afters: Sequence[Case], tolerance: float | None = None) -> list[ReadyPair]:
+    """Make `before` and each of `afters` ready, under the plant of the former.
+
+    Raises:
+        NxtTwinError: a side cannot be compared; its text says why.
+    """
+    config = load_plant_config(before.plant) if isinstance(before.plant, str) else before.plant
+    cases = (before, *afters)
+    problems = [
+        problem_of(each.name, config, each.recordings, each.holdout, each.port, tolerance) for each in cases
+    ]
+    _refuse_other_input(problems)
+    window_s = min(window_for(every_signal(problem)) for problem in problems)
+    sides, close = (
+        [_side(case, problem, length) for case, problem in zip(cases, problems, strict=True)]
+        for length in (window_s, min(window_s, CLOSE_WINDOW_S))
+    )
+    return [
+        ReadyPair(
+            (problems[0], problems[n]),
+            Windows((sides[0], sides[n]), (close[0], close[n]), window_s),
+            all_shared(
+                problems[0].plant,
+                problems[0].scale,
+                supply_unread=supply_unread(before) or supply_unread(case),
+            ),
+        )
+        for n, case in enumerate(afters, start=1)
+    ]
+
+
 def compare(
     before: Case, afters: Sequence[Case], tolerance: float | None = None, progress: Progress = lambda _: None
 ) -> list[Compared]:
@@ -81,51 +133,31 @@ def compare(
     Raises:
         NxtTwinError: a side cannot be compared; its text says why.
     """
-    config = load_plant_config(before.plant) if isinstance(before.plant, str) else before.plant
-    problems = [
-        problem_of(each.name, config, each.recordings, each.holdout, each.port, tolerance)
-        for each in (before, *afters)
-    ]
-    _refuse_other_input(problems)
-    window_s = min(window_for(every_signal(problem)) for problem in problems)
-    cases = (before, *afters)
-    sides, close = (
-        [_side(case, problem, length) for case, problem in zip(cases, problems, strict=True)]
-        for length in (window_s, min(window_s, CLOSE_WINDOW_S))
-    )
-    model = all_shared(problems[0].plant, problems[0].scale)
-    unread = all_shared(problems[0].plant, problems[0].scale, supply_unread=True)
-    with Simulator(problems[0].plant.layout) as simulator:
-        found = []
-        for n, case in enumerate(afters, start=1):
-            progress(f"comparing {case.name} with {before.name}")
-            own = unread if supply_unread(before) or supply_unread(case) else model
-            pair, both = (
-                (problems[0], problems[n]),
-                Windows((sides[0], sides[n]), (close[0], close[n]), window_s),
-            )
-            found.append(_at_both_lengths(simulator, own, pair, both, progress))
-        return found
+    found = []
+    for each in ready_pairs(before, afters, tolerance):
+        progress(f"comparing {each.problems[1].name} with {before.name}")
+        with Simulator(each.model.plant.layout) as simulator:
+            found.append(_at_both_lengths(simulator, each, progress))
+    return found
 
 
 def _at_both_lengths(
     simulator: Simulator,
-    model: Model,
-    problems: tuple[Problem, Problem],
-    windows: Windows,
+    pair: ReadyPair,
     progress: Progress,
 ) -> Compared:
     """By long windows; where they show no change, by close ones, which show a slight change of a parameter.
 
     Over a second, what the model leaves out adds up until it hides friction that is some percent higher.
     """
-    found = _compared(simulator, model, problems, windows, LIMIT_NATS, progress)
+    windows = pair.windows
+    found = _compared(simulator, pair, LIMIT_NATS, progress)
     within = max(found.shared.check_rms) <= found.tolerance
     if found.chosen.joint.model.changes or within or windows.length_s <= CLOSE_WINDOW_S:
         return found
     progress("looking closer")
     near = Windows(windows.close, windows.close, CLOSE_WINDOW_S)
-    closer = _compared(simulator, model, problems, near, _CLOSE_NATS, progress)
+    closer = _compared(simulator, replace(pair, windows=near), CLOSE_NATS, progress)
     slight = closer.chosen.joint.model
     return closer if slight.differs and not slight.effects and not slight.motor_constants else found
 
@@ -149,17 +181,10 @@ def _refuse_other_input(problems: Sequence[Problem]) -> None:
             )
 
 
-def _compared(
-    simulator: Simulator,
-    model: Model,
-    problems: tuple[Problem, Problem],
-    windows: Windows,
-    least_nats: float,
-    progress: Progress,
-) -> Compared:
-    before, after = problems
+def _compared(simulator: Simulator, pair: ReadyPair, least_nats: float, progress: Progress) -> Compared:
+    before, after = pair.problems
+    model, windows, tolerance = pair.model, pair.windows, pair.tolerance
     sides = windows.sides
-    tolerance = max(before.tolerance, after.tolerance)
     fitter, close = (JointFitter(simulator, each, tolerance) for each in (sides, windows.close))
     progress("fitting the side before")
     alone = JointFitter(simulator, sides[:1], tolerance)

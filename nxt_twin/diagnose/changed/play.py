@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import final
 
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
@@ -9,14 +10,17 @@ from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.weighing import Weighing
 from nxt_twin.diagnose.search.explain import addable_effects as lacking
 from nxt_twin.physics.effects.transmission import BACKLASH
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Scale
 
 CLOSE_WINDOW_S = 0.3
 """A load crosses its play in some hundredths of a second: later in a window both loads move alike."""
 
 _GAP = BACKLASH.parameters[0]
+_GAP_SLOT = Slot(BACKLASH.id, _GAP.symbol)
 _PLAY_NATS = 20.0
 _NO_LESS_LIKELY_NATS = 2.0
+_TIED_DEG = 0.1  # narrower than any play: a second body that is as good as fixed
 _LOAD_SHARE = 0.5  # of the inertia: a load behind play where the fit shows no more inertia
 
 
@@ -52,7 +56,7 @@ class PlayTest:
             return None
         found = self._fitter.fit(loose.model, loose.x)
         gain = heavier.cost + heavier.check_cost - found.cost - found.check_cost
-        return found if gain > -_NO_LESS_LIKELY_NATS else None
+        return found if gain > -_NO_LESS_LIKELY_NATS and self._opens(loose, found) else None
 
     def without(self, joint: JointFit) -> JointFit | None:
         """`joint` with another inertia in the place of its play, where close windows do not insist on the play.
@@ -65,15 +69,23 @@ class PlayTest:
         model = joint.model.without_effect(BACKLASH.id, self._scale).differing([n])
         fixed = self._close.fit(model, model.moved_from(joint.model, joint.x))
         loose = self._close.fit(joint.model, joint.x)
-        return None if self._shows(fixed, loose) else self._fitter.fit(model, fixed.x)
+        shown = self._shows(fixed, loose) and self._opens(loose, joint)
+        return None if shown else self._fitter.fit(model, fixed.x)
 
     def _shows(self, fixed: JointFit, loose: JointFit) -> bool:
-        """Whether close windows show play: a narrow one only lends them another speed to begin with."""
-        values = loose.model.plant_at(loose.x, after=True).values
-        (gap,) = (
-            value for slot, value in values.items() if (slot.owner, slot.symbol) == (BACKLASH.id, _GAP.symbol)
-        )
-        return gap > min(_GAP.starts) * _GAP.si and self._weighing.worth(fixed, loose) > _PLAY_NATS
+        """Whether close windows show play rather than more inertia."""
+        return _gap(loose) > min(_GAP.starts) * _GAP.si and self._weighing.worth(fixed, loose) > _PLAY_NATS
+
+    def _opens(self, close: JointFit, joint: JointFit) -> bool:
+        """Whether the play itself helps, in close windows and in longer ones: beside a second body that has none.
+
+        A second body lends each window a speed of its own to begin with, and that alone may gain a lot.
+        """
+        gains = [
+            self._weighing.worth(_tied(fitter, loose), loose)
+            for fitter, loose in ((self._close, close), (self._fitter, joint))
+        ]
+        return min(gains) > 0.0 and max(gains) > _PLAY_NATS
 
     def _heavier(self, joint: JointFit, n: int) -> JointFit:
         """`joint` with another inertia after: play has to do better than that."""
@@ -89,6 +101,19 @@ class PlayTest:
         models = [bare.with_effect(BACKLASH.id, start, self._scale) for start in starts]
         fits = [self._close.fit(model, model.moved_from(fixed.model, fixed.x)) for model in models]
         return min(fits, key=lambda each: each.cost)
+
+
+def _gap(loose: JointFit) -> float:
+    return loose.model.plant_at(loose.x, after=True).values[_GAP_SLOT]
+
+
+def _tied(fitter: JointFitter, loose: JointFit) -> JointFit:
+    """`loose` with its load on a shaft without play."""
+    model = loose.model
+    after = model.after.with_values({_GAP_SLOT: _TIED_DEG * _GAP.si})
+    added = tuple(variable for variable in model.added if variable.slots[0] != _GAP_SLOT)
+    model = replace(model, after=after, added=added)
+    return fitter.fit(model, model.moved_from(loose.model, loose.x))
 
 
 def _inertia_way(model: Model) -> int | None:

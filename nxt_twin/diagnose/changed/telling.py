@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from nxt_twin.diagnose.changed import words
-from nxt_twin.diagnose.changed.answer import Change, Changes, ChangeVerdict
+from nxt_twin.diagnose.changed.answer import Change, Changes, ChangeVerdict, OtherChange
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.changed.held_out import runs_of
+from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.diagnosis import Estimate, Fit, FoundEffect, Mismatch, Moved, Tolerance
 from nxt_twin.diagnose.units import Units, units_of
 from nxt_twin.physics.effect import Equation
@@ -15,6 +16,7 @@ from nxt_twin.physics.layout import BASE_OWNER
 from nxt_twin.physics.parameter import Parameter
 
 _Z = 1.96
+_SURE_NATS = 50.0  # more is as good as sure, and no exponential overflows
 _FURTHER_OFF = 1.5  # than a plant of its own: what few changes do not account for
 _MUCH_FURTHER_OFF = 6.0  # than the side before: what no parameter accounts for
 _MANY = 0.2  # of all windows: one in which the motor sticks otherwise is no change
@@ -27,6 +29,7 @@ def told(compared: Compared) -> Changes:
     fit = _fit(compared)
     units = _units(compared)
     joint = compared.chosen.joint
+    others = _others(compared)
     return Changes(
         name=compared.after.name,
         before=compared.before.name,
@@ -38,9 +41,10 @@ def told(compared: Compared) -> Changes:
         fit=fit,
         tolerance=Tolerance(compared.tolerance * units.reading_factor, fit.unit, fit.improved),
         mismatch=Mismatch(compared.after.signals[0].channel, (), (), _equation(compared)),
-        notes=words.notes(compared, fit),
+        notes=(*words.others_notes(others), *words.notes(compared, fit)),
         held_out=runs_of(compared.predicted, units),
         plant=joint.model.plant_as_told(joint.x, after=True),
+        alternatives=others,
     )
 
 
@@ -73,6 +77,26 @@ def _fit(compared: Compared) -> Fit:
         improved=compared.chosen.joint.check_rms[1] * factor,
         floor=min(compared.free.check_rms[1], compared.chosen.joint.check_rms[1]) * factor,
     )
+
+
+def _others(compared: Compared) -> tuple[OtherChange, ...]:
+    """Changes that the readings do not tell from named ones."""
+    factor = _units(compared).reading_factor
+    model = compared.chosen.joint.model
+    return tuple(
+        OtherChange(
+            _name(rival.joint.model, rival.of),
+            _name(model, rival.instead_of),
+            1.0 / (1.0 + math.exp(min(-rival.worth, _SURE_NATS))),
+            rival.joint.check_rms[1] * factor,
+        )
+        for rival in compared.chosen.rivals
+    )
+
+
+def _name(model: Model, each: int | str) -> str:
+    """The parameter's name, or the effect's id."""
+    return each if isinstance(each, str) else model.plant.layout.parameters[model.ways[each].slot].name
 
 
 def _changes(compared: Compared) -> tuple[Change, ...]:
@@ -134,7 +158,7 @@ def _estimate(
 
 
 def _probability(compared: Compared, each: int | str) -> float:
-    return 1.0 / (1.0 + math.exp(-min(compared.chosen.nats[each], 50.0)))
+    return 1.0 / (1.0 + math.exp(-min(compared.chosen.nats[each], _SURE_NATS)))
 
 
 def _refit(compared: Compared) -> dict[str, Moved]:

@@ -27,7 +27,7 @@ def to_json(changes: Changes) -> str:
             "equation": changes.mismatch.equation,
         },
         "effects": [asdict(effect) for effect in changes.effects],
-        "alternatives": [],
+        "alternatives": [asdict(other) for other in changes.alternatives],
         "fit": asdict(changes.fit),
         "tolerance": asdict(changes.tolerance),
         "next_experiment": None,

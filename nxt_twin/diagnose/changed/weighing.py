@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from typing import final
 
 from nxt_twin.diagnose.changed.joint import JointFit
+from nxt_twin.diagnose.changed.model import Model
+from nxt_twin.diagnose.search.notable import is_notable
+from nxt_twin.physics.parameter import Scale
 
 LOAD = frozenset({"gravity", "inertia", "gravity_load"})
 _LAW_NATS = 6.0
@@ -13,6 +16,9 @@ _MAKE_NATS = 12.0
 _BODY_NATS = 12.0
 _MOTOR_NATS = _LAW_NATS + _MAKE_NATS  # a motor's constants are how it is made
 _COMPANION_NATS = 1.0
+CLOSE_NATS = 20.0
+"""What a change has to gain in close windows, or where it is slight: what a model lacks looks like such a change."""
+
 _SLIGHT = 0.08  # of the parameter, by factor
 _SLIGHT_NATS = 15.0
 _SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
@@ -25,16 +31,19 @@ _OF_ITS_MAKE = frozenset(
         "cogging",
         "commutation_ripple",
         "current_limit",
+        "encoder_eccentricity",
         "inductance",
+        "missed_counts",
         "power_curve",
         "presliding",
         "sample_hold",
         "shaft_compliance",
+        "stale_samples",
         "torque_saturation",
         "voltage_drop",
     }
 )
-"""Laws of how a motor and its electronics are made: whoever touches a machine hardly brings them in."""
+"""Laws of how a motor, its encoder and its electronics are made: whoever touches a machine hardly brings them in."""
 
 
 @final
@@ -46,11 +55,13 @@ class Weighing:
         penalty: of one number, nats.
         limit_nats: what a change has to gain beyond all penalties.
         inexact_nats: what more a law or a motor's constant has to gain, since the model is inexact on the side before.
+        scale: of the plant.
     """
 
     penalty: float
     limit_nats: float
     inexact_nats: float
+    scale: Scale
 
     def net(self, simpler: JointFit, wider: JointFit) -> float:
         """The gain of `wider` beyond all penalties, nats."""
@@ -79,15 +90,26 @@ class Weighing:
         """The worth that a change needs to stay, nats: less where another of one load differs, which comes with it.
 
         More where it is slight and stands beside another: what a model lacks of a large change looks like that.
+        An effect is slight where it is too small to have a name.
         """
         model = joint.model
         if isinstance(each, str):
-            return self.limit_nats
+            return self.limit_nats if self.has_a_name(joint, each) else self._keeping_slight(model)
         hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
         if model.ways[each].slot.symbol in LOAD and len(hung & LOAD) > 1:
             return _COMPANION_NATS
         moved = abs(joint.x[len(model.shared) + model.differs.index(each)]) / model.ways[each].size
-        return self.limit_nats + _SLIGHT_NATS * (model.changes > 1 and moved < _SLIGHT)
+        return self.limit_nats if moved >= _SLIGHT else self._keeping_slight(model)
+
+    def _keeping_slight(self, model: Model) -> float:
+        return self.limit_nats + _SLIGHT_NATS if model.changes > 1 else max(self.limit_nats, CLOSE_NATS)
+
+    def has_a_name(self, joint: JointFit, each: int | str) -> bool:
+        """Whether a change is large enough to be named: an effect has a notable size, a parameter always is."""
+        if not isinstance(each, str):
+            return True
+        plant = joint.model.plant_at(joint.x, after=True)
+        return is_notable(plant, joint.model.plant.layout.effect(each), self.scale)
 
 
 def _more(simpler: JointFit, wider: JointFit, of: frozenset[str] | None = None) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nxt_twin.diagnose.changed.answer import Change, ChangeVerdict
+from nxt_twin.diagnose.changed.answer import Change, ChangeVerdict, OtherChange
 from nxt_twin.diagnose.changed.engine import Compared
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.telling.words import listed
@@ -68,6 +68,20 @@ def _reach(after: str, fit: Fit) -> str:
     if fit.floor < _NEARER * fit.improved:
         return f"A separate model of {after} errs by {fit.floor:.3g} {fit.unit}."
     return f"No other parameters of this model bring its error in {after} below {fit.floor:.3g} {fit.unit}."
+
+
+def others_notes(others: Sequence[OtherChange]) -> list[str]:
+    """Of each named change, those that the recordings do not tell from it."""
+    names = {effect.id: effect.name for effect in library().values()}
+    found = []
+    for name in dict.fromkeys(other.instead_of for other in others):
+        own = [other for other in others if other.instead_of == name]
+        rivals = listed([names.get(other.id) or parameter_words(other.id) for other in own])
+        verb = "fits" if len(own) == 1 else "fit"
+        found.append(
+            f"{rivals} instead of {names.get(name) or parameter_words(name)} {verb} these recordings as well"
+        )
+    return found
 
 
 def notes(compared: Compared, fit: Fit) -> tuple[str, ...]:

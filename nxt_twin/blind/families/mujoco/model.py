@@ -48,7 +48,8 @@ def _hub_joint(motor: Numbers) -> str:
     if motor.stop_side != 0.0:
         low, high = (-1e3, motor.stop_rad) if motor.stop_side > 0.0 else (motor.stop_rad, 1e3)
         limits = f'limited="true" range="{math.degrees(low)} {math.degrees(high)}" solreflimit="0.006 0.6"'
-    dry = 0.0 if motor.presliding_rad > 0.0 else motor.coulomb_nm
+    borne = motor.share * motor.coulomb_nm if motor.load_inertia_kg_m2 > 0.0 else 0.0  # by the load's joint
+    dry = 0.0 if motor.presliding_rad > 0.0 else motor.coulomb_nm - borne
     spring = f'stiffness="{motor.spring_nm_per_rad}" springref="{math.degrees(motor.spring_rest_rad)}"'
     return (
         f'<joint name="hub" type="hinge" axis="0 0 1" damping="{motor.viscous_friction_nm_s_per_rad}" '
