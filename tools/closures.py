@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
-from pathlib import Path
 from typing import Final
 
 from packaging.requirements import Requirement
@@ -41,12 +40,6 @@ def _needs(held: Distribution, extras: set[str]) -> Iterator[Requirement]:
         need = Requirement(line)
         if need.marker is None or any(need.marker.evaluate({"extra": extra}) for extra in (*extras, "")):
             yield need
-
-
-def size_bytes(held: Distribution) -> int:
-    """The bytes on disk of a package's files, as it lists them."""
-    places = (Path(str(held.locate_file(file))) for file in held.files or ())
-    return sum(place.stat().st_size for place in places if place.is_file())
 
 
 def licence(held: Distribution) -> str:

@@ -50,11 +50,6 @@ class TrueMotor:
         return float(self._time_s[1])
 
     @property
-    def hub_rad(self) -> float:
-        """The hub's true angle, rad."""
-        return float(self._state[integrator.THETA])
-
-    @property
     def shown_rad(self) -> float:
         """The angle that the encoder shows, rad."""
         degrees = np.rad2deg(self._state[[integrator.THETA, integrator.MISCOUNT]])

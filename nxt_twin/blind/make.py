@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,7 +17,6 @@ from nxt_twin.blind.effects.library import KNOWN_EFFECTS
 from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.polling import LinkName
 from nxt_twin.blind.record import take
-from nxt_twin.blind.sets import CasePlan
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.recording.files import write_recording
 
@@ -113,26 +110,3 @@ def write_case(case: ConcealedCase, cases_dir: Path, answers_dir: Path) -> Path:
     (answers_dir / f"{case.name}.json").write_bytes(answer)
     write_whole(folder / SEAL_FILE, seal(answer) + "\n")  # last: a case with a seal is whole
     return folder
-
-
-def make_set(
-    plans: Iterable[CasePlan],
-    cases_dir: Path,
-    answers_dir: Path,
-    *,
-    links: Sequence[LinkName] = ("usb",),
-    duration_s: float = 15.0,
-    recordings: int = 3,
-) -> Iterator[Path]:
-    """Make and write each planned case (see `sets.plan_set`), the links in turn, and yield its folder."""
-    for plan, link in zip(plans, itertools.cycle(links), strict=False):
-        case = make_case(
-            plan.seed,
-            effects=plan.effects,
-            size=plan.size,
-            link=link,
-            duration_s=duration_s,
-            recordings=recordings,
-            name=plan.name,
-        )
-        yield write_case(case, cases_dir, answers_dir)

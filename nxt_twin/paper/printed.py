@@ -23,11 +23,8 @@ EMF_V: Final = _array(0, 3.4, 6.0, 7.9, 9.8, 11.9, 13.85)
 EMF_PER_SPEED: Final = _array(0.491, 0.498, 0.487, 0.479, 0.487, 0.499)
 """Table I; the last column has no entry for rest. V, V and V·s/rad."""
 
-KS_WITH_OFFSET: Final = 0.4919
-KS_OFFSET_V: Final = 0.0218
 KS: Final = 0.4908
 RESISTANCE_OHM: Final = 7.6
-INDUCTANCE_H: Final = 4.88e-3
 LINE_SLOPE: Final = 1.9248
 LINE_OFFSET: Final = 0.2519
 """Equation 5: ω = 1.9248 v - 0.2519, ω in rad/s and v in V."""
@@ -87,15 +84,12 @@ TRAVEL_OFF: Final = TouchTable(
     samples=touch_tables.RELEASE_TRAVEL_MM,
 )
 
-TRAVEL_DEVIATION_MM: Final = 1.6e-3
 TRAVEL_VARYING: Final = {"V": 8, "VI": 6}
-"""The text after Table IV: the only sensor of each table whose travel varies, and its standard deviation."""
+"""The text after Table IV: the only sensor of each table whose travel varies."""
 
 ULTRASONIC_SLOPE: Final = 1.0055
 ULTRASONIC_OFFSET: Final = 0.013
 ULTRASONIC_LINE_MM: Final = (250.0, 1500.0)
-ULTRASONIC_NEAR_ERROR_MM: Final = 20.0
-ULTRASONIC_BLIND_MM: Final = 40.0
 BEAM_DISTANCES_MM: Final = tuple(range(138, 1539, 100))
 BEAM_BEST: Final = (438.0, 55.0)
 """Distance, mm, at which echoes come back from the widest angle, and that angle, deg."""

@@ -10,8 +10,6 @@ from nxt_twin.paper import printed
 from nxt_twin.paper.finding import Contradiction
 
 UNITS_MM: Final[Mapping[str, float]] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0})
-QUANTUM_MM: Final = 10.0
-"""The sensor reports whole centimetres."""
 
 
 def line_error_mm(distance_mm: float, unit: str) -> float:

@@ -8,9 +8,6 @@ from typing import Literal, Self, final
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from nxt_twin.errors import ProgramError
-from nxt_twin.recording.yaml_file import read_model
-
 _STRICT = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
@@ -77,16 +74,7 @@ def squares_and_lines(
     return RobotPath(name="Squares and lines", why=why, legs=legs)
 
 
-def read_path(path: Path) -> RobotPath:
-    """Read a robot's path.
-
-    Raises:
-        ProgramError: it is none; the text names the key.
-    """
-    return read_model(path, RobotPath, ProgramError)
-
-
 def write_path(driven: RobotPath, path: Path) -> None:
-    """Write a robot's path as YAML, to be read by `read_path`."""
+    """Write a robot's path as YAML, in the form of the model `RobotPath`."""
     document = driven.model_dump(mode="json", exclude_none=True)
     path.write_text(yaml.safe_dump(document, sort_keys=False, allow_unicode=True), encoding="utf-8")

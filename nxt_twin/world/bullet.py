@@ -298,10 +298,6 @@ class Bullet:
         )[0]
         return Hit(body, share, np.array(place))
 
-    def touching(self, body: Body, other: Body) -> int:
-        """At how many points two bodies touch each other."""
-        return len(self._p.getContactPoints(body, other, physicsClientId=self._id))
-
     def close(self) -> None:
         """Let go of it all; closing again does nothing."""
         self._closing()

@@ -107,10 +107,6 @@ class Engine(Protocol):
         """Send one ray; both of shape (3,)."""
         ...
 
-    def touching(self, body: Body, other: Body) -> int:
-        """At how many points two bodies touch each other."""
-        ...
-
     def close(self) -> None:
         """Let go of it all."""
         ...

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nxt_twin.blind.robot.pairs import PairOutcome, done_to, make_pair, pairs_as_text, solve_pairs
+from nxt_twin.blind.robot.pairs import PairOutcome, _chance, _done, make_pair, pairs_as_text, solve_pairs
 
 
 @pytest.mark.slow
@@ -12,8 +12,8 @@ def test_equal_seeds_make_equal_pairs_and_ten_in_a_row_hold_every_kind():
     first, again = one.after.recordings[0], other.after.recordings[0]
     assert np.array_equal(first.columns["pose_x_m"], again.columns["pose_x_m"])
     assert (one.done, one.after.plant) == (other.done, other.after.plant)
-    assert one.done == done_to(303)
-    kinds = [PairOutcome(seed, done_to(seed), "", ()).kind for seed in range(300, 310)]
+    assert one.done == _done(303, _chance(303))
+    kinds = [PairOutcome(seed, _done(seed, _chance(seed)), "", ()).kind for seed in range(300, 310)]
     assert kinds == ["nothing"] * 3 + ["one change"] * 4 + ["two changes"] * 2 + ["unknown"]
 
 

@@ -20,7 +20,8 @@ from nxt_twin.physics.robot.odometry import axle_path, measured_path
 from nxt_twin.recording.case import Case, read_case
 from nxt_twin.recording.realdata import data_root
 from nxt_twin.recording.recording import Recording
-from nxt_twin.recording.robot_path import read_path, write_path
+from nxt_twin.recording.robot_path import RobotPath, write_path
+from nxt_twin.recording.yaml_file import read_model
 from nxt_twin.view.report import render_report
 
 
@@ -270,7 +271,7 @@ def test_an_effect_that_moves_the_path_by_less_than_matters_gets_no_name():
 def test_the_next_experiment_is_a_path_to_drive(tmp_path):
     experiment = found(drift=0.04).diagnosis.next_experiment
     write_path(experiment.path, tmp_path / "path.yaml")
-    path = read_path(tmp_path / "path.yaml")
+    path = read_model(tmp_path / "path.yaml", RobotPath, DiagnosisError)
     turned = [leg.turn_deg for leg in path.legs if leg.turn_deg]
     assert max(turned) > 0.0 > min(turned)
     assert path.why == experiment.why

@@ -56,7 +56,10 @@ def test_a_robot_wanders_in_a_pen_and_touches_nothing():
     wandered = run("pen", "avoid_walls.py")
     assert wandered.trace.path_m > 1.5
     assert np.abs(wandered.trace.places_m).max() < 0.6 - 0.072
-    assert all(wandered.arena.engine.touching(wandered.arena.robot, wall) == 0 for wall in _walls(wandered))
+    engine, robot = wandered.arena.engine, wandered.arena.robot
+    assert not any(
+        engine._p.getContactPoints(robot, wall, physicsClientId=engine._id) for wall in _walls(wandered)
+    )
 
 
 def test_a_robot_finds_the_middle_of_a_gradient():

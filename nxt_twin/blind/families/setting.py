@@ -15,7 +15,6 @@ from nxt_twin.blind.kinds import Equation, Size
 LowHigh = tuple[float, float]
 
 STALL_NM: Final = 0.52
-INERTIA_KG_M2: Final = 1.2e-3
 
 
 @final

@@ -86,11 +86,6 @@ class PairOutcome:
         return self.verdict == ("changed" if self.done else "unchanged") and set(self.named) == set(self.done)
 
 
-def done_to(seed: int) -> tuple[str, ...]:
-    """What `make_pair` does between the sides under that seed; it makes no recording."""
-    return _done(seed, _chance(seed))
-
-
 def _chance(seed: int) -> Generator:
     return np.random.default_rng([seed, 19])
 

@@ -43,7 +43,6 @@ class RobotFindings:
         final: with what was found.
         full: with every parameter free.
         choice: which effects of the geometry are named.
-        clock_nats: what the recordings' own clocks gain.
         slips: spells, strongest first.
         spread: how sessions differ, by parameter.
     """
@@ -53,7 +52,6 @@ class RobotFindings:
     final: FittedGeometry
     full: FittedGeometry
     choice: GeometryChoice
-    clock_nats: float
     slips: tuple[SlipSpell, ...]
     spread: dict[str, SessionSpread]
 
@@ -94,7 +92,7 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
     final = fit_windows(stack, start, free, clock=full.clock)
     progress("comparing sessions")
     spread = spreads(stack.runs, final, start)
-    return RobotFindings(runs, baseline, final, full, choice, clock_gain(full), slips, spread)
+    return RobotFindings(runs, baseline, final, full, choice, slips, spread)
 
 
 def _hard_starts(runs: tuple[RobotRun, ...], start: DriveState, told: BoolArray) -> tuple[SlipSpell, ...]:
