@@ -9,6 +9,7 @@ import pytest
 from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search import rivals as rivalry
 from nxt_twin.diagnose.search import standard as standards
+from nxt_twin.diagnose.search import trials as trying
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
@@ -87,6 +88,14 @@ def search(**parts):
     return made
 
 
+def trials(**parts):
+    """A choice of trials of which only some parts are there."""
+    made = object.__new__(trying.Trials)
+    for name, part in parts.items():
+        setattr(made, name, part)
+    return made
+
+
 def effects_grown():
     """How many effects a search adds of which each earns its place."""
 
@@ -118,9 +127,9 @@ def restored(prior_cost):
         problem=SimpleNamespace(plant=SimpleNamespace(values={})), standing=lambda *_: structure()
     )
     draft = SimpleNamespace(fitted=SimpleNamespace(plant=None))
-    made = search(
+    made = trials(
         _fits=fits,
-        _candidates=lambda _: effects,
+        candidates=lambda _: effects,
         _drafts=SimpleNamespace(of=lambda _, fresh, most: [(one, draft) for one in fresh[:most]]),
         _settled=SimpleNamespace(settle=lambda *_: structure()),
     )
@@ -152,7 +161,7 @@ def rivals_of(*costs, known=0):
     made = search(
         _settled=settled,
         _tried=effects,
-        _candidates=lambda _: effects,
+        _trials=SimpleNamespace(candidates=lambda _: effects),
         _drafts=SimpleNamespace(of=drafted),
         _fits=SimpleNamespace(drafted_cost=lambda *_: 0.0),
         _standard=SimpleNamespace(is_notable=lambda *_: True),
@@ -181,21 +190,21 @@ def forward(*gains, states=()):
         seen.update(within=len(within))
         raise ReachedError
 
-    made = search(
+    made = trials(
         _standard=SimpleNamespace(needed=lambda _: 8.0),
         _drafts=SimpleNamespace(of=drafted),
         _fits=SimpleNamespace(drafted_cost=lambda *_: 0.0),
-        _candidates=lambda _: [],
+        candidates=lambda _: [],
         _leaders=leaders,
     )
     with pytest.raises(ReachedError):
-        made._forward(structure())
+        made.beside(structure())
     return seen
 
 
 def leaders(promise):
     """How many of two drafts are settled, where 110 nats are needed and the second promises so many."""
-    made = search(
+    made = trials(
         _standard=SimpleNamespace(needed=lambda _: 110.0),
         _settled=SimpleNamespace(settle=lambda *_: structure()),
     )
@@ -210,11 +219,11 @@ def sober_std(monkeypatch):
         seen.append((noise.disturbance_std, iterations))
         raise ReachedError
 
-    monkeypatch.setattr(explaining, "is_mechanical", lambda _: True)
-    monkeypatch.setattr(explaining, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
+    monkeypatch.setattr(trying, "is_mechanical", lambda _: True)
+    monkeypatch.setattr(trying, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
     prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
     with pytest.raises(ReachedError):
-        search(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(
+        trials(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(
             structure(), effect_named(), structure()
         )
     return seen[0][0]
@@ -229,9 +238,9 @@ def is_rough(monkeypatch, quanta):
     problem = SimpleNamespace(signals=[SimpleNamespace(quantum=math.sqrt(12.0))])
     best = structure()
     best.noise.reading_std = quanta
-    monkeypatch.setattr(explaining, "replace", lambda noise, **_: noise)
+    monkeypatch.setattr(trying, "replace", lambda noise, **_: noise)
     try:
-        search(_fits=SimpleNamespace(problem=problem), _candidates=reached)._scattering(best, [])
+        trials(_fits=SimpleNamespace(problem=problem), candidates=reached)._scattering(best, [])
     except ReachedError:
         return True
     return False

@@ -17,8 +17,9 @@ from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
 from nxt_twin.diagnose.search.drafts import Drafts
-from nxt_twin.diagnose.search.explain import addable_effects, explain
+from nxt_twin.diagnose.search.explain import explain
 from nxt_twin.diagnose.search.screen import screen
+from nxt_twin.diagnose.search.trials import addable_effects
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, design_of
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.search.explain import addable_effects as lacking
+from nxt_twin.diagnose.search.trials import addable_effects as lacking
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Scale
 

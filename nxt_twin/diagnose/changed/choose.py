@@ -14,7 +14,7 @@ from nxt_twin.diagnose.changed.play import PlayTest
 from nxt_twin.diagnose.changed.weighing import LOAD, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.explain import addable_effects as lacking
+from nxt_twin.diagnose.search.trials import addable_effects as lacking
 from nxt_twin.physics.effects.transmission import BACKLASH
 from nxt_twin.physics.parameter import Scale
 

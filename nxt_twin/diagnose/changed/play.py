@@ -8,7 +8,7 @@ from typing import final
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.weighing import Weighing
-from nxt_twin.diagnose.search.explain import addable_effects as lacking
+from nxt_twin.diagnose.search.trials import addable_effects as lacking
 from nxt_twin.physics.effects.transmission import BACKLASH
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Scale

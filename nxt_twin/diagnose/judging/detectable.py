@@ -14,8 +14,8 @@ from nxt_twin.diagnose.fitting.batch import batches
 from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.search.explain import addable_effects
 from nxt_twin.diagnose.search.limits import LIMITS
+from nxt_twin.diagnose.search.trials import addable_effects
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import final
 
-import numpy as np
-
 from nxt_twin.diagnose.fitting.fits import Fits
-from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
-from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
+from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
-from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
+from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
-from nxt_twin.diagnose.search.weight import RESTORED_NATS, Weight, weigh
+from nxt_twin.diagnose.search.trials import Trials
+from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
-from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.signals import Signals
 
 
 @final
@@ -65,19 +61,6 @@ def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     return Explanation(baseline, best, found, rivals, refused)
 
 
-def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
-    """The effects that `plant` lacks and could have, driven as it is."""
-    superseded = {gone for effect in plant.effects for gone in effect.supersedes}
-    return [
-        effect
-        for effect in plant.layout.effects
-        if effect.id not in plant.active
-        and effect.id not in superseded
-        and effect.takes(signals.input_kind)
-        and (not effect.counted or signals.quantum > 0.0)
-    ]
-
-
 @final
 class _Search:
     """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
@@ -88,20 +71,8 @@ class _Search:
         self._settled = Settled(fits, baseline)
         self._standard = Standard(fits, baseline, self._settled)
         self._drafts = Drafts(fits)
+        self._trials = Trials(fits, self._settled, self._standard, self._drafts)
         self._tried: list[Effect] = []
-        self._settle_suspected()
-
-    def _settle_suspected(self) -> None:
-        """Settle each effect that somebody leans to from the parameters as they were given.
-
-        Where much is missing, the re-fitted baseline lies far away, and what is added to it may not find back.
-        """
-        problem = self._fits.problem
-        noise = self._fits.first_noise()
-        for effect in self._candidates(problem.plant):
-            if effect.id in problem.leaning:
-                start = self._fits.starts(effect)[0]
-                self._settled.settle(problem.plant.with_effect(effect.id, start), noise)
 
     def grown(
         self, best: Structure, progress: Progress
@@ -202,7 +173,7 @@ class _Search:
         """Effects that were near at some time, are declared confusable or promise much, put in `effect`'s place."""
         bare = self._settled.without(best, effect.id)
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
-        allowed = [e for e in self._candidates(bare.plant) if e.id != effect.id and e.id in near]
+        allowed = [e for e in self._trials.candidates(bare.plant) if e.id != effect.id and e.id in near]
         known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
         rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
@@ -222,36 +193,8 @@ class _Search:
         return Rival(other, behind, trial, weight.restores or simulates_worse(best, trial, other))
 
     def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
-        """Every candidate added to `best`, the likeliest of them under noise of their own, ranked."""
-        needed = self._standard.needed(best)
-        drafts = self._drafts.of(best, self._candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
-        if not drafts:
-            return self._ranked(best, self._restoring(best, set()))
-        cost = self._fits.drafted_cost(best, best.noise)
-        leading = max(cost - drafts[0][1].cost, 0.0)
-        within = [
-            (effect, draft)
-            for rank, (effect, draft) in enumerate(drafts)
-            if rank == 0
-            or (rank < EFFORT.leading and draft.cost - cost < EFFORT.slack_nats)
-            or (rank < EFFORT.short_list and cost - draft.cost > EFFORT.settled_share * leading)
-            or (effect.states and cost - draft.cost > EFFORT.in_reach * leading)
-        ]
-        settled = [*self._leaders(best, cost, within), *self._scattering(best, [e for e, _ in within])]
-        settled += self._suspected(best, {effect.id for effect, _ in settled})
-        settled += self._restoring(best, {effect.id for effect, _ in settled})
-        lowest = min(trial.fitted_cost for _, trial in settled)
-        in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
-        anew = [
-            (
-                effect,
-                self._settled_anew(best, effect, trial)
-                if best.fitted_cost - trial.fitted_cost > in_reach
-                else trial,
-            )
-            for effect, trial in settled
-        ]
-        return self._ranked(best, anew)
+        """Every candidate added to `best`, ranked."""
+        return self._ranked(best, self._trials.beside(best))
 
     def _ranked(
         self, best: Structure, settled: list[tuple[Effect, Structure]]
@@ -280,101 +223,6 @@ class _Search:
     def _favour(self, structure: Structure, effect: Effect) -> float:
         """What speaks for `effect` beside the readings, at the size that it has in `structure`, nats."""
         return self._standard.leaning(effect) - coincidence_nats(structure.plant, effect)
-
-    def _leaders(
-        self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
-    ) -> list[tuple[Effect, Structure]]:
-        """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
-        needed, lifted = self._standard.needed(best), EFFORT.lifted
-        settled: list[tuple[Effect, Structure]] = []
-        for effect, draft in drafts:
-            promise = cost - draft.cost
-            if settled and lifted * promise + EFFORT.slack_nats < needed:
-                continue
-            trial = self._settled.settle(draft.fitted.plant, best.noise)
-            if not settled and promise > 0.0:
-                gain = best.fitted_cost + best.check_cost - trial.fitted_cost - trial.check_cost
-                lifted = max(lifted, gain / promise)
-            settled.append((effect, trial))
-        return settled
-
-    def _scattering(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
-        """Effects that scatter readings, settled where these are rough.
-
-        No linear look shows them: the baseline's noise has taken the scatter in, and has to give it back first.
-        """
-        quantum = max(signals.quantum for signals in self._fits.problem.signals)
-        fine = EFFORT.fine * quantum / math.sqrt(12.0)
-        if best.noise.reading_std < fine or quantum <= 0.0:
-            return []
-        noise = replace(best.noise, reading_std=fine)
-        settled = []
-        for effect in self._candidates(best.plant):
-            if "scatter" not in effect.terms or effect in known:
-                continue
-            plants = [best.plant.with_effect(effect.id, start) for start in self._fits.starts(effect)]
-            costs = self._fits.costs(plants, noise)
-            trial = self._settled.settle(plants[int(np.argmin(costs))], noise)
-            if self._outlasts_a_poll(trial, effect):
-                settled.append((effect, trial))
-        return settled
-
-    def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
-        """Whether readings are held for longer than they are apart; the jitter of a link scatters them as well."""
-        held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-        return held_s > max(signals.interval_s for signals in self._fits.problem.signals)
-
-    def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
-        """The best of `trial` and of what other starts lead to, for effects with an onset or mechanical states.
-
-        Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
-        so they are led from each start through a smaller unknown torque.
-        """
-        if has_onset(effect):
-            moved = at_likeliest_onset(self._fits, trial.plant, effect, trial.noise)
-            return trial if moved is trial.plant else self._settled.settle(moved, trial.noise)
-        if not is_mechanical(effect):
-            return trial
-        sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
-        prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
-        drafts = [self._fits.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
-        leading = min(drafts, key=lambda made: made.cost)
-        elsewhere = leading.fitted.plant
-        costs = self._fits.costs([elsewhere, trial.plant], trial.noise)
-        return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
-
-    def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
-        """What was settled at first, where it adds one effect to `best` and is not `listed` already."""
-        asked = [
-            effect
-            for effect in self._candidates(best.plant)
-            if effect.id in self._fits.problem.leaning and effect.id not in listed
-        ]
-        known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
-        return [(effect, settled) for effect, settled in known if settled is not None]
-
-    def _restoring(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
-        """Effects settled from the given numbers, where `best` has moved these far.
-
-        A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
-        limited; a look from the given numbers does.
-        """
-        if best.fitted.prior_cost < RESTORED_NATS:
-            return []
-        given = self._fits.problem.plant.values
-        home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
-        drafts = self._drafts.of(
-            self._fits.standing(home, best.noise), self._candidates(home), EFFORT.restoring
-        )
-        return [
-            (effect, self._settled.settle(draft.fitted.plant, best.noise))
-            for effect, draft in drafts
-            if effect.id not in listed
-        ]
-
-    def _candidates(self, plant: Plant) -> list[Effect]:
-        problem = self._fits.problem
-        return [e for e in addable_effects(plant, problem.signals[0]) if e.id not in problem.without]
 
 
 def _names(plant: Plant, baseline: Plant) -> str:
