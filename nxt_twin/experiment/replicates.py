@@ -17,9 +17,9 @@ import numpy as np
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.linear import Linear, deviations
 from nxt_twin.diagnose.fitting.noise import estimate
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.signals import Signals

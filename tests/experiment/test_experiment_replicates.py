@@ -10,10 +10,10 @@ import pytest
 
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.everything import fit_everything
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
 from nxt_twin.diagnose.fitting.noise import first_noise
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.experiment.replicates import fit_covariance
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.case import Case

@@ -8,10 +8,11 @@ from typing import final
 import numpy as np
 
 from nxt_twin.diagnose.fitting.checks import Checks
-from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, Target, fit
+from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, fit
 from nxt_twin.diagnose.fitting.noise import drift_of, with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, SETTLED_STEP_S, Structure, shares, step_for
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.fitting.variables import variables_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise

@@ -10,11 +10,12 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
-from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
+from nxt_twin.diagnose.fitting.fit import Variable, values_of
 from nxt_twin.diagnose.fitting.likeness import told_apart
 from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure, step_for
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot

@@ -10,9 +10,9 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batches, samples_of
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.diagnose.fitting.tamed import tamed
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, Observer, observer
 from nxt_twin.physics.plant import Plant

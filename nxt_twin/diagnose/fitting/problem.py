@@ -9,7 +9,6 @@ from typing import Any, final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, IntArray
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
 from nxt_twin.diagnose.fitting.simulated import simulated
 from nxt_twin.diagnose.fitting.splits import (
@@ -19,6 +18,7 @@ from nxt_twin.diagnose.fitting.splits import (
     with_blocks_that_check,
     with_windows_held_out,
 )
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.fitting.variables import scale_of
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.base.servo import SERVO

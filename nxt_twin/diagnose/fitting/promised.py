@@ -9,9 +9,10 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
-from nxt_twin.diagnose.fitting.fit import Target, Variable, values_of
+from nxt_twin.diagnose.fitting.fit import Variable, values_of
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.fitting.variables import variables_of
 from nxt_twin.physics.plant import Plant
 

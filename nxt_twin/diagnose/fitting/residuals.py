@@ -8,8 +8,8 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray, IntArray
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant

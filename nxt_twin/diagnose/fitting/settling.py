@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from nxt_twin.diagnose.fitting.fit import Fitted, Target
+from nxt_twin.diagnose.fitting.fit import Fitted
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import estimate
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, step_for
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nxt_twin.arrays import BoolArray
-from nxt_twin.diagnose.fitting.fit import Target
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.start import RUN_IN_READINGS, RUN_IN_S
 

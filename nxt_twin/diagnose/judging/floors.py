@@ -12,10 +12,10 @@ from numpy.random import Generator
 from scipy.special import ndtri
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.fit import Target
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise, Observer
