@@ -40,6 +40,16 @@ def test_the_answer_begins_with_a_quantity_that_vanished_or_grew_tenfold(times, 
         assert part in said
 
 
+def test_several_numbers_that_moved_tenfold_ask_for_a_look_at_units_and_model():
+    found = refitted(inertia_kg_m2=0.01, torque_constant_nm_per_a=0.02, coulomb_friction_nm=0.0)
+    said, check = moved_far(GIVEN, found)
+    assert said.startswith("The re-fit moved 3 numbers tenfold or to nothing: inertia_kg_m2 (0.01 times), ")
+    assert "torque_constant_nm_per_a (0.02 times)" in said
+    assert "coulomb_friction_nm (none)" in said
+    assert check.startswith("Check the units")
+    assert len(moved_far(GIVEN, refitted(inertia_kg_m2=0.01, torque_constant_nm_per_a=0.02))) == 1
+
+
 def test_nothing_is_said_of_smaller_moves_or_of_effects_that_replace_a_key():
     assert moved_far(GIVEN, refitted(inertia_kg_m2=9.0, coulomb_friction_nm=0.11)) == ()
     assert moved_far(GIVEN, GIVEN.without(["coulomb_friction"])) == ()

@@ -9,22 +9,47 @@ from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
 _TENFOLD = 10.0
+_FEW = 2  # more numbers at once speak of another motor, or of other units
+_CHECK = "Check the units of command and reading, and whether the model is of this motor."
 _FAR_OFF = 1.1  # by factor: less is within what motors of one make differ by
 
 
 def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
-    """A sentence on the positive quantities of `given` that vanished or changed tenfold in `found`, if any did."""
-    said = []
-    for slot, parameter in given.layout.parameters.items():
-        before, after = given.values.get(slot, 0.0), found.values.get(slot)
-        if after is None or before <= 0.0 or parameter.lower < 0.0 or parameter.frozen:
-            continue
-        if before / _TENFOLD < after < before * _TENFOLD:
-            continue
-        times = f"{after / before:.3g} times" if after > 0.0 else "none of"
-        value = f"{after / parameter.si:.3g} {parameter.unit}"
-        said.append(f"{parameter.name} to {value}, {times} the given {before / parameter.si:.3g}")
-    return (f"The re-fit moved {listed(said)}.",) if said else ()
+    """Sentences on the positive quantities of `given` that vanished or changed tenfold in `found`, if any did.
+
+    Where several did, another motor or other units are likelier than another motor's state.
+    """
+    far = [slot for slot in given.layout.parameters if _is_far(given, found, slot)]
+    if len(far) > _FEW:
+        each = listed(
+            [f"{given.layout.parameters[slot].name} ({_times(given, found, slot)})" for slot in far]
+        )
+        return (f"The re-fit moved {len(far)} numbers tenfold or to nothing: {each}.", _CHECK)
+    said = listed([_moved(given, found, slot) for slot in far])
+    return (f"The re-fit moved {said}.",) if said else ()
+
+
+def _is_far(given: Plant, found: Plant, slot: Slot) -> bool:
+    """Whether a positive quantity vanished or changed tenfold."""
+    parameter = given.layout.parameters[slot]
+    before, after = given.values.get(slot, 0.0), found.values.get(slot)
+    if after is None or before <= 0.0 or parameter.lower < 0.0 or parameter.frozen:
+        return False
+    return not before / _TENFOLD < after < before * _TENFOLD
+
+
+def _times(given: Plant, found: Plant, slot: Slot) -> str:
+    """By what a quantity was multiplied, in words."""
+    after = found.values[slot]
+    return f"{after / given.values[slot]:.3g} times" if after > 0.0 else "none"
+
+
+def _moved(given: Plant, found: Plant, slot: Slot) -> str:
+    """A quantity, with its value before and after."""
+    parameter = given.layout.parameters[slot]
+    before, after = (plant.values[slot] / parameter.si for plant in (given, found))
+    times = _times(given, found, slot) if after > 0.0 else "none of"
+    return f"{parameter.name} to {after:.3g} {parameter.unit}, {times} the given {before:.3g}"
 
 
 def stays(given: Plant, kept: Plant, wanted: Plant, *, coloured: bool) -> tuple[str, ...]:
