@@ -17,10 +17,12 @@ from nxt_twin.brick.clock import Clock, PacedClock, SystemClock
 from nxt_twin.brick.errors import LinkUrlError
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.compiling import tell_of_compiling
-from nxt_twin.cli.output import JsonOption, emit_json, progress
+from nxt_twin.cli.output import JsonOption, emit_json, fail, progress
 from nxt_twin.cli.wanted import NOTHING, chosen_url, get_leave, tidy_end, wanted_ports, wanted_sensors
 from nxt_twin.recording.columns import Port
+from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.programs import load_program
+from nxt_twin.recording.stalls import stalls, stalls_in_words
 from nxt_twin.recording.stream import RecordingWriter
 from nxt_twin.twin.driver import Driver, ProgramDriver
 from nxt_twin.twin.logbook import Beat, Logbook, columns_to_fill
@@ -87,6 +89,14 @@ def record(
         emit_json(json, json_format.dumps({"schema": "nxt-twin/record/1", **written}))
     if json != "-":
         print(f"{written['rows']} rows, {written['seconds']:.1f} s: {written['file'] or 'nothing recorded'}")
+    if written["file"]:
+        remark_on_stalls(out)
+
+
+def remark_on_stalls(path: Path) -> None:
+    """Say on standard error where the host or the link stood still while this recording was made."""
+    if words := stalls_in_words(stalls(read_recording(path))):
+        fail(f"{path}: {words}. Record again while the host is idle")
 
 
 def _clock_of(url: str, *, bounded: bool) -> Clock:

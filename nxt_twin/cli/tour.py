@@ -15,7 +15,7 @@ import typer
 
 from nxt_twin.errors import NxtTwinError
 
-_CONCEALED: Final = "port: a\neffects: [constant_load]\nsize: large\nseed: 1\n"
+_CONCEALED: Final = "port: a\neffects: [constant_load]\nsize: large\nseed: 2\n"
 _BRICK: Final = "mock:?conceal=secret.yaml"
 
 
@@ -34,8 +34,8 @@ STOPS: Final = (
         ("connect", "mock:"),
     ),
     Stop(
-        "Its motor A carries a weight that no model knows. Record it: 25 s of motor, in virtual time.",
-        ("record", _BRICK, "--ports", "a", "--program", "excitation", "--out", "run.csv"),
+        "Its motor A carries a weight that no model knows. Record it: 12 s of motor, in virtual time.",
+        ("record", _BRICK, "--ports", "a", "--program", "excitation", "--seconds", "12", "--out", "run.csv"),
     ),
     Stop(
         "Ask what the model of the motor leaves out.",

@@ -73,7 +73,10 @@ def _told() -> Iterator[None]:
     """What the user can mend becomes one line; what a test itself raises does not pass here."""
     from nxt_twin.errors import NxtTwinError
 
+    told = ""
     try:
         yield
     except NxtTwinError as error:
-        pytest.fail(str(error), pytrace=False)
+        told = str(error)
+    if told:  # outside of the handler, so that pytest does not print the line twice
+        pytest.fail(told, pytrace=False)

@@ -12,6 +12,7 @@ import time
 import pytest
 from cli_program import column, run, succeed
 
+from nxt_twin.cli.record import remark_on_stalls
 from nxt_twin.recording.files import read_recording
 from nxt_twin.recording.programs import load_program, own_programs
 from nxt_twin.recording.stream import stream_path
@@ -70,6 +71,18 @@ def test_a_mock_is_recorded_with_its_sensors(tmp_path):
     first, second, third = (recording.lags.read_before_s(port)[0] for port in ("a", "b", "c"))
     assert first > second > third > 0.0
     assert not stream_path(path).exists()
+
+
+@pytest.mark.parametrize(
+    ("wait_s", "told"), [(0.0, ""), (0.6, "stood still once, for up to 600 ms (at 1.0 s)")]
+)
+def test_a_recording_during_which_the_host_stood_still_is_told(tmp_path, capsys, wait_s, told):
+    rows = "".join(f"{0.01 * row + wait_s * (row > 100):.2f},0,0\n" for row in range(200))
+    (tmp_path / "run.csv").write_text("time_s,a_power_pct,a_tacho_deg\n" + rows)
+    remark_on_stalls(tmp_path / "run.csv")
+    said = capsys.readouterr().err
+    assert told in said
+    assert bool(said) == bool(told)
 
 
 def test_a_recorded_program_is_in_the_recording(driven):
