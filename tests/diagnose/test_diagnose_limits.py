@@ -57,9 +57,24 @@ def belief(effect, *, by_windows=False):
     return Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace()).belief(effect)
 
 
-def lasts(gain, moments):
-    standard = Standard(SimpleNamespace(moments_gained=lambda *_: moments), structure(), SimpleNamespace())
-    return standard.lasts(Weight(gain, 0.0, 1.0, runs_worse=False), structure("a"), structure("a", "b"))
+def lasts(gain, moments, error=2.1, elsewhere=0.0):
+    """Whether a further effect's gain lasts, beside one that leaves an `error` of so many tolerances."""
+    fits = SimpleNamespace(
+        moments_gained=lambda *_: moments,
+        gained_elsewhere=lambda *_: elsewhere,
+        problem=SimpleNamespace(tolerance=1.0),
+    )
+    standard = Standard(fits, structure(), SimpleNamespace())
+    weight = Weight(gain, 0.0, 1.0, runs_worse=False)
+    return standard.lasts(weight, structure("a", error=error), structure("a", "b"))
+
+
+def is_late(age_polls):
+    """Whether an effect that doubts readings of that age has a name, polls of 10 ms."""
+    problem = SimpleNamespace(signals=(SimpleNamespace(interval_s=0.01),))
+    fits = SimpleNamespace(problem=problem, lateness_s=lambda _: 0.01 * age_polls)
+    standard = Standard(fits, structure(), SimpleNamespace())
+    return standard.is_late(structure(), SimpleNamespace(terms={"outlier": None}))
 
 
 def swapped(behind):
@@ -300,6 +315,8 @@ EDGES = {
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
     "few_moments": (lambda _, v: lasts(9.0, v), 3.45, 3.55),
+    "odd_tolerances": (lambda _, v: lasts(1e4, 9.0, v, 7.9), 1.98, 2.02),
+    "late_polls": (lambda _, v: is_late(v), 0.24, 0.26),
     "keep_nats": (is_kept, 2.95, 3.05),
     "swap_nats": (lambda _, v: swapped(v) is None, -0.98, -1.02),
     "rival_nats": (lambda _, v: is_near(v), 7.9, 8.1),

@@ -57,6 +57,7 @@ EDGES = {
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.25), "surprise"),
     "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
     "forgiven": (replace(FORGIVEN, torque_after=1.5e-2, torque_before=2.9e-2), "torque_after"),
+    "untouched": (replace(FORGIVEN, torque_after=8.0e-3, torque_before=1e-2), "torque_after"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=4e-2), "torque_after"),
 }
 
@@ -91,6 +92,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "no_nearer",
         "silent",
         "sure",
+        "unheard",
         "loud",
         "nearly",
         "shaped",
@@ -222,6 +224,24 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
     quiet = replace(FOUND, nearer=0.98, least_nats=0.99 * 40.0)
     assert is_needless(replace(quiet, **changes)) is needless
+
+
+@pytest.mark.parametrize(
+    ("changes", "needless"),
+    [
+        ({}, True),
+        ({"at_first": 1.0}, False),
+        ({"nearer": 0.85}, False),
+        ({"longer": 0.84}, False),
+        ({"longer": 0.86}, True),
+        ({"doubts": True}, False),
+        ({"restores": True}, False),
+        ({"found": False}, False),
+    ],
+)
+def test_no_gain_names_what_hardly_changes_a_simulation_that_errs_by_less_than_matters(changes, needless):
+    loud = replace(FOUND, nearer=0.86, at_first=0.99, least_nats=1e4)
+    assert is_needless(replace(loud, **changes)) is needless
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,8 @@ from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline,
 from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, draft_cost, draft_costs, drafted
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
-from nxt_twin.diagnose.fitting.moments import moments_gained
+from nxt_twin.diagnose.fitting.lateness import lateness_s
+from nxt_twin.diagnose.fitting.moments import gained_elsewhere, moments_gained
 from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.promised import promised
@@ -83,6 +84,14 @@ class Fits:
     def moments_gained(self, simpler: Structure, richer: Structure) -> float:
         """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike."""
         return moments_gained(self._fitter, simpler, richer)
+
+    def gained_elsewhere(self, simpler: Structure, richer: Structure) -> float:
+        """What `richer` gains in all seconds but the one in which it gains most, nats."""
+        return gained_elsewhere(self._fitter, simpler, richer)
+
+    def lateness_s(self, structure: Structure) -> float:
+        """The mean age of the readings that `structure` doubts, s."""
+        return lateness_s(self._fitter, structure)
 
     def everything(self, plant: Plant, noise: Noise) -> Structure:
         """`plant` fitted on all that is not held out, to the last digit."""

@@ -1,15 +1,28 @@
-"""In how many moments one structure gains over another."""
+"""In which moments one structure gains over another."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
 
 
 def moments_gained(fitter: Fitter, simpler: Structure, richer: Structure) -> float:
-    """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike.
+    """In how many moments, of a second each, `richer` gains what it gains, were they all to gain alike."""
+    each = _gained(fitter, simpler, richer)
+    return float(np.sum(each) ** 2 / max(np.sum(each**2), 1e-12))
+
+
+def gained_elsewhere(fitter: Fitter, simpler: Structure, richer: Structure) -> float:
+    """What `richer` gains in all seconds but the one in which it gains most, nats."""
+    each = _gained(fitter, simpler, richer)
+    return float(np.sum(each) - np.max(each))
+
+
+def _gained(fitter: Fitter, simpler: Structure, richer: Structure) -> FloatArray:
+    """What `richer` gains in each second of each recording, nats.
 
     Both under the noise of `simpler`: a noise that one moment forced upon a model costs it all the others.
     """
@@ -23,5 +36,4 @@ def moments_gained(fitter: Fitter, simpler: Structure, richer: Structure) -> flo
             for second, cost in enumerate(np.bincount(seconds, np.nan_to_num(result.cost[0]))):
                 key = (job.signals.name, second)
                 gains[key] = gains.get(key, 0.0) + sign * float(cost)
-    each = np.array(list(gains.values()))
-    return float(np.sum(each) ** 2 / max(np.sum(each**2), 1e-12))
+    return np.array(list(gains.values()))

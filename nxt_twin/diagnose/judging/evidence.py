@@ -209,7 +209,7 @@ def _record(
     tolerance = max(problem.tolerance, 1e-15)
     ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
     physical = any(not effect.fault for effect, _ in found)
-    weakest = min((weight for _, weight in found), key=lambda weight: weight.total, default=None)
+    weakest, weight = min(found, key=lambda pair: pair[1].total, default=(None, None))
     return Record(
         named=sum(not effect.plain for effect, _ in found),
         found=bool(found),
@@ -228,8 +228,9 @@ def _record(
         remaining=max((after.rms[n] for n in windows), default=0.0) / tolerance,
         longer=_drift(problem, before, after) if physical else 0.0,
         at_first=max((before.rms[n] for n in windows), default=0.0) / tolerance,
-        least_nats=weakest.total if weakest else 0.0,
-        restores=bool(weakest and weakest.restores),
+        least_nats=weight.total if weight else 0.0,
+        restores=bool(weight and weight.restores),
+        doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )
 

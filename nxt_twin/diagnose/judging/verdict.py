@@ -35,6 +35,8 @@ class VerdictLimits:
             no difference to it.
         silent: error of the re-fitted baseline over the tolerance below which nothing that matters can be missing.
         sure: gain in nats that names such an effect nevertheless.
+        unheard: error of the re-fitted baseline over the tolerance below which no gain in nats names an effect that
+            hardly brings a simulation nearer.
         drifting: as `worse`, of simulations longer than two seconds, where much is luck. It is asked of effects that
             leave more than `confirmed` of the unseen error.
         loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none.
@@ -44,6 +46,8 @@ class VerdictLimits:
             nor `drifting`, `forgiven`, `shaped` and `coloured` of any. Nor is `excused` asked of a plant without one.
         forgiven: unknown torque, as such a fraction, that excuses no error of effects which leave over `still_large`
             of it.
+        untouched: share of the baseline's unknown torque above which found effects have left it as it was, so that
+            `excused` is asked of them, too.
         shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
             these effects may stand for another law. They do where the function adds more than `most_left` of all gains,
             or leaves less of the unseen error than `confirmed`. A torque that sets in somewhere has two sizes only, and
@@ -77,10 +81,12 @@ class VerdictLimits:
     drifting: float = 1.1
     silent: float = 0.5
     sure: float = 40.0
+    unheard: float = 1.0
     loud: float = 200.0
     surprising_by_windows: float = 1.25
     nearly: float = 2.0
     forgiven: float = 1.5e-2
+    untouched: float = 0.8
     shaped: float = 25.0
     rested: float = 40.0
     excused: float = 4e-3
@@ -118,6 +124,7 @@ class Record:
         longer: largest error of the improved plant over that of the baseline, of simulations longer than two seconds
             that err by more than the tolerance.
         least_nats: what speaks for the weakest of the found effects.
+        doubts: whether that effect doubts readings. Errors leave these out, so that none gets less by it.
         restores: whether that effect brings given numbers back which a re-fit had to move far without it.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
         at_first: largest error of the baseline over the tolerance, of windows of two seconds or shorter.
@@ -152,6 +159,7 @@ class Record:
     shape_nats: float = 0.0
     shape_left: float = 1.0
     restores: bool = False
+    doubts: bool = False
     rested_nats: float = 0.0
     kin_nats: float = 0.0
     colour: float = math.inf
@@ -201,9 +209,15 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether single steps call for an effect, and not loudly, that no simulation needs.
 
     It makes no difference to one, or nothing that matters, or a small one that long simulations take back. What brings
-    given numbers back need not make any: the numbers in their place simulate as well.
+    given numbers back need not make any: the numbers in their place simulate as well. Where the baseline errs by less
+    than matters, and long simulations gain nothing, however loud a call does not count.
     """
-    if not record.found or record.least_nats >= limits.sure or record.restores:
+    if not record.found or record.restores:
+        return False
+    hardly = record.nearer > limits.idle and not 0.0 < record.longer < limits.idle
+    if hardly and record.at_first < limits.unheard and not record.doubts:
+        return True
+    if record.least_nats >= limits.sure:
         return False
     taken_back = record.nearer > limits.idle and record.longer > limits.drifting
     return record.nearer >= limits.no_nearer or record.at_first < limits.silent or taken_back
@@ -224,14 +238,17 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether found effects leave an error that only the unknown torque excuses, which they were to explain.
 
     The floor that a remaining error is compared with rests on that torque. So it may not excuse the error where the
-    effects have left most of it. By windows alone, how much there was before is not known, and how much is left counts.
+    effects have left most of it. Where they have left nearly all, no more of it is excused than without an effect.
+    By windows alone, how much there was before is not known, and how much is left counts.
     """
     if not record.found or record.remaining <= limits.nearly:
         return False
     if record.by_windows:
         return record.torque_after > limits.large_by_windows
-    kept = record.torque_after > limits.still_large * record.torque_before
-    return kept and record.torque_after > limits.forgiven
+    kept = record.torque_after / max(record.torque_before, 1e-15)
+    most = kept > limits.still_large and record.torque_after > limits.forgiven
+    nearly_all = kept > limits.untouched and record.torque_after > limits.excused
+    return most or nearly_all
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:

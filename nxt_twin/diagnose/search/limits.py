@@ -28,6 +28,8 @@ class SearchLimits:
         keep_nats: least gain of an effect that is in, with readings that were not fitted.
         many_nats: gain from which it does not matter how few moments it comes from.
         few_moments: least number of moments that a smaller gain of a further effect comes from.
+        odd_tolerances: error of a simulation, in tolerances, below which `gain_nats` have to come from other seconds
+            than the one in which an effect gains most.
         rival_nats: distance below which two effects cannot be told apart, and what a free curve needs beyond others.
         swap_nats: by how much a rival has to be likelier to take an effect's place.
         rival_ratio: ratio of errors in free runs from which they speak against a likelier rival.
@@ -35,6 +37,8 @@ class SearchLimits:
         sure_nats: see `sure_rival_ratio`.
         coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
+        late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
+            that is stamped late half a poll or more. A host's jitter is less.
     """
 
     most_effects: int = 4
@@ -52,6 +56,7 @@ class SearchLimits:
     keep_nats: float = 3.0
     many_nats: float = 100.0
     few_moments: float = 3.5
+    odd_tolerances: float = 2.0
     rival_nats: float = 8.0
     swap_nats: float = 1.0
     rival_ratio: float = 1.03
@@ -59,6 +64,7 @@ class SearchLimits:
     sure_nats: float = 100.0
     coincidence_nats: float = 2.5
     left_out_nats: float = 3.0
+    late_polls: float = 0.25
 
 
 @final

@@ -32,7 +32,16 @@ class Standard:
         problem, effect = self._fits.problem, best.plant.layout.effect(effect_id)
         repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
         held = is_told_from_jitter(best.plant, effect, problem.signals)
-        return repeats and held and is_notable(best.plant, effect, problem.scale)
+        return (
+            repeats and held and is_notable(best.plant, effect, problem.scale) and self.is_late(best, effect)
+        )
+
+    def is_late(self, best: Structure, effect: Effect) -> bool:
+        """Whether readings that `effect` doubts are late by more than a stamp's jitter."""
+        if "outlier" not in effect.terms:
+            return True
+        poll_s = max(signals.interval_s for signals in self._fits.problem.signals)
+        return self._fits.lateness_s(best) > LIMITS.late_polls * poll_s
 
     def worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
@@ -65,8 +74,12 @@ class Standard:
         """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
 
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
+        Where a simulation hardly errs, one odd second is no missing physics either, however loud.
         """
         first = simpler.plant.active == self._baseline.plant.active
+        errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
+        if not errs and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
+            return False
         return (
             first
             or weight.gain > LIMITS.many_nats

@@ -254,6 +254,7 @@ PAYLOAD_INERTIA = Effect(
     source="rigid bodies: inertias on one axis add",
     equation_of="torque_balance",
     shows=("elapsed_time", "after_command"),
+    notable=1e-4,
     parameters=(
         Parameter(
             "added_inertia_kg_m2",
