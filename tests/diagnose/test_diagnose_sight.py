@@ -7,14 +7,20 @@ import numpy as np
 import pytest
 from diagnose_motors import recorded, settled
 
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose.diagnosis import Excitation, Fit
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
-from nxt_twin.diagnose.judging.detectable import detectable
+from nxt_twin.diagnose.judging.detectable import _as_found, detectable
 from nxt_twin.diagnose.judging.sight import missing_motions
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.weight import weigh
+from nxt_twin.diagnose.telling import words
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.parameter import NXT_SCALE
+from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 
@@ -67,6 +73,24 @@ def test_a_limit_is_seen_below_a_size_and_a_friction_above(simulator, clean_line
     assert not found["shaft_compliance"].seen_above
     assert found["quadratic_drag"].seen_above
     assert found["asymmetric_friction"].difference
+
+
+@pytest.mark.parametrize(("factor", "told"), [(0.7, True), (1.0, False)])
+def test_friction_by_direction_cannot_be_more_than_all_of_it(factor, told):
+    plain = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+    effect = plain.layout.effect("asymmetric_friction")
+    size = _as_found(effect, plain, NXT_SCALE, math.log(factor), seen_above=True).size
+    assert (size is not None) is told
+    assert size is None or size < 2.0 * plain.values[Slot("coulomb_friction", "coulomb")]
+
+
+@pytest.mark.parametrize(
+    ("count", "last"), [(4, "or d"), (5, "or one other effect"), (6, "or 2 other effects")]
+)
+def test_of_more_than_four_unseen_effects_the_others_are_counted(count, last):
+    unseen = Excitation(enough=False, lacks=(), unseen=tuple("abcdef"[:count]))
+    fit = Fit("free-run RMSE", "deg", 1.0, 1.0, 1.0)
+    assert words.sentence("adequate", (), fit, unseen).endswith(f"{last}.")
 
 
 def test_clean_recordings_raise_no_alarm_and_an_effect_does(simulator, clean_linear):

@@ -88,6 +88,7 @@ def test_each_limit_has_a_case_at_its_edge():
     assert {field.name for field in fields(VerdictLimits)} == {
         *EDGES,
         "most_named",
+        "least_left",
         "idle",
         "no_nearer",
         "silent",
@@ -112,6 +113,8 @@ ANOTHER_LAW = replace(FOUND, remaining=2.01, shape_nats=25.1, gained_nats=200.0)
         ({"gained_nats": 230.0}, False),
         ({"gained_nats": 230.0, "shape_left": 0.49}, True),
         ({"gained_nats": 230.0, "shape_left": 0.5}, False),
+        ({"gained_nats": 2480.0, "shape_left": 0.49}, True),
+        ({"gained_nats": 2490.0, "shape_left": 0.49}, False),
         ({"found": False}, False),
         ({"matters": False}, True),
     ],

@@ -144,5 +144,7 @@ def _as_found(
     if log_factor is None:
         return Detectable(effect, None, seen_above, difference)
     trial = trial_of(effect, plant, scale, math.exp(log_factor))
+    if difference and _replaced(effect, plant) > 0.0 >= trial.values[effect.parameters[1].symbol]:
+        return Detectable(effect, None, seen_above, difference)  # all of the friction is no lean of it
     size = trial.size - trial.values[effect.parameters[1].symbol] if difference else trial.size
     return Detectable(effect, abs(size), seen_above, difference)

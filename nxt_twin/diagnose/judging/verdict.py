@@ -18,6 +18,8 @@ class VerdictLimits:
         structured_torque: least unknown torque, as a fraction of an ordinary one, that counts as structured.
         large_torque: unknown torque, as such a fraction, that counts whatever predicts it.
         most_left: share of all that there was to explain that may be left structured beside found effects.
+        least_left: share of all gains below which a free function shows no other law: the size of a right one may be
+            off by as much.
         far_off: error in free runs over that of noise alone, from which a plant without a found effect lacks something.
         unsettled: unknown torque times the share of the error that is left, which found effects may leave.
         hardly: share of the error left below which `unsettled` and `surprising` are not asked.
@@ -49,9 +51,9 @@ class VerdictLimits:
         untouched: share of the baseline's unknown torque above which found effects have left it as it was, so that
             `excused` is asked of them, too.
         shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
-            these effects may stand for another law. They do where the function adds more than `most_left` of all gains,
-            or leaves less of the unseen error than `confirmed`. A torque that sets in somewhere has two sizes only, and
-            may gain no more whatever error is left.
+            these effects may stand for another law. They do where the function adds more than `most_left` of all gains.
+            They also do where it adds more than `least_left`, and leaves less of the unseen error than `confirmed`. A
+            torque that sets in somewhere has two sizes only, and may gain no more whatever error is left.
         rested: nats that a free function of the time at rest may gain beside found effects, none of which goes with
             it. Set on seeds 640 to 647 of the four families. Beside right names it gained up to 27, beside wrong ones
             60 to 465 in four of six cases.
@@ -66,6 +68,7 @@ class VerdictLimits:
     structured_torque: float = 6e-3
     large_torque: float = 3e-2
     most_left: float = 0.1
+    least_left: float = 0.01
     far_off: float = 4.0
     unsettled: float = 6e-3
     hardly: float = 0.15
@@ -263,8 +266,9 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
         return True
     if not record.found or record.remaining <= limits.nearly or record.shape_nats <= limits.shaped:
         return False
-    much = record.shape_nats > limits.most_left * (record.shape_nats + record.gained_nats)
-    return much or record.shape_left < limits.confirmed
+    share = record.shape_nats / (record.shape_nats + max(record.gained_nats, 0.0))
+    confirmed = share > limits.least_left and record.shape_left < limits.confirmed
+    return share > limits.most_left or confirmed
 
 
 def is_contradicted(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -74,11 +74,13 @@ class Standard:
         """Whether `richer` is not just better in a few moments, as a period can be that fits three turns a little off.
 
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
-        Where a simulation hardly errs, one odd second is no missing physics either, however loud.
+        Where a simulation hardly errs, one odd second is no missing physics either, however loud. What brings given
+        numbers back need gain nothing there: the numbers in their place simulate as well.
         """
         first = simpler.plant.active == self._baseline.plant.active
         errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
-        if not errs and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
+        asked = not errs and not weight.restores
+        if asked and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
             return False
         return (
             first

@@ -119,7 +119,8 @@ def _opening(named: str) -> str:
 def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
     named = [names.get(effect_id, effect_id) for effect_id in excitation.unseen]
     if len(named) > _MOST_NAMED:
-        named = [*named[:_MOST_NAMED], f"{len(named) - _MOST_NAMED} other effects"]
+        further = len(named) - _MOST_NAMED
+        named = [*named[:_MOST_NAMED], "one other effect" if further == 1 else f"{further} other effects"]
     why = f": {listed(excitation.lacks)}" if excitation.lacks else ""
     return f"{listed(named, 'or')}{why}"
 
