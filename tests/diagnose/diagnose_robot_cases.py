@@ -22,8 +22,12 @@ PERIOD_S = 0.05
 
 
 def square_run(name, seed, *, way=1, radius_m=0.028, ratio=1.0, track_m=0.12, heading_deg=0.0, lag_s=0.0,
-               slip=None, drift=0.0):  # fmt: skip
-    """A square of 0.6 m with turns on the spot; `slip` is (start_s, end_s, ratio) of the left wheel."""
+               slip=None, drift=0.0, off_centre=0.0, scale=1.0):  # fmt: skip
+    """A square of 0.6 m with turns on the spot.
+
+    `slip` is (start_s, end_s, ratio) of the left wheel, `off_centre` the share by which its radius changes over a turn,
+    `scale` that of the camera.
+    """
     rng = np.random.default_rng(seed)
     steps = []
     for _ in range(4):
@@ -39,11 +43,12 @@ def square_run(name, seed, *, way=1, radius_m=0.028, ratio=1.0, track_m=0.12, he
     if slip:
         kept[(time_s[:-1] >= slip[0]) & (time_s[:-1] < slip[1])] = 1.0 - slip[2]
     left_m, right_m = left_radius * kept * left_rate * PERIOD_S, left_radius * ratio * right_rate * PERIOD_S
+    left_m = left_m * (1.0 + off_centre * np.cos(np.cumsum(left_rate * PERIOD_S)))
     travel, turn = 0.5 * (left_m + right_m), (right_m - left_m) / track_m
     heading = np.concatenate([[0.0], np.cumsum(turn)])
     middle = heading[:-1] + 0.5 * turn
     step = travel * np.exp(1j * middle) + drift * np.abs(travel) * np.exp(0.7j)
-    place = np.concatenate([[0.0], np.cumsum(step)])
+    place = scale * np.concatenate([[0.0], np.cumsum(step)])
     then = time_s - lag_s
     place = np.interp(then, time_s, place.real) + 1j * np.interp(then, time_s, place.imag)
     heading = np.interp(then, time_s, heading)

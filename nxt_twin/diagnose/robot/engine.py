@@ -136,7 +136,8 @@ def diagnose_robot(
     if is_powered(drive) and has_powers(case.recordings, drive):
         progress("fitting motors and body")
         held_powers = case.holdout if has_powers(case.holdout, drive) else ()
-        powered = search_powered(case.recordings, held_powers, drive, found.final.state.as_geometry)
+        geometry = found.final.state.as_geometry
+        powered = search_powered(case.recordings, held_powers, drive, geometry, found.slips)
     progress("judging on what was held out")
     judged = tuple(judge_held_out(runs, held, drive.geometry, found))
     stack = stacked(mend(runs, found.slips))
@@ -217,6 +218,7 @@ def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
         next_experiment=words.next_path(effects, verdict, structured, found.runs),
         notes=(
             *words.impossible(evidence.is_possible, evidence.drive.geometry, found.final.state.as_geometry),
+            *words.scale_words(effects, evidence.drive.geometry, found.final.state.as_geometry),
             *words.notes(judged, found.spread, found.slips, structured, found.runs),
             *(powered.notes if powered else ()),
         ),

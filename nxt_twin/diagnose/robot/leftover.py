@@ -39,6 +39,7 @@ class ShortErrors:
         travel_m, turn_rad, took_s: what was made by the wheels, and in which time.
         heading_rad, x_m, y_m: where, at the middle.
         ends: heading at begin and end, shape (2, windows).
+        wheel_ends: angle of the left and the right wheel at begin and end, shape (2, 2, windows).
     """
 
     run: IntArray
@@ -53,6 +54,7 @@ class ShortErrors:
     x_m: FloatArray
     y_m: FloatArray
     ends: FloatArray
+    wheel_ends: FloatArray
 
 
 @final
@@ -102,7 +104,7 @@ def short_errors(
     travel, turn, took_s, heading, x_m, y_m = table[6:12]
     return ShortErrors(
         table[0].astype(np.int64), table[1], table[2], errors, scores, travel, turn, took_s, heading, x_m, y_m,
-        table[12:14],
+        table[12:14], table[14:18].reshape(2, 2, -1),
     )  # fmt: skip
 
 
@@ -140,6 +142,7 @@ def _of_run(
             run.pose.y_m[middle],
             heading[begin],
             heading[end],
+            *(angles[edge] for angles in wheels for edge in (begin, end)),
         ]
     )
 
@@ -174,6 +177,10 @@ def _covariates(short: ShortErrors) -> Mapping[str, list[FloatArray]]:
             short.turn_rad * np.abs(short.turn_rad) / short.took_s,
         ],
         "time": [travel * short.start_s, short.turn_rad * short.start_s],
+        **{
+            f"angle of the {side} wheel": [wave(stop) - wave(start) for wave in (np.cos, np.sin)]
+            for side, (start, stop) in zip(("left", "right"), short.wheel_ends, strict=True)
+        },
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.robot.runs import filled_run
+from nxt_twin.diagnose.robot.slip import SlipSpell, gripping
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import wheel_angles
 from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
@@ -27,7 +28,7 @@ class PoweredStack:
     """Rows of several runs one after another.
 
     Attributes:
-        run: index of each row's run, shape (rows,).
+        run: index of each row's run, or part of a run, shape (rows,).
         time_s: on an axis on which runs lie apart.
         volts: at both motors from each row on, shape (rows, 2); NaN where a motor is let go.
         angles_rad: of both wheels, shape (rows, 2).
@@ -85,8 +86,11 @@ def powered_stack(
     geometry: Geometry,
     shape_back_m: float,
     supply_v: float,
+    slips: Sequence[SlipSpell] = (),
 ) -> PoweredStack:
     """Runs with their powers, at every row: a command acts whether the camera saw the robot or not.
+
+    A run with spells of slip counts as the parts between them, since a wheel that slips carries no weight along.
 
     Args:
         recordings: with both power columns.
@@ -94,10 +98,16 @@ def powered_stack(
         geometry: the fitted wheels and track.
         shape_back_m: the caster's distance behind the axle.
         supply_v: of the battery where a recording holds none.
+        slips: spells of slip that were located.
     """
-    runs = [filled_run(recording, drive) for recording in recordings]
+    parts = [
+        (recording, part)
+        for recording in recordings
+        for part in gripping(filled_run(recording, drive), slips)
+    ]
+    runs = [part for _, part in parts]
     volts, time_s = [], []
-    for index, (recording, run) in enumerate(zip(recordings, runs, strict=True)):
+    for index, (recording, run) in enumerate(parts):
         supply = _supply(recording, run.time_s, supply_v)
         rows = np.searchsorted(recording.time_s, run.time_s)
         duty = np.stack([_duty(recording, port)[rows] for port in (drive.left, drive.right)], axis=1)

@@ -16,6 +16,7 @@ from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
 from nxt_twin.diagnose.robot.powered_runs import PoweredStack, powered_stack
+from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import LOAD_GYRATION, NAMES
@@ -63,7 +64,11 @@ class PoweredFindings:
 
 
 def search_powered(
-    recordings: Sequence[Recording], held: Sequence[Recording], drive: DifferentialDrive, geometry: Geometry
+    recordings: Sequence[Recording],
+    held: Sequence[Recording],
+    drive: DifferentialDrive,
+    geometry: Geometry,
+    slips: Sequence[SlipSpell] = (),
 ) -> PoweredFindings:
     """Fit motors and body to the wheels' angles, and name what the body and the floor add.
 
@@ -72,12 +77,13 @@ def search_powered(
         held: not to fit; judged where they hold powers too.
         drive: the robot as its model came.
         geometry: the wheels and the track as they were fitted.
+        slips: spells of slip in `recordings`.
 
     Raises:
         PlantError: a dynamic key is missing or none.
     """
     robot = powered_robot(drive)
-    full, stack = fit_body(recordings, drive, geometry)
+    full, stack = fit_body(recordings, drive, geometry, slips)
     able = {name: places for name, places in PLACES.items() if _matters(name, full.off[places])}
     weighed = weigh(able, beyond(full.off, sizes_that_matter()), full.covariance, full.clusters)
     off, covariance = _given_none_of(full, weighed.best)
@@ -101,7 +107,10 @@ def search_powered(
 
 
 def fit_body(
-    recordings: Sequence[Recording], drive: DifferentialDrive, geometry: Geometry
+    recordings: Sequence[Recording],
+    drive: DifferentialDrive,
+    geometry: Geometry,
+    slips: Sequence[SlipSpell] = (),
 ) -> tuple[PoweredFit, PoweredStack]:
     """Fit motors, body and all that body and floor may add to the wheels' angles.
 
@@ -112,7 +121,7 @@ def fit_body(
         PlantError: a dynamic key is missing or none.
     """
     robot = powered_robot(drive)
-    stack = powered_stack(recordings, drive, geometry, robot.caster_back_m, robot.supply_v)
+    stack = powered_stack(recordings, drive, geometry, robot.caster_back_m, robot.supply_v, slips)
     free = np.ones(len(NAMES), dtype=bool)
     fitted = fit_powered(stack, robot.values, free)
     if fitted.left_deg < STRUCTURED_TIMES * noise_deg(stack, fitted.values):

@@ -15,6 +15,7 @@ from nxt_twin.diagnose.robot.fit import FittedGeometry, fit_windows
 from nxt_twin.diagnose.robot.hard_starts import Unlocated, hard_starts, unlocated
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, without_slip
+from nxt_twin.diagnose.robot.slip_gain import brings_together
 from nxt_twin.diagnose.robot.spread import SessionSpread, spreads
 from nxt_twin.diagnose.robot.stack import RunStack, stacked
 from nxt_twin.diagnose.robot.tellable import tellable
@@ -84,6 +85,10 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
             break
         progress("locating slip")
         slips = merged(slips, more)
+    kept = _explaining(runs, slips, full)
+    if len(kept) < len(slips):
+        slips = kept
+        full = _with_clock_if_needed(stacked(mend(runs, slips)), start, told, unseen)
     choice = choose(full, start.geometry, unseen.geometry if unseen else None)
     free = _moved(full, start)
     for effect in choice.named:
@@ -93,6 +98,21 @@ def search(runs: tuple[RobotRun, ...], given: Geometry, progress: Progress) -> R
     progress("comparing sessions")
     spread = spreads(stack.runs, final, start)
     return RobotFindings(runs, baseline, final, full, choice, slips, spread)
+
+
+def _explaining(
+    runs: tuple[RobotRun, ...], slips: tuple[SlipSpell, ...], full: FittedGeometry
+) -> tuple[SlipSpell, ...]:
+    """The spells, if taking them out brings paths nearer their poses; else those at hard starts alone."""
+    hard = tuple(slip for slip in slips if slip.lost is not None)
+    names = {slip.recording for slip in slips if slip.lost is None}
+    if not names:
+        return slips
+    slipping, gripping = (wheels_at(stacked(mend(runs, some)), full.state) for some in (hard, slips))
+    place = [index for index, run in enumerate(runs) if run.name in names]
+    some, geometry = [runs[index] for index in place], full.state.as_geometry
+    sides = ([wheels[index] for index in place] for wheels in (slipping, gripping))
+    return slips if brings_together(some, geometry, *sides) else hard
 
 
 def _hard_starts(runs: tuple[RobotRun, ...], start: DriveState, told: BoolArray) -> tuple[SlipSpell, ...]:

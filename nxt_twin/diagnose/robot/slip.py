@@ -12,6 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
+from nxt_twin.physics.robot.odometry import PosePath
 
 WheelSide = Literal["left", "right"]
 
@@ -30,6 +31,8 @@ _REACH_S: Final = 4.0
 _ALIKE: Final = 0.15
 _MAD: Final = 1.4826
 SIDES: Final = (0, 1)
+_PART: Final = " (part "
+_LEAST_PART_S: Final = 1.5
 _NAMES: Final[tuple[WheelSide, WheelSide]] = ("left", "right")
 
 
@@ -74,13 +77,16 @@ def find_slip(
         for index, (run, angles) in enumerate(zip(runs, wheels_rad, strict=True))
         for side in SIDES
     ]
-    found: list[SlipSpell] = []
-    for side in SIDES:
-        pooled = np.concatenate([wheel.over(wheel.lost_m, _WINDOW_S)[1] for wheel in wheels[side::2]])
-        spread = _MAD * float(np.median(np.abs(pooled - np.median(pooled)))) if pooled.size else 0.0
-        for wheel in wheels[side::2]:
-            found += _of_wheel(replace(wheel, scale=max(spread, 1e-4)))
+    scaled = [replace(wheel, scale=_spread(wheels[number % 2 :: 2])) for number, wheel in enumerate(wheels)]
+    found = [slip for wheel in scaled for slip in _of_wheel(wheel)]
     return tuple(sorted(found, key=lambda slip: -slip.strength))
+
+
+def _spread(wheels: Sequence[WheelTravel]) -> float:
+    """The standard deviation of travel that one side's wheels lose in a second, m."""
+    pooled = np.concatenate([wheel.over(wheel.lost_m, _WINDOW_S)[1] for wheel in wheels])
+    spread = _MAD * float(np.median(np.abs(pooled - np.median(pooled)))) if pooled.size else 0.0
+    return max(spread, 1e-4)
 
 
 def without_slip(run: RobotRun, slips: Sequence[SlipSpell]) -> RobotRun:
@@ -91,6 +97,29 @@ def without_slip(run: RobotRun, slips: Sequence[SlipSpell]) -> RobotRun:
         corrected = angle - _slipped(slip, run.time_s, angle)
         left, right = (corrected, right) if slip.side == "left" else (left, corrected)
     return replace(run, left_rad=left, right_rad=right)
+
+
+def gripping(run: RobotRun, slips: Sequence[SlipSpell]) -> list[RobotRun]:
+    """The parts of a run between located spells of slip, but for short ones; the whole where none is long enough.
+
+    Args:
+        run: a whole recording.
+        slips: of any recordings, or of parts of them.
+    """
+    kept = np.ones(run.time_s.size, dtype=bool)
+    for slip in slips:
+        if slip.lost is None and slip.recording.split(_PART)[0] == run.name:
+            kept &= (run.time_s < slip.start_s - _MARGIN_S) | (run.time_s > slip.end_s + _MARGIN_S)
+    if kept.all():
+        return [run]
+    rows = [slice(first, last + 1) for first, last in stretches(kept)]
+    return [_part(run, each) for each in rows if np.ptp(run.time_s[each]) > _LEAST_PART_S] or [run]
+
+
+def _part(run: RobotRun, rows: slice) -> RobotRun:
+    pose = PosePath(run.pose.x_m[rows], run.pose.y_m[rows], run.pose.heading_rad[rows])
+    left, right = run.left_rad[rows], run.right_rad[rows]
+    return replace(run, time_s=run.time_s[rows], left_rad=left, right_rad=right, pose=pose)
 
 
 def _slipped(slip: SlipSpell, time_s: FloatArray, angle: FloatArray) -> FloatArray:
@@ -163,7 +192,16 @@ def _of_wheel(wheel: WheelTravel) -> list[SlipSpell]:
         slip = _measured(wheel, _sharpened(wheel, float(start_s[first]), float(start_s[last]) + _WINDOW_S))
         if slip is not None:
             found.append(slip)
-    return found
+    return _apart(found)
+
+
+def _apart(found: Sequence[SlipSpell]) -> list[SlipSpell]:
+    """Of spells that overlap, the strongest: two stretches may sharpen to one spell, which counts once."""
+    kept: list[SlipSpell] = []
+    for slip in sorted(found, key=lambda each: -each.strength):
+        if all(slip.end_s <= one.start_s or slip.start_s >= one.end_s for one in kept):
+            kept.append(slip)
+    return kept
 
 
 def stretches(flags: BoolArray) -> list[tuple[int, int]]:

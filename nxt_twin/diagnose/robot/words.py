@@ -22,6 +22,8 @@ from nxt_twin.recording.robot_path import squares_and_lines
 _ONE_WAY: Final = 0.1
 _HARDLY_TURNS_RAD: Final = 2.0
 _MOST_NAMED: Final = 4
+ONE_FACTOR: Final = 0.1
+"""Radius and track that moved alike but for such a share are off by one factor (cameras 3 % too wide: 0.04, 0.06)."""
 _SQUARES: Final = (
     "drive a square of 1 m five times to the left and five times to the right, with 2 s of rest at each corner. "
     "Then drive 2 m straight forward and back at two headings"
@@ -43,6 +45,20 @@ def impossible(is_possible: bool, given: Geometry, fitted: Geometry) -> tuple[st
         f"The pose would need wheels of {1e3 * fitted.mean_wheel_radius_m:.3g} mm, {radius:.2g} times those given, and "
         f"a track of {1e3 * fitted.track_m:.3g} mm. Check units, gains and signs of the wheels' columns and the pose, "
         "and which wheel is left.",
+    )
+
+
+def scale_words(effects: Sequence[FoundEffect], given: Geometry, fitted: Geometry) -> tuple[str, ...]:
+    """A line where a camera of another scale would do what the named radius and track do; else none."""
+    if not {"wheel_radius", "wrong_track"} <= {effect.id for effect in effects}:
+        return ()
+    radius = fitted.mean_wheel_radius_m / given.mean_wheel_radius_m - 1.0
+    track = fitted.track_m / given.track_m - 1.0
+    if abs(radius - track) > ONE_FACTOR * abs(radius):
+        return ()
+    return (
+        f"Radius and track are both off by {100.0 * radius:+.2g} %. A camera whose scale is off as much "
+        "does just that: measure a known length with it.",
     )
 
 

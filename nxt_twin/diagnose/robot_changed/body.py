@@ -88,7 +88,7 @@ def body_changes(
         geometries: of both sides.
     """
     before, after = (
-        fit_body(side.case.recordings, drive, geometry)[0]
+        fit_body(side.case.recordings, drive, geometry, side.found.slips)[0]
         for side, geometry in zip(sides, geometries, strict=True)
     )
     one, other = _side(before), _side(after)
