@@ -19,7 +19,7 @@ from nxt_twin.diagnose.where.setting_in import SETTING_IN, kin_of
 from nxt_twin.physics.effects.binding import PRESLIDING
 from nxt_twin.physics.effects.encoder import MISSED_COUNTS
 from nxt_twin.physics.effects.friction import QUADRATIC_DRAG, STICTION, VISCOUS_FRICTION
-from nxt_twin.physics.effects.load import GRAVITY_LOAD, SPRING_LOAD
+from nxt_twin.physics.effects.load import COGGING, END_STOP, GRAVITY_LOAD, SPRING_LOAD
 from nxt_twin.physics.effects.transmission import BACKLASH
 
 READINGS = 400
@@ -123,6 +123,12 @@ def test_the_time_at_rest_is_asked_whatever_error_is_left_and_other_shapes_where
     near, far = (told(STICTION, remaining) for remaining in (2.0, 2.01))
     assert (near.rested_nats, near.kin_nats, near.shape_nats) == (50.0, 0.0, 0.0)
     assert (far.rested_nats, far.kin_nats, far.shape_nats) == (50.0, 0.0, 30.0)
+
+
+@pytest.mark.usefixtures("heard")
+@pytest.mark.parametrize("effect", [COGGING, END_STOP, SPRING_LOAD])
+def test_what_is_no_friction_at_low_speed_is_not_asked_for_the_time_at_rest(effect):
+    assert told(effect, 0.1).rested_nats == 0.0
 
 
 @pytest.mark.usefixtures("heard")

@@ -134,7 +134,8 @@ class Record:
         shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects.
         shape_left: error on unseen readings with the best of such functions, over that without.
         rested_nats: the most that a free function of the time at rest gains beside found effects that are torques
-            without states of their own. A bristle, a second body, or an error of the readings goes with rests too.
+            without states of their own. One of them must show at low speed, at any angle. A bristle, a second body,
+            or an error of the readings goes with rests too.
         kin_nats: the most that a torque which sets in at a speed or an angle gains beside found effects that go with
             this alone.
         colour: how many readings of the improved plant count as one, over how many of clean recordings do.

@@ -64,9 +64,10 @@ def with_shapes(simulator: Simulator, evidence: Evidence) -> Evidence:
     found = [effect for effect, _ in evidence.explanation.found]
     kin = [shape for effect in found for shape in kin_of(effect)]
     torques = all(effect.equation_of == "torque_balance" and not effect.states for effect in found)
+    slow = any("low_speed" in effect.shows and "angle" not in effect.shows for effect in found)
     record = replace(
         record,
-        rested_nats=_most_nats(scene, evidence.linear, RESTED if torques else ()),
+        rested_nats=_most_nats(scene, evidence.linear, RESTED if torques and slow else ()),
         kin_nats=_most_nats(scene, evidence.linear, kin),
     )
     if record.remaining > LIMITS.nearly:
