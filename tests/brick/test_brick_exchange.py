@@ -15,7 +15,7 @@ from nxt_twin.brick.errors import (
     LinkTimeoutError,
     RequestError,
 )
-from nxt_twin.brick.exchange import Exchange
+from nxt_twin.brick.exchange import _MARKERS, Exchange
 from nxt_twin.brick.policy import Policy
 
 BATTERY = b"\x02\x0b\x00\x10\x20"
@@ -307,3 +307,7 @@ def test_a_brick_is_kept_awake_no_sooner_than_its_period_tells():
         clock.sleep(wait_s)
         brick.device.battery_v()
         assert link.sent.count(b"\x00\x0d") == kept_awake
+
+
+def test_sixteen_markers_follow_one_another_before_one_comes_again():
+    assert len({marker.telegram for marker in _MARKERS}) == len(_MARKERS) == 16

@@ -171,3 +171,17 @@ def test_what_sets_in_is_nought_up_to_there_and_grows_from_there():
     pull, growing = SETTING_IN["angle"][4].rows(course, unit)
     assert set(pull) == {0.0, 1.0}
     assert (growing[0], growing[-1]) == (0.0, pytest.approx(0.5))
+
+
+def test_drags_set_in_at_six_shares_of_the_usual_speed_and_pulls_at_nine_of_the_reach():
+    unit = SimpleNamespace(speed=2.0, places=np.array([-1.0, 0.0, 1.0]))
+    for kind, shares in (
+        ("high_speed", (0.25, 0.45, 0.7, 1.0, 1.3, 1.6)),
+        ("angle", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)),
+    ):
+        for family, share in zip(SETTING_IN[kind], shares, strict=True):
+            around = share + np.array([-1e-3, 1e-3])
+            course = SimpleNamespace(pace=2.0 * around, passed=2.0 * around - 1.0)
+            below, above = family.rows(course, unit).T
+            assert not below.any()
+            assert above.all()

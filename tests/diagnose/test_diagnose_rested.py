@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from nxt_twin.diagnose.where.rested import RESTED
+from nxt_twin.diagnose.where.rested import RESTED, _by_rest
 
 STEP_S = 0.01
 HOLDING, SLIDING_ON = RESTED
@@ -56,3 +56,32 @@ def test_a_stick_slip_of_short_ways_goes_on_with_the_rest_before():
     )
     rested = HOLDING.rows(course, UNIT)[:, -1]
     assert rested[3] > 0.9
+
+
+def driven(*pace):
+    """A plant with these speeds, driven forward, one sample each."""
+    speeds = np.array(pace)
+    return SimpleNamespace(
+        time_s=np.arange(speeds.size) * STEP_S,
+        pace=speeds,
+        position=np.cumsum(speeds) * STEP_S,
+        drive=np.ones(speeds.size),
+    )
+
+
+@pytest.mark.parametrize(("share", "held"), [(0.0299, True), (0.0301, False)])
+def test_a_plant_rests_below_three_percent_of_the_usual_speed(share, held):
+    rows = HOLDING.rows(driven(5.0, *[share * 5.0] * 20), UNIT)
+    assert rows[:, -1].any() == held
+
+
+def test_the_friction_is_free_at_five_times_at_rest_a_factor_of_three_apart():
+    rests_s = np.array([0.03, 0.1, 0.3, 1.0, 3.0])
+    np.testing.assert_allclose(_by_rest(rests_s - 1e-3), np.eye(5), atol=1e-9)
+
+
+def test_a_rest_is_forgotten_by_a_factor_of_e_each_eight_degrees():
+    way = np.deg2rad(8.0) / STEP_S
+    rows = HOLDING.rows(driven(*[0.0] * 301, way, 0.0), UNIT)[:, -1]
+    forgotten_s = 3.0 * np.exp(-1.0)
+    np.testing.assert_allclose(rows, _by_rest(np.array([forgotten_s]))[:, 0], atol=1e-6)

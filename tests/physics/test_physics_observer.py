@@ -159,3 +159,11 @@ def test_noise_has_no_systematic_error_unless_told_and_never_changes():
         NOISE.drift = 2.0
     with pytest.raises(FrozenInstanceError):
         free(with_readings(np.zeros(3)), 0.1).gains = None
+
+
+@pytest.mark.parametrize("damping_per_s", [0.0, 2.0, 200.0])
+def test_a_speed_that_is_open_opens_the_angle_by_the_way_to_rest(damping_per_s):
+    open_speed = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+    way = -math.expm1(-0.02 * damping_per_s) / damping_per_s if damping_per_s else 0.02
+    angle, *_ = carried(open_speed, 0.02, damping_per_s, 1.0, 0.0)
+    assert angle == pytest.approx(way**2, rel=1e-9)
