@@ -38,7 +38,14 @@ def test_more_inertia_and_viscous_friction_are_told_from_another_resistance(tmp_
         ("workshop", 8931666385939929, ("quadratic_drag",), {"quadratic_drag"}),
         # Beside a sag, a load too small to have a name is what the model lacks.
         ("stiff", 8703024939634641, ("battery_sag",), {"battery_sag"}),
-        # 5 % more viscous friction, where nothing changed.
+        # What the plant lacks on both sides is taken in first: else lost counts and friction stand for the supply.
+        ("bristle", 4663513915357895, ("supply",), {"supply_v"}),
+        # A sag of 16 ohm simulates well, and a plant of the side's own gains much more: the search goes on.
+        ("mujoco", 8842626359934219, ("inertia", "quadratic_drag"), {"inertia_kg_m2", "quadratic_drag"}),
+        # Three changes are as likely as two.
+        ("mujoco", 4328002123229055, ("supply", "quadratic_drag"), {"supply_v", "quadratic_drag"}),
+        # Another friction that brings no window nearer, and 5 % more viscous friction, where nothing changed.
+        ("workshop", 6175049087030343, (), set()),
         ("workshop", 4655944039609400, (), set()),
     ],
 )

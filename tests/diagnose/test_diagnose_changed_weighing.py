@@ -16,8 +16,8 @@ LIMIT = 5.0
 WEIGHING = Weighing(2.0, LIMIT, 0.0, NXT_SCALE)
 
 
-def fit_with(differs, effects=()):
-    """A fit in which parameters differ by factors, and effects have sizes (SI, by their main symbol)."""
+def fit_with(differs, effects=(), cost=0.0, check_rms=(0.01, 0.01)):
+    """A fit in which parameters differ by factors, and effects have sizes (SI, by symbol)."""
     model = all_shared(plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct"), NXT_SCALE)
     ways = {way.slot.symbol: n for n, way in enumerate(model.ways)}
     model = model.differing([ways[symbol] for symbol in differs])
@@ -26,7 +26,7 @@ def fit_with(differs, effects=()):
     x = model.start()
     for place, n in enumerate(model.differs, start=len(model.shared)):
         x[place] = math.log(differs[model.ways[n].slot.symbol])
-    return JointFit(model, x, 0.01, 0.0, 0.0, (0.01, 0.01)), ways
+    return JointFit(model, x, 0.01, cost, 0.0, check_rms), ways
 
 
 @pytest.mark.parametrize(
@@ -63,3 +63,27 @@ def test_a_law_of_how_the_motor_is_made_costs_more_than_one_that_somebody_brings
     size = with_it.model.size - bare.model.size
     assert WEIGHING.plain(bare, with_it) == pytest.approx(-prior - 2.0 * size)
     assert np.isfinite(with_it.x).all()
+
+
+def test_each_change_more_has_to_gain_what_a_change_has_to_gain():
+    one, _ = fit_with({"coulomb": 3.0})
+    two, _ = fit_with({"coulomb": 3.0, "viscous": 2.0}, cost=-8.0)
+    assert WEIGHING.net(one, two) == pytest.approx(8.0 - 2.0)
+    assert WEIGHING.worth(one, two) == pytest.approx(8.0 - 2.0 - LIMIT)
+
+
+def test_an_arm_that_came_in_is_one_change_with_its_inertia():
+    arm = {"gravity_load": {"gravity": 0.05, "phase": 0.3}}
+    bare, _ = fit_with({}, arm)
+    with_inertia, _ = fit_with({"inertia": 1.5}, arm, cost=-8.0)
+    assert WEIGHING.worth(bare, with_inertia) == pytest.approx(8.0 - 2.0)
+
+
+@pytest.mark.parametrize(
+    ("gain", "rms_after", "matters"),
+    [(10.0, 0.0094, True), (10.0, 0.0096, False), (21.0, 0.01, False), (23.0, 0.01, True)],
+)
+def test_changes_that_bring_no_window_nearer_need_more(gain, rms_after, matters):
+    simpler, _ = fit_with({}, check_rms=(0.0, 0.01))
+    wider, _ = fit_with({"viscous": 1.2}, cost=-gain, check_rms=(0.0, rms_after))
+    assert WEIGHING.matters(simpler, wider) == matters

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import final
 
 from nxt_twin.diagnose.changed.candidates import ChangeCandidate, candidates_for, promising
@@ -25,6 +26,7 @@ _RIVALS = 3
 _EXCHANGES = 2
 _BETTER_NATS = 1.0
 _BEGINNINGS = 3
+_MOST_LACKING = 2
 _AS_WELL = 2.0
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
 _WORSE = 1.02  # of the error of windows that only check: what is not worse
@@ -71,15 +73,22 @@ class Chooser:
     """One choice between two sides."""
 
     def __init__(
-        self, fitter: JointFitter, close: JointFitter, scale: Scale, limit_nats: float, inexact_nats: float
+        self,
+        fitter: JointFitter,
+        close: JointFitter,
+        scale: Scale,
+        limit_nats: float,
+        inexact_nats: float,
+        free: JointFit,
     ) -> None:
-        self._fitter, self._scale = fitter, scale
+        self._fitter, self._scale, self._free = fitter, scale, free
         penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
         self.weighing = Weighing(penalty, limit_nats, inexact_nats, scale)
         self._play = PlayTest(fitter, close, self.weighing, scale)
         self._signals = fitter.sides[1].jobs[0].signals
         self._lacking: set[str] = set()
         self._tried: dict[int, tuple[JointFit, dict[int | str, list[tuple[JointFit, JointFit]]]]] = {}
+        self._widened: dict[tuple[int, int, bool], tuple[JointFit, list[JointFit]]] = {}
         self._may_be_motor = True
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
@@ -90,11 +99,14 @@ class Chooser:
         best = Chosen(joint, {}, ())
         if max(joint.check_rms) <= self._fitter.tolerance:
             return best
-        best = self._searched(best, self._steps(joint), progress)
+        joint = self._completed(joint)
+        best = self._searched(replace(best, joint=joint), self._steps(joint), progress)
         if not self._is_finished(best.joint):
             best = self._searched(best, self._pairs(joint), progress)
         if best.joint.model.motor_constants:
             best = self._sparing_the_motor(joint, best, progress)
+        if not self.weighing.matters(joint, best.joint):
+            return Chosen(joint, {}, tuple(sorted(self._lacking)))
         return replace(best, lacking=tuple(sorted(self._lacking)), rivals=tuple(self._not_told(best)))
 
     def _not_told(self, chosen: Chosen) -> list[RivalChange]:
@@ -144,19 +156,34 @@ class Chooser:
         return best
 
     def _is_finished(self, joint: JointFit) -> bool:
-        """Whether the side after is simulated about as well as the side before."""
+        """Whether the side after is simulated about as well as the side before, and its own plant gains no more."""
         before, after = joint.check_rms
-        return after <= max(_AS_WELL * before, 2.0 * self._fitter.tolerance)
+        as_well = after <= max(_AS_WELL * before, 2.0 * self._fitter.tolerance)
+        return as_well and self.weighing.net(joint, self._free) <= self.weighing.limit_nats
 
     def _grown(self, joint: JointFit, progress: Progress) -> JointFit:
         """`joint` with more changes, while each earns its place."""
         joint = self._closer(joint)
         while joint.model.changes < MOST_CHANGES:
             progress(f"trying what else may have changed; {joint.model.changes} so far")
+            joint = self._completed(joint)
             better = next(self._steps(joint), None)
             if better is None:
                 break
             joint = self._closer(better)
+        return joint
+
+    def _completed(self, joint: JointFit) -> JointFit:
+        """`joint` with what the plant lacks on both sides, while that is likelier than any change.
+
+        Otherwise the next likeliest change would stand for it.
+        """
+        for _ in range(_MOST_LACKING):
+            first = next(iter(self._earned(joint, self._wider(joint, _TRIED))), None)
+            common = None if first is None else self._on_both(joint, first)
+            if common is None:
+                break
+            joint = common
         return joint
 
     def _closer(self, joint: JointFit) -> JointFit:
@@ -196,10 +223,11 @@ class Chooser:
             better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in as_near]
             better = [each for each in better if each[0] > _BETTER_NATS]
             better.sort(key=lambda each: -each[0])
-            best = next((rival for _, bare, rival in better if not self._is_on_both(bare, rival)), None)
-            if best is None:
+            own = (rival for _, bare, rival in better if self._on_both(bare, rival) is None)
+            pruned = [self._pruned(rival) for rival in islice(own, _RIVALS)]
+            if not pruned:
                 break
-            chosen = self._pruned(best)
+            chosen = max(pruned, key=lambda each: self.weighing.worth(joint, each.joint))
         return chosen
 
     def _rivals(self, joint: JointFit, each: int | str) -> list[tuple[JointFit, JointFit]]:
@@ -241,13 +269,17 @@ class Chooser:
 
     def _wider(self, joint: JointFit, most: int) -> list[JointFit]:
         """`joint` with each of what promises most."""
-        models = [each.put(joint.model, self._scale) for each in self._promising(joint, most)]
-        return [self._fitter.fit(model, model.moved_from(joint.model, joint.x)) for model in models]
+        key = id(joint), most, self._may_be_motor
+        if key not in self._widened:
+            models = [each.put(joint.model, self._scale) for each in self._promising(joint, most)]
+            fits = [self._fitter.fit(model, model.moved_from(joint.model, joint.x)) for model in models]
+            self._widened[key] = joint, fits
+        return self._widened[key][1]
 
     def _steps(self, joint: JointFit) -> Iterator[JointFit]:
         """`joint` with one change more: all that earn their place, the likeliest first."""
         found = self._earned(joint, self._wider(joint, _TRIED))
-        yield from (tried for tried in found if not self._is_on_both(joint, tried))
+        yield from (tried for tried in found if self._on_both(joint, tried) is None)
 
     def _pairs(self, joint: JointFit) -> Iterator[JointFit]:
         """`joint` with two changes more, which earn their place together: alone, one may look worse than none."""
@@ -255,7 +287,7 @@ class Chooser:
         pairs = [(first, pair) for first in firsts for pair in self._wider(first, _SECONDS)]
         bare = {id(pair): first for first, pair in pairs}
         found = self._earned(joint, [pair for _, pair in pairs if pair.model.changes <= MOST_CHANGES])
-        yield from (pair for pair in found if not self._is_on_both(bare[id(pair)], pair))
+        yield from (pair for pair in found if self._on_both(bare[id(pair)], pair) is None)
 
     def _earned(self, joint: JointFit, found: list[JointFit]) -> list[JointFit]:
         """Those that earn their place, the likeliest first."""
@@ -265,11 +297,14 @@ class Chooser:
         ]
         return sorted(found, key=lambda each: -self.weighing.worth(joint, each))
 
-    def _is_on_both(self, joint: JointFit, tried: JointFit) -> bool:
-        """Whether the new effect of `tried` explains more on both sides: then the plant lacks it, and always did."""
+    def _on_both(self, joint: JointFit, tried: JointFit) -> JointFit | None:
+        """`joint` with the new effect of `tried` on both sides, where it explains more there.
+
+        The plant lacks such an effect, and always did.
+        """
         new = set(tried.model.effects) - set(joint.model.effects)
         if not new:
-            return False
+            return None
         effect = next(iter(new))
         plant = tried.model.plant_at(tried.x, after=True)
         own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect}
@@ -278,9 +313,9 @@ class Chooser:
         spoils = common.check_rms[0] > max(_WORSE * tried.check_rms[0], self._fitter.tolerance)
         together, alone = (self.weighing.plain(joint, fit) - fit.check_cost for fit in (common, tried))
         if together <= alone or spoils:
-            return False
+            return None
         self._lacking.add(effect)
-        return True
+        return common
 
     def _lasts(self, simpler: JointFit, wider: JointFit) -> bool:
         """Whether readings that were not fitted accept it."""

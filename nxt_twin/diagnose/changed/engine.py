@@ -196,7 +196,7 @@ def _compared(simulator: Simulator, pair: ReadyPair, least_nats: float, progress
     alarm = alarm_nats(alone, first)
     limit = max(least_nats, _SAFETY * (alarm or 0.0))
     inexact = max(0.0, _INEXACT * lacking_nats(alone, first, before.scale) - limit)
-    chooser = Chooser(fitter, close, before.scale, limit, inexact)
+    chooser = Chooser(fitter, close, before.scale, limit, inexact, free)
     chosen = chooser.chosen(shared, progress)
     progress("fitting every reading")
     best = chosen.joint

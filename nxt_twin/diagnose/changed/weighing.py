@@ -17,8 +17,11 @@ _BODY_NATS = 12.0
 _MOTOR_NATS = _LAW_NATS + _MAKE_NATS  # a motor's constants are how it is made
 _COMPANION_NATS = 1.0
 CLOSE_NATS = 20.0
-"""What a change has to gain in close windows, or where it is slight: what a model lacks looks like such a change."""
+"""What a change has to gain in close windows, where it is slight, or brings no window nearer.
 
+What a model lacks looks like such a change."""
+
+_NEARER = 0.95  # of the error of windows that only check
 _SLIGHT = 0.08  # of the parameter, by factor
 _SLIGHT_NATS = 15.0
 _SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
@@ -83,8 +86,21 @@ class Weighing:
         return simpler.cost - wider.cost - self.penalty * size - prior
 
     def worth(self, simpler: JointFit, wider: JointFit) -> float:
-        """What speaks for `wider` in all readings, nats: those that only check need no penalty."""
+        """What speaks for `wider` in all readings, nats: those that only check need no penalty.
+
+        Each change more has to gain what a change has to gain.
+        """
+        more = _told(wider.model) - _told(simpler.model)
+        return self._gain(simpler, wider) - self.limit_nats * more
+
+    def _gain(self, simpler: JointFit, wider: JointFit) -> float:
+        """In all readings, nats."""
         return self.net(simpler, wider) + simpler.check_cost - wider.check_cost
+
+    def matters(self, simpler: JointFit, wider: JointFit) -> bool:
+        """Whether what differs brings windows nearer that no fit saw, or the readings speak loudly for it."""
+        nearer = sum(wider.check_rms) < _NEARER * sum(simpler.check_rms)
+        return nearer or self._gain(simpler, wider) > CLOSE_NATS
 
     def keeping(self, joint: JointFit, each: int | str) -> float:
         """The worth that a change needs to stay, nats: less where another of one load differs, which comes with it.
@@ -110,6 +126,12 @@ class Weighing:
             return True
         plant = joint.model.plant_at(joint.x, after=True)
         return is_notable(plant, joint.model.plant.layout.effect(each), self.scale)
+
+
+def _told(model: Model) -> int:
+    """How many changes an answer tells; inertia and gravity of one load count as one."""
+    hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
+    return model.changes - max(len(hung & LOAD) - 1, 0)
 
 
 def _more(simpler: JointFit, wider: JointFit, of: frozenset[str] | None = None) -> int:
