@@ -21,7 +21,7 @@ from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.diagnose.engine import fit_as_it_stands
-from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
+from nxt_twin.diagnose.fitting.baselines import best_baseline, is_nearer, settled_baseline
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
 from nxt_twin.diagnose.judging.horizons import Errors, best_at_every_horizon, errors_of
@@ -61,6 +61,50 @@ def test_a_clean_motor_is_re_fitted_as_well_as_by_a_plain_fit_of_windows(make):
         ]
     assert off[1] < off[0]  # the plain fit is one
     assert off[2] <= MOST_OVER_THE_PLAIN_FIT * off[1]
+
+
+@pytest.mark.slow_variants
+@pytest.mark.parametrize("seed", [SEED, SEED + 1])
+@pytest.mark.parametrize("effect", ["shaft_compliance", "backlash"])
+@pytest.mark.parametrize("family", ["mujoco", "stiff", "workshop", "bristle"])
+def test_a_baseline_that_lacks_physics_simulates_unseen_readings_as_a_plain_fit_of_windows_does(
+    family, effect, seed
+):
+    problem = problem_of(home(seed, effect, family=family))
+    with Simulator(problem.plant.layout) as simulator:
+        fitter = Fitter(simulator, problem)
+        settled_one = settled_baseline(fitter)
+        refit = best_baseline(fitter, settled_one, settled_one)
+        plain = plain_fit(simulator, problem)
+        own, other = (
+            errors_of(simulator, problem, plant, refit.plant, refit.noise) for plant in (refit.plant, plain)
+        )
+    for seconds in (WINDOW_S, np.inf):
+        least = max(other.at(seconds), problem.tolerance)
+        assert own.at(seconds) <= MOST_OVER_THE_PLAIN_FIT * least
+
+
+PLAIN = np.array([2.0, 4.0, 8.0])
+
+
+@pytest.mark.parametrize(
+    ("errors", "nearer"),
+    [
+        ((1.89, 3.79, 7.59), True),
+        ((1.91, 1.0, 1.0), False),
+        ((1.0, 3.81, 1.0), False),
+        ((1.0, 1.0, 7.61), False),
+        ((0.5, 0.5, 8.39), True),  # windows do not matter: a whole run need only be as good
+        ((0.5, 0.5, 8.41), False),
+        ((0.51, 0.5, 8.39), False),
+    ],
+)
+def test_another_fit_replaces_a_plain_one_where_it_is_clearly_nearer_at_each_horizon(errors, nearer):
+    assert is_nearer(np.array(errors), PLAIN, TOLERANCE) is nearer
+
+
+def test_errors_that_do_not_matter_do_not_keep_a_plain_fit():
+    assert is_nearer(np.array([0.4, 0.5, 0.5]), np.array([0.1, 0.1, 0.1]), TOLERANCE)
 
 
 @pytest.mark.slow

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import final
 
+import numpy as np
+
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import Fitted
 from nxt_twin.diagnose.fitting.free_run import FreeRunCheck, mean_error
 from nxt_twin.diagnose.fitting.noise import with_noise
@@ -12,9 +15,10 @@ from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.simulate import Simulator
+from nxt_twin.physics.simulate import Result, Simulator
 
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
+_SHORT = 0.25  # of a window
 
 
 @final
@@ -27,14 +31,26 @@ class Checks:
         self._predicting = problem.target
         everything = problem.target.everything()
         self._every_run = FreeRunCheck(everything.jobs, everything.counted, problem.window_s)
+        self._short_runs = FreeRunCheck(everything.jobs, everything.counted, _SHORT * problem.window_s)
         self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
 
     def simulated_error(self, plant: Plant, noise: Noise, step_s: float) -> float:
         """The mean error of windows of simulation over fitted and checking readings, SI."""
+        corrected = self._corrected(plant, noise, step_s)
+        return mean_error(self._every_run.errors(self._simulator, plant, noise, corrected, step_s)[0][0])
+
+    def simulated_errors(self, plant: Plant, noise: Noise, step_s: float) -> FloatArray:
+        """That error in short windows, in windows and over whole runs, SI, shape (3,)."""
+        corrected = self._corrected(plant, noise, step_s)
+        anew, whole = self._every_run.errors(self._simulator, plant, noise, corrected, step_s)[0]
+        short = self._short_runs.errors(self._simulator, plant, noise, corrected, step_s)[0][0]
+        return np.array([mean_error(each) for each in (short, anew, whole)])
+
+    def _corrected(self, plant: Plant, noise: Noise, step_s: float) -> list[Result]:
+        """The run that each reading corrects, which tells faults from readings."""
         values, active = plant.vectors()
         tuned = with_noise(self._predicting.with_step(step_s), noise)
-        corrected = self._simulator.run(values[None], active[None], tuned.jobs)
-        return mean_error(self._every_run.errors(self._simulator, plant, noise, corrected, step_s)[0][0])
+        return self._simulator.run(values[None], active[None], tuned.jobs)
 
     def checked(self, fitted: Fitted, noise: Noise, step_s: float) -> Structure:
         """The fitted plant with its cost on the checking readings and its error in free runs over them.

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.checks import Checks
 from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, fit
 from nxt_twin.diagnose.fitting.noise import drift_of, with_noise
@@ -142,6 +143,10 @@ class Fitter:
     def simulated_error(self, plant: Plant, noise: Noise) -> float:
         """The mean error of all windows of simulation over all that is not held out, SI."""
         return self._checks.simulated_error(plant, noise, step_for(plant, SETTLED_STEP_S))
+
+    def simulated_errors(self, plant: Plant, noise: Noise) -> FloatArray:
+        """The mean errors of short windows, windows and whole runs over all that is not held out, SI."""
+        return self._checks.simulated_errors(plant, noise, step_for(plant, SETTLED_STEP_S))
 
     def checked(self, fitted: Fitted, noise: Noise, effort: Effort = SETTLED) -> Structure:
         """The fitted plant with what the checking readings say of it."""
