@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import final
 
 import numpy as np
+import yaml
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.robot.drive import DifferentialDrive, drive_from_config
@@ -30,7 +31,7 @@ class Wanted:
     """The files that a run writes; None writes none.
 
     Attributes:
-        trace: the robot's course as a recording.
+        trace: the robot's course as a recording; with a ghost, its sidecar names the plant.
         film: a film of it.
         save: all that moved, for rerun.
         ghost: a `differential_drive` plant, by name or file: where the encoders alone have the robot.
@@ -76,6 +77,7 @@ class Watched:
         ghost = None if self._drive is None else ghost_of(course, self._drive)
         if wanted.trace is not None:
             course.write(wanted.trace)
+            _name_plant(wanted.trace, wanted.ghost)
         if wanted.film is not None and self._film is not None:
             self._film.write(wanted.film)
         self._save(ghost)
@@ -96,6 +98,15 @@ class Watched:
             robot = [body for body in bodies if body.name.startswith("robot/")]
             view.ghost(self._course.column("time_s"), ghost, robot)
         view.close()
+
+
+def _name_plant(recording: Path, plant: str | None) -> None:
+    """Name the model of a written recording in its sidecar, so that it can be diagnosed; a file that is there stays."""
+    sidecar = recording.with_suffix(".yaml")
+    if plant is None or sidecar.exists():
+        return
+    file = Path(plant)
+    sidecar.write_text(yaml.safe_dump({"plant": str(file.resolve()) if file.is_file() else plant}), "utf-8")
 
 
 def _last(ghost: FloatArray) -> Ghost:

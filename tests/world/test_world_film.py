@@ -12,8 +12,10 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from nxt_twin.cli.app import program
+from nxt_twin.diagnose.robot.engine import robot_of
 from nxt_twin.errors import PlantError
 from nxt_twin.mock.errors import WorldError
+from nxt_twin.recording.case import read_as_case
 from nxt_twin.world.arena import open_arena
 from nxt_twin.world.film import Camera, Film, View, refuse_unknown
 from nxt_twin.world.load import load_setting
@@ -95,7 +97,16 @@ def test_a_view_holds_bodies_floor_echoes_and_the_ghost_that_parts_from_a_change
         "    time.sleep(1.5)\n"
     )
     view, told = tmp_path / "run.rrd", tmp_path / "told.json"
-    arguments = ["world", str(world), "--program", str(script), "--ghost", "castor_bot"]
+    arguments = [
+        "world",
+        str(world),
+        "--program",
+        str(script),
+        "--ghost",
+        "castor_bot",
+        "--trace",
+        str(tmp_path / "drive.csv"),
+    ]
     result = CliRunner().invoke(
         program(["world", "mock"]), [*arguments, "--save", str(view), "--json", str(told)]
     )
@@ -109,6 +120,7 @@ def test_a_view_holds_bodies_floor_echoes_and_the_ghost_that_parts_from_a_change
     assert found["robot"]["heading_deg"] == pytest.approx(turned_deg, rel=0.1)
     assert abs(found["ghost"]["heading_deg"]) < 2.0
     assert found["ghost"]["apart_mm"] > 10.0
+    assert robot_of(read_as_case(tmp_path / "drive.csv")).geometry.track_m == 0.103
 
 
 def test_a_ghost_that_is_no_robot_is_refused():

@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from world_runs import run
 
+from nxt_twin.physics.robot.drive import drive_from_config
+from nxt_twin.recording.configs import load_plant_config
 from nxt_twin.recording.robot_path import squares_and_lines, write_path
 from nxt_twin.world.arena import open_arena
+from nxt_twin.world.ghost import ghost_of
 from nxt_twin.world.load import load_setting
-from nxt_twin.world.program import let_pass
+from nxt_twin.world.program import let_pass, run_program
+from nxt_twin.world.trace import Trace
+
+
+def test_the_first_program_of_the_page_does_what_the_page_says(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "world.md").read_text()
+    script = tmp_path / "square.py"
+    script.write_text(page.split("```python\n")[1].split("```")[0])
+    arena = open_arena(load_setting("playground"))
+    course = Trace(arena)
+    run_program(arena, script, (), limit_s=60.0)
+    assert course.column("heading_deg")[-1] == pytest.approx(-341.0, abs=1.0)
+    assert np.linalg.norm(course.places_m[-1]) == pytest.approx(0.17, abs=0.01)
+    x_m, y_m, _ = ghost_of(course, drive_from_config(load_plant_config("castor_bot")))[-1]
+    assert np.linalg.norm(course.places_m[-1] - (x_m, y_m)) < 2e-3
 
 
 def test_a_castor_bot_drives_a_square():
@@ -92,9 +111,11 @@ def test_a_sumo_robot_pushes_the_other_out_and_stays_in_the_ring():
     assert np.hypot(*pushed.trace.places_m.T).max() < 0.385
 
 
-def test_a_robot_balances_on_two_wheels():
-    balanced = run("balance", "balance.py", "8")
-    assert balanced.trace.column("time_s")[-1] > 8.0
+@pytest.mark.slow_variants
+@pytest.mark.parametrize("seconds", [8, 30])
+def test_a_robot_balances_on_two_wheels(seconds):
+    balanced = run("balance", "balance.py", str(seconds))
+    assert balanced.trace.column("time_s")[-1] > seconds
     assert np.abs(balanced.trace.column("pitch_deg")).max() < 5.0
     assert np.hypot(*balanced.trace.places_m.T).max() < 0.4
 

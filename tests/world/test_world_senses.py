@@ -110,6 +110,25 @@ def test_room_light_and_lamps_reach_a_sensor_without_its_own(made):
     assert light(made(ahead, lamps=[lamp]), lit=False) == pytest.approx(dark - 50.0, abs=2.0)
 
 
+@pytest.mark.parametrize("mains_hz", [100.0, 120.0])
+def test_lamps_on_the_mains_flicker_by_the_amplitude_and_at_the_frequency_of_the_room(made, mains_hz):
+    room = {"light_raw": 80.0, "mains_raw": 20.0, "mains_hz": mains_hz}
+    arena = made({3: {"kind": "light", "at_mm": [0, 0, 100]}}, room=room)
+    time_s = 10.0 + 0.003 * np.arange(400)
+    seen = np.array([plugged(arena, 3).raw.at(float(time)) for time in time_s])
+    wave = np.abs(np.exp(-2j * np.pi * np.outer((mains_hz, 87.0), time_s)) @ (seen - seen.mean())) / 200.0
+    assert wave[0] == pytest.approx(20.0, abs=1.0)
+    assert wave[1] < 3.0
+
+
+def test_a_light_reading_is_held_for_three_milliseconds(made):
+    shown = plugged(made({3: {"kind": "light", "at_mm": [0, 0, 150]}}), 3).raw
+    seen = np.array([shown.at(0.001 * n) for n in range(2000)])
+    changes = np.flatnonzero(np.diff(seen)) + 1
+    assert changes.size > 300
+    assert not (changes % 3).any()
+
+
 def test_a_thing_before_the_sensor_is_seen_by_its_shade(made):
     ahead = {3: {"kind": "light", "at_mm": [0, 0, 100]}}
     seen = [

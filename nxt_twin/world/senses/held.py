@@ -29,5 +29,5 @@ class Held:
         """The last measurement at a time since power-on."""
         if time_s + _ROUNDING_S >= self._due_s:
             self._last = self._measure(time_s)
-            self._due_s = (time_s // self._period_s + 1.0) * self._period_s
+            self._due_s = ((time_s + _ROUNDING_S) // self._period_s + 1.0) * self._period_s
         return self._last
