@@ -1,4 +1,4 @@
-"""Pages in a real browser: nothing sticks out of a phone's screen, and no word of a picture is cut or written over."""
+"""Pages in a real browser: nothing sticks out of a phone's screen, and no word is cut, written over or faint."""
 
 from __future__ import annotations
 
@@ -49,6 +49,28 @@ WRITTEN_OVER = """[...document.querySelectorAll('svg')].flatMap(svg => {
         .map(([other]) => `${one} / ${other}`));
 })"""
 
+FAINT = """(() => {
+    const parts = colour => (colour.match(/[\\d.]+/g) || [0, 0, 0, 0]).map(Number);
+    const light = colour => parts(colour).slice(0, 3).map(x => x / 255)
+        .map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, x, n) => sum + x * [0.2126, 0.7152, 0.0722][n], 0);
+    const behind = each => {
+        for (let at = each; at; at = at.parentElement) {
+            const colour = getComputedStyle(at).backgroundColor, [, , , alpha = 1] = parts(colour);
+            if (alpha > 0) return colour;
+        }
+        return 'rgb(255, 255, 255)';
+    };
+    const words = [...document.querySelectorAll('main *')].filter(each => each.getBoundingClientRect().width
+        && [...each.childNodes].some(node => node.nodeType === 3 && node.textContent.trim()));
+    return words.filter(each => {
+        const drawn = each.ownerSVGElement, style = getComputedStyle(each);
+        const [high, low] = [light(drawn ? style.fill : style.color), light(behind(each))].sort((a, b) => b - a);
+        return (high + 0.05) / (low + 0.05) < (drawn ? 3 : 4.5);
+    }).map(each => each.textContent.trim().slice(0, 40));
+})()"""
+"""Words of too little contrast: below 4.5, or below 3 in a picture, where a name has the colour of its curve."""
+
 
 def live() -> str:
     kept = Keeper(8000)
@@ -68,6 +90,8 @@ def fleet(folder: Path) -> str:
 
 PAGES = {
     "motor": lambda _: render_report(samples.explained(runs=2)),
+    "adequate": lambda _: render_report(samples.brief(samples.adequate())),
+    "unexplained": lambda _: render_report(samples.brief(samples.unexplained(helped=True))),
     "stale": lambda _: render_report(samples.brief(samples.with_stale_samples())),
     "sensor": lambda _: render_report(samples.of_sensor()),
     "robot": lambda _: render_report(samples.of_robot()),
@@ -87,7 +111,7 @@ def browser():
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_page_fits_a_phone_and_no_word_of_a_picture_is_cut_or_written_over(name, browser, tmp_path):
+def test_a_page_fits_a_phone_and_each_word_can_be_read(name, browser, tmp_path):
     place = tmp_path / "page.html"
     place.write_text(PAGES[name](tmp_path).replace("<details>", "<details open>"), encoding="utf-8")
     for size in (PHONE, DESK):
@@ -97,4 +121,7 @@ def test_a_page_fits_a_phone_and_no_word_of_a_picture_is_cut_or_written_over(nam
         assert page.evaluate(SCROLLED) == []
         assert page.evaluate(CUT) == []
         assert page.evaluate(WRITTEN_OVER) == []
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            assert page.evaluate(FAINT) == []
         page.close()
