@@ -32,6 +32,7 @@ from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
 from nxt_twin.diagnose.judging.sight import in_sight
 from nxt_twin.diagnose.judging.verdict import (
+    LIMITS,
     Record,
     is_idle,
     is_needless,
@@ -190,6 +191,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         {one.id: one.name for one in sizes},
         patchwork=is_patchwork(evidence.record),
         instead=furthest_off(problem.plant, evidence.baseline.plant) if evidence.record.restores else "",
+        loose=_is_loose(evidence),
     )
     far = moved_far(problem.plant, evidence.final.plant)
     small = words.too_small([one.name for one in evidence.needless])
@@ -223,6 +225,13 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         nearest=nearest_effect(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
     )
+
+
+def _is_loose(evidence: Evidence) -> bool:
+    """Whether windows of two seconds err by much, mostly since the fitted readings leave parameters open."""
+    window = nearest_horizon(evidence.final_errors, evidence.problem.window_s)
+    open_more = evidence.doubts[window] > evidence.floors[window]
+    return evidence.record.remaining > LIMITS.nearly and bool(open_more)
 
 
 def _what_is_left(evidence: Evidence, verdict: Verdict) -> tuple[str, ...]:

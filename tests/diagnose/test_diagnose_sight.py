@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from diagnose_motors import recorded, settled
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.diagnosis import Excitation, Fit
-from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.engine import _is_loose, diagnose, problem_for
 from nxt_twin.diagnose.fitting import settling
 from nxt_twin.diagnose.fitting.linear import linearise, signatures, trials_of
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
@@ -91,6 +92,37 @@ def test_of_more_than_four_unseen_effects_the_others_are_counted(count, last):
     unseen = Excitation(enough=False, lacks=(), unseen=tuple("abcdef"[:count]))
     fit = Fit("free-run RMSE", "deg", 1.0, 1.0, 1.0)
     assert words.sentence("adequate", (), fit, unseen).endswith(f"{last}.")
+
+
+@pytest.mark.parametrize(
+    ("changes", "loose"),
+    [
+        ({}, True),
+        ({"remaining": 2.0}, False),
+        ({"doubts": (0.9, 0.1)}, False),
+        ({"floors": (0.9, 0.3)}, False),
+    ],
+)
+def test_parameters_are_open_where_doubt_in_them_moves_unseen_windows_by_more_than_noise(changes, loose):
+    made = {"remaining": 2.01, "doubts": (0.1, 0.3), "floors": (0.1, 0.2)} | changes
+    evidence = SimpleNamespace(
+        record=SimpleNamespace(remaining=made["remaining"]),
+        doubts=made["doubts"],
+        floors=made["floors"],
+        final_errors=SimpleNamespace(seconds=(0.5, 2.0)),
+        problem=SimpleNamespace(window_s=2.0),
+    )
+    assert _is_loose(evidence) is loose
+
+
+@pytest.mark.parametrize("enough", [True, False])
+def test_an_adequate_model_with_open_parameters_is_not_praised(enough):
+    unseen = Excitation(enough=enough, lacks=(), unseen=("a",))
+    said = words.sentence("adequate", (), Fit("free-run RMSE", "deg", 47.0, 47.0, 1.0), unseen, loose=True)
+    assert "leave the parameters open" in said
+    assert "47 deg off" in said
+    assert "Nothing is missing" not in said
+    assert ("could not have shown a." in said) is not enough
 
 
 def test_clean_recordings_raise_no_alarm_and_an_effect_does(simulator, clean_linear):

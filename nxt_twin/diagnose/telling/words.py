@@ -27,27 +27,20 @@ def sentence(
     *,
     patchwork: bool = False,
     instead: str = "",
+    loose: bool = False,
 ) -> str:
     """The verdict with its figures, for a person; at most two sentences.
 
     `names` gives the names of the effects that `excitation` could not have shown, by id. `patchwork` says that more
     effects were needed than are likely to be missing at once. `instead` is what given numbers would have to be far off
-    in, were nothing missing.
+    in, were nothing missing. `loose` says that an adequate model errs by much, as its parameters are open.
     """
     figures = f"from {fit.baseline:.3g} to {fit.improved:.3g} {fit.unit} on held-out data"
     named = listed([effect.name for effect in effects])
     helps = "help" if len(effects) > 1 else "helps"
     reduces, stands = ("reduce", "stand") if len(effects) > 1 else ("reduces", "stands")
-    if verdict == "adequate" and excitation is not None and not excitation.enough:
-        return (
-            f"Nothing is missing as far as these recordings can tell: the model predicts held-out data to "
-            f"{fit.improved:.3g} {fit.unit}. They could not have shown {_unseen(excitation, names or {})}."
-        )
     if verdict == "adequate":
-        return (
-            f"Nothing is missing: with its parameters fitted again, the model predicts held-out data to "
-            f"{fit.improved:.3g} {fit.unit}."
-        )
+        return _adequate(fit, excitation, names or {}, loose=loose)
     if verdict == "explained":
         return _explained(effects, fit, instead)
     if effects and not fit.improved < _HELPS * fit.baseline:
@@ -68,6 +61,23 @@ def sentence(
     return (
         "Something is missing, and it is no effect that nxt-twin knows; "
         f"the free-run error on held-out data stays at {fit.improved:.3g} {fit.unit}."
+    )
+
+
+def _adequate(fit: Fit, excitation: Excitation | None, names: Mapping[str, str], *, loose: bool) -> str:
+    poor = excitation is not None and not excitation.enough
+    unseen = f" They could not have shown {_unseen(excitation, names)}." if excitation and poor else ""
+    figure = f"{fit.improved:.3g} {fit.unit}"
+    if loose:
+        return (
+            f"No missing physics shows, but the fitted recordings leave the parameters open: the model is {figure} "
+            f"off on held-out data.{unseen}"
+        )
+    if poor:
+        told = "Nothing is missing as far as these recordings can tell"
+        return f"{told}: the model predicts held-out data to {figure}.{unseen}"
+    return (
+        f"Nothing is missing: with its parameters fitted again, the model predicts held-out data to {figure}."
     )
 
 
