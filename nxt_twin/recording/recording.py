@@ -68,8 +68,9 @@ class Recording:
 
     def __repr__(self) -> str:
         """Short: name, size and columns."""
-        names = ", ".join(name for name in self.columns if name != "time_s")
-        return f"<Recording {self.name}: {self.rows} rows, {self.duration_s:.4g} s, {names}>"
+        names = [name for name in self.columns if name != "time_s"]
+        told = [f"{self.rows} rows", f"{self.duration_s:.4g} s", *names]
+        return f"<Recording {self.name}: {', '.join(told)}>"
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """The columns by Arrow's C interface: `pandas.DataFrame.from_arrow` and `polars.DataFrame` take a recording.

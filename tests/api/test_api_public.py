@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import polars as pl
 import pytest
@@ -128,3 +129,7 @@ def test_a_mock_that_cannot_be_made_says_why_where_it_was_asked_for(tmp_path):
 def test_the_page_of_the_library_tells_of_every_name():
     page = (Path(__file__).parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
     assert [name for name in PUBLIC if not re.search(rf"`{name}\b", page)] == []
+
+
+def test_a_recording_of_time_alone_names_no_column():
+    assert repr(nt.Recording("r", {"time_s": np.arange(3.0)})) == "<Recording r: 3 rows, 2 s>"
