@@ -105,3 +105,6 @@ def test_the_first_unit_is_the_odd_one_where_all_others_differ_from_it_alike():
 def test_a_parameter_reads_without_its_unit():
     assert parameter_words("gravity_torque_nm") == "gravity torque"
     assert parameter_words("viscous_friction_nm_s_per_rad") == "viscous friction"
+    assert parameter_words("position_gain_pct_per_deg") == "position gain"
+    assert parameter_words("goal_rate_limit_deg_per_s") == "goal rate limit"
+    assert parameter_words("drain_v_per_s") == "drain"

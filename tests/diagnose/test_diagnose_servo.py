@@ -1,6 +1,7 @@
 """A servo's case from end to end, and the firmware's regulated mode beside a mock brick."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from firmware_protocol import MotorMode, RegulationMode
 from nxt_twin.api.openers import OPENERS
 from nxt_twin.api.prediction import predictions
 from nxt_twin.brick.open import open_brick
+from nxt_twin.diagnose.changed.compare import changed
 from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.mock.serve.clock import VirtualClock
 from nxt_twin.recording.case import case_of
@@ -124,6 +126,25 @@ def test_a_servo_without_either_gets_no_name_and_is_told_from_which_size_it_woul
     assert 60.0 < limit.size < 100.0
     assert band.seen_above
     assert 0.0 < band.size < 2.0
+
+
+@pytest.mark.slow_variants
+@pytest.mark.parametrize(
+    ("after", "of", "value", "words"),
+    [
+        ({"limit_pct": 45.0}, "power_limit", 45.0, "power limit of the loop is new (limit 4"),
+        ({"band_deg": 3.0}, "loop_dead_band", 3.0, "loop dead band is new (width "),
+        ({"gain": 1.4}, "position_gain_pct_per_deg", 1.4, "position gain "),
+    ],
+    ids=["limit", "dead band", "gain"],
+)
+def test_what_somebody_set_in_a_servo_s_loop_is_named_as_its_loop_s(after, of, value, words):
+    (found,) = changed(loop_case(), [replace(loop_case(**after), name="after")])
+    (change,) = found.changes
+    assert change.of == of
+    assert change.after == pytest.approx(value, rel=0.05)
+    assert found.sentence.startswith(f"The servo's loop changed: {words}")
+    assert "The motor and its load did not change." in found.sentence
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,10 @@ from nxt_twin.diagnose.units import after_number
 from nxt_twin.physics.library import library
 
 _UNIT_SUFFIX = re.compile(
-    r"_(kg_m2|kg|nm_per_a|nm_s_per_rad|nm_per_rad|n_s_per_m|v_s_per_rad|nm|n|ohm|h|v|a|s|deg|pct|m|rad_s)$"
+    r"_(pct_s_per_deg|pct_per_deg|deg_per_s|v_per_s|per_s|kg_m2|kg|nm_per_a|nm_s_per_rad|nm_per_rad|n_s_per_m|v_s_per_rad"
+    r"|nm|n|ohm|h|v|a|s|deg|pct|m|rad_s)$"
 )
+_LOOP = "servo's loop"
 _PART_OF = {
     "load": {
         "gravity_torque_nm",
@@ -36,6 +38,18 @@ _PART_OF = {
         "winding_heating",
         "voltage_drop",
         "current_limit",
+    },
+    _LOOP: {
+        "position_gain_pct_per_deg",
+        "derivative_gain_pct_s_per_deg",
+        "goal_rate_limit",
+        "goal_rate_limit_deg_per_s",
+        "integral_action",
+        "integral_rate_per_s",
+        "loop_dead_band",
+        "width_deg",
+        "power_limit",
+        "limit_pct",
     },
     "supply": {"supply_v", "battery_sag", "battery_drain", "internal_resistance_ohm", "drain_v_per_s"},
 }
@@ -138,7 +152,8 @@ def _parts(changes: Sequence[Change]) -> list[str]:
 def _unchanged(parts: Sequence[str]) -> str:
     if "motor" in parts:
         return ""
-    return f"The motor{' and its load' if parts == ['recording'] else ''} did not change. "
+    beside = set(parts) <= {"recording", _LOOP}
+    return f"The motor{' and its load' if beside else ''} did not change. "
 
 
 def _part(of: str) -> str:
