@@ -230,6 +230,7 @@ def _record(
         at_first=max((before.rms[n] for n in windows), default=0.0) / tolerance,
         least_nats=weight.total if weight else 0.0,
         restores=bool(weight and weight.restores),
+        of_readings=bool(found) and not physical,
         doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=max(ratios, default=0.0) if physical else 0.0,
     )

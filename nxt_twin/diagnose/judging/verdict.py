@@ -49,7 +49,8 @@ class VerdictLimits:
         forgiven: unknown torque, as such a fraction, that excuses no error of effects which leave over `still_large`
             of it.
         untouched: share of the baseline's unknown torque above which found effects have left it as it was, so that
-            `excused` is asked of them, too.
+            `excused` is asked of them, too. Above `forgiven` it excuses no error over the tolerance that they do not
+            halve.
         shaped: nats that a free function of speed, angle, time or command may gain beside found effects. Above them,
             these effects may stand for another law. They do where the function adds more than `most_left` of all gains.
             They also do where it adds more than `least_left`, and leaves less of the unseen error than `confirmed`. A
@@ -127,6 +128,7 @@ class Record:
         longer: largest error of the improved plant over that of the baseline, of simulations longer than two seconds
             that err by more than the tolerance.
         least_nats: what speaks for the weakest of the found effects.
+        of_readings: whether all found effects are faults of the readings.
         doubts: whether that effect doubts readings. Errors leave these out, so that none gets less by it.
         restores: whether that effect brings given numbers back which a re-fit had to move far without it.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
@@ -164,6 +166,7 @@ class Record:
     shape_left: float = 1.0
     restores: bool = False
     doubts: bool = False
+    of_readings: bool = False
     rested_nats: float = 0.0
     kin_nats: float = 0.0
     colour: float = math.inf
@@ -242,17 +245,23 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether found effects leave an error that only the unknown torque excuses, which they were to explain.
 
     The floor that a remaining error is compared with rests on that torque. So it may not excuse the error where the
-    effects have left most of it. Where they have left nearly all, no more of it is excused than without an effect.
+    effects have left most of it. Where they have left nearly all, no more of it is excused than without an effect. A
+    large one then excuses not even an error that just matters, unless the effects halve it. Nor is more excused for
+    as many effects as can be missing.
     By windows alone, how much there was before is not known, and how much is left counts.
     """
-    if not record.found or record.remaining <= limits.nearly:
+    if not record.found or record.remaining <= 1.0:
         return False
     if record.by_windows:
-        return record.torque_after > limits.large_by_windows
+        return record.remaining > limits.nearly and record.torque_after > limits.large_by_windows
     kept = record.torque_after / max(record.torque_before, 1e-15)
-    most = kept > limits.still_large and record.torque_after > limits.forgiven
-    nearly_all = kept > limits.untouched and record.torque_after > limits.excused
-    return most or nearly_all
+    large = record.torque_after > limits.forgiven
+    if record.of_readings:  # which are torques to no filter
+        return record.remaining > limits.nearly and large and kept > limits.still_large
+    if record.remaining <= limits.nearly:
+        return large and kept > limits.untouched and record.nearer > limits.confirmed
+    stands_in = kept > limits.untouched or record.named >= limits.most_named
+    return (large and kept > limits.still_large) or (stands_in and record.torque_after > limits.excused)
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
