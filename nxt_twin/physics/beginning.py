@@ -19,6 +19,7 @@ _DELAYS_S = (0.0, 0.01, 0.02, 0.04, 0.08)
 _AS_GOOD = 1.5  # times the error of a motion that need not begin at rest
 _AS_NEAR = 0.5  # of the readings' step
 _ANOTHER = 0.1  # of the largest command
+_NOTHING = 1e-300  # a shape that has not begun
 _CLEARLY_WORSE = 4.0  # times the error from rest
 
 
@@ -35,11 +36,12 @@ def begins_at_rest(signals: Signals) -> bool:
         return bool(moved.size and np.abs(moved).max() <= signals.quantum)
     if elapsed_s.size < _FEWEST_READINGS:
         return False
-    still = min(
-        _left(moved, [_from_rest(elapsed_s - delay_s, lag_s)]) for lag_s in _LAGS_S for delay_s in _DELAYS_S
-    )
-    moving = min(_left(moved, [_from_rest(elapsed_s, lag_s), _dying(elapsed_s, lag_s)]) for lag_s in _LAGS_S)
-    steady = _left(moved, [elapsed_s])
+    lag_s, delay_s = (each.reshape(-1, 1) for each in np.meshgrid(_LAGS_S, _DELAYS_S, indexing="ij"))
+    still = _least(_without(moved, _from_rest(elapsed_s - delay_s, lag_s)))
+    lag_s = _LAGS_S[:, None]
+    risen, dying = _from_rest(elapsed_s, lag_s), _dying(elapsed_s, lag_s)
+    moving = _least(_without(_without(moved, risen), _without(dying, risen)))
+    steady = _least(_without(moved, elapsed_s[None]))
     return still <= max(_AS_GOOD * moving, _AS_NEAR * signals.quantum) and steady > _CLEARLY_WORSE * still
 
 
@@ -74,19 +76,23 @@ def _in_force(signals: Signals) -> int:
     return max(int(np.searchsorted(signals.command_time_s, signals.time_s[0], side="right")) - 1, 0)
 
 
-def _from_rest(elapsed_s: FloatArray, lag_s: float) -> FloatArray:
-    """Position under a constant command from rest, to a factor: t - τ(1 - exp(-t/τ))."""
+def _from_rest(elapsed_s: FloatArray, lag_s: FloatArray) -> FloatArray:
+    """Position under a constant command from rest, to a factor: t - τ(1 - exp(-t/τ)), shape (lags, readings)."""
     after = np.maximum(elapsed_s, 0.0)
     return np.asarray(after - _dying(after, lag_s))
 
 
-def _dying(elapsed_s: FloatArray, lag_s: float) -> FloatArray:
-    """Position while a speed dies away, to a factor: τ(1 - exp(-t/τ))."""
+def _dying(elapsed_s: FloatArray, lag_s: FloatArray) -> FloatArray:
+    """Position while a speed dies away, to a factor: τ(1 - exp(-t/τ)), shape (lags, readings)."""
     return np.asarray(-lag_s * np.expm1(-elapsed_s / lag_s))
 
 
-def _left(moved: FloatArray, shapes: list[FloatArray]) -> float:
-    """The RMS of what a sum of `shapes` leaves of the readings."""
-    design = np.column_stack(shapes)
-    weights = np.linalg.lstsq(design, moved, rcond=None)[0]
-    return float(np.sqrt(np.mean((moved - design @ weights) ** 2)))
+def _without(values: FloatArray, shapes: FloatArray) -> FloatArray:
+    """The part of `values` that the best multiple of each of `shapes` leaves, shape (shapes, readings)."""
+    size = np.maximum(np.sum(shapes**2, axis=1, keepdims=True), _NOTHING)
+    return np.asarray(values - np.sum(values * shapes, axis=1, keepdims=True) / size * shapes)
+
+
+def _least(left: FloatArray) -> float:
+    """The least RMS of the rows."""
+    return float(np.sqrt(np.mean(left**2, axis=1)).min())

@@ -22,7 +22,7 @@ def drafted(fitter: Fitter, plant: Plant, noise: Noise, *, iterations: int) -> D
 def draft_cost(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[float, float]:
     """Cost of `plant` as it stands on the target's readings and on the checking ones, steps of `step_s`."""
     values, active = plant.vectors()
-    target = fitter.tuned(noise, step_s)
+    target = fitter.tuned(noise, step_s).telling()
     results = fitter.simulator.run(values[None], active[None], target.jobs)
     checking = target.checking()
     return float(target.cost(results)[0]), float(checking.cost(results)[0])

@@ -113,6 +113,7 @@ def fit(
     Stops after a number of `iterations`, or where the next would gain less than `patience_nats`. Without `covariance`
     that of the last step stands in for the one at the end, which takes twice as many runs.
     """
+    target = target.telling()
     search = _FitSurroundings(simulator, plant, tuple(variables), target.pulling())
     x: FloatArray = search.centred(search.inside(values_of(plant, variables)))
     slopes = search.slopes(x) if slopes is None else search.brought(slopes, x)

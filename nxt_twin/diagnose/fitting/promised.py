@@ -32,7 +32,7 @@ def promised(fitter: Fitter, structure: Structure, plants: Sequence[Plant]) -> l
     found = []
     for step_s in sorted(set(steps_s)):
         places = [place for place, own_s in enumerate(steps_s) if own_s == step_s]
-        nuisance = _Nuisance(fitter, structure, fitter.tuned(structure.noise, step_s))
+        nuisance = _Nuisance(fitter, structure, fitter.tuned(structure.noise, step_s).telling())
         gains = nuisance.gains([plants[place] for place in places])
         found += [(place, *promise) for place, promise in zip(places, gains, strict=True)]
     return found

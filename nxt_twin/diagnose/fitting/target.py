@@ -70,6 +70,10 @@ class Target:
         """The jobs that run freely between spells of correction."""
         return self._some([n for n, mask in enumerate(self.corrected) if mask is not None])
 
+    def telling(self) -> Target:
+        """The jobs whose readings are evidence: all others would be run for nothing."""
+        return self._some([n for n, worth in enumerate(self.evidence) if worth > 0.0])
+
     def _some(self, rows: Sequence[int]) -> Target:
         return Target(
             tuple(self.jobs[n] for n in rows),
@@ -78,6 +82,7 @@ class Target:
             tuple(self.evidence[n] for n in rows),
             tuple(self.corrected[n] for n in rows),
             tuple(self.pull[n] for n in rows),
+            self.lenient,
         )
 
     def pulling(self) -> Target:
@@ -139,5 +144,6 @@ class Target:
     def costs_of(self, simulator: Simulator, plants: Sequence[Plant]) -> FloatArray:
         """Negative log-likelihood of the counted readings for each of `plants`, nats, run a few at a time."""
         values, active = (np.array(part) for part in zip(*(plant.vectors() for plant in plants), strict=True))
-        parts = batches(len(values), samples_of(self.jobs))
-        return np.concatenate([self.cost(simulator.run(values[n], active[n], self.jobs)) for n in parts])
+        own = self.telling()
+        parts = batches(len(values), samples_of(own.jobs))
+        return np.concatenate([own.cost(simulator.run(values[n], active[n], own.jobs)) for n in parts])
