@@ -261,11 +261,15 @@ def _what_stays(evidence: Evidence) -> tuple[str, ...]:
 
 
 def _what_is_written(evidence: Evidence) -> tuple[str, ...]:
-    """A remark where the plant that is handed on is not the improved one."""
+    """Remarks where the plant that is handed on is not the improved one, or not the best at each horizon."""
+    beaten = words.beaten(evidence.beaten_at)
     if evidence.written is evidence.final.plant:
-        return ()
+        return beaten
     which = "re-fitted baseline" if evidence.written is evidence.baseline.plant else "model as it was given"
-    return (f"At some horizon the improved plant predicts unseen readings worse: the {which} is handed on.",)
+    return (
+        f"At some horizon the improved plant predicts unseen readings worse: the {which} is handed on.",
+        *beaten,
+    )
 
 
 def _floors(simulator: Simulator, evidence: Evidence, seed: int, *, complete: bool) -> tuple[float, ...]:

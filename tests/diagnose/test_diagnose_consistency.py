@@ -24,8 +24,9 @@ from nxt_twin.diagnose.engine import fit_as_it_stands
 from nxt_twin.diagnose.fitting.baselines import best_baseline, is_nearer, settled_baseline
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
-from nxt_twin.diagnose.judging.horizons import Errors, best_at_every_horizon, errors_of
+from nxt_twin.diagnose.judging.horizons import Errors, beaten_at, best_at_every_horizon, errors_of
 from nxt_twin.diagnose.search.searched import searched
+from nxt_twin.diagnose.telling.words import beaten
 from nxt_twin.physics.simulate import Simulator
 
 WINDOW_S = 2.0
@@ -160,6 +161,24 @@ def test_an_improved_plant_that_is_worse_at_one_horizon_is_not_written(improved,
 def test_the_given_model_is_written_where_it_is_best():
     ranked = [("improved", (5.0,) * 4), ("baseline", BASELINE), ("given", (3.0,) * 4)]
     assert best_at_every_horizon(errors(ranked), TOLERANCE) == "given"
+
+
+@pytest.mark.parametrize(
+    ("given", "at", "told"),
+    [
+        ((9.0, 9.0, 9.0, 9.0), (), ()),
+        ((3.9, 9.0, 9.0, 9.0), (0.5,), ("after 0.5 s",)),
+        ((3.95, 9.0, 9.0, 9.0), (), ()),  # less than chance
+        ((9.0, 1.0, 9.0, 3.6), (2.0, np.inf), ("after 2 s and over whole runs",)),
+        ((9.0, 9.0, 3.7, 3.7), (), ()),
+    ],
+)
+def test_a_plant_that_is_not_the_best_at_every_horizon_says_where(given, at, told):
+    ranked = errors([("improved", BASELINE), ("baseline", BASELINE), ("given", given)])
+    assert beaten_at("improved", ranked, TOLERANCE) == at
+    remarks = beaten(at)
+    assert len(remarks) == len(told)
+    assert all(words in remark for words, remark in zip(told, remarks, strict=True))
 
 
 def test_errors_that_do_not_matter_decide_nothing():

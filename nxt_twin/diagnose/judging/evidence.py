@@ -22,6 +22,7 @@ from nxt_twin.diagnose.judging.detectable import allowed
 from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import (
     Errors,
+    beaten_at,
     best_at_every_horizon,
     errors_of,
     floors_of,
@@ -99,12 +100,20 @@ class Evidence:
     @property
     def written(self) -> Plant:
         """The plant that is handed on: the best of improved, re-fitted and given plant on what no fit has seen."""
-        ranked = [
+        return best_at_every_horizon(self._ranked, self.problem.tolerance)
+
+    @property
+    def beaten_at(self) -> tuple[float, ...]:
+        """The horizons at which another of these plants predicts unseen readings better than the written one, s."""
+        return beaten_at(self.written, self._ranked, self.problem.tolerance)
+
+    @property
+    def _ranked(self) -> list[tuple[Plant, Errors]]:
+        return [
             (self.final.plant, self.final_errors),
             (self.baseline.plant, self.baseline_errors),
             (self.problem.plant, self.given_errors),
         ]
-        return best_at_every_horizon(ranked, self.problem.tolerance)
 
 
 def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Generator) -> Evidence:

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.splits import WINDOW_S
@@ -91,13 +91,23 @@ def best_at_every_horizon(ranked: Sequence[tuple[Plant, Errors]], tolerance: flo
     after the first.
     """
     for number, (plant, errors) in enumerate(ranked):
-        slack = np.where(np.array(errors.seconds) <= WINDOW_S, _SLACK, _SLACK_OF_DRIFT)
-        rivals = [np.array(other.rms) for _, other in ranked[number + 1 :]]
-        if rivals and all(
-            (np.array(errors.rms) <= np.maximum(slack * rms, tolerance)).all() for rms in rivals
-        ):
+        rivals = [other for _, other in ranked[number + 1 :]]
+        if rivals and not any(_beats(rival, errors, tolerance).any() for rival in rivals):
             return plant
     return ranked[1 + least_wrong([errors for _, errors in ranked[1:]], tolerance)][0]
+
+
+def beaten_at(plant: Plant, ranked: Sequence[tuple[Plant, Errors]], tolerance: float) -> tuple[float, ...]:
+    """The horizons at which another of the ranked plants beats `plant`, s."""
+    own = next(errors for other, errors in ranked if other is plant)
+    beaten = np.any([_beats(errors, own, tolerance) for _, errors in ranked], axis=0)
+    return tuple(seconds for seconds, worse in zip(own.seconds, beaten, strict=True) if worse)
+
+
+def _beats(one: Errors, other: Errors, tolerance: float) -> BoolArray:
+    """At which horizons `one` is better than `other` by more than chance, where that errs by what matters."""
+    slack = np.where(np.array(one.seconds) <= WINDOW_S, _SLACK, _SLACK_OF_DRIFT)
+    return np.asarray(np.array(other.rms) > np.maximum(slack * np.array(one.rms), tolerance))
 
 
 def least_wrong(every: Sequence[Errors], tolerance: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
@@ -119,6 +120,16 @@ def below_tolerance(tolerance: float, unit: str) -> str:
 def stood_still(share: float) -> str:
     """A sentence on a host or link that stood still for that share of a recording."""
     return f"The host or the link stood still for {100.0 * share:.0f} % of a recording, so no name is sure."
+
+
+def beaten(horizons_s: Sequence[float]) -> tuple[str, ...]:
+    """A remark on the horizons at which the plant that is handed on is not the best; none where there are none."""
+    if not horizons_s:
+        return ()
+    told = ["over whole runs" if math.isinf(own) else f"after {own:g} s" for own in horizons_s]
+    return (
+        f"No plant is the best at every horizon: {listed(told)} another one predicts unseen readings better.",
+    )
 
 
 def _opening(named: str) -> str:
