@@ -140,7 +140,6 @@ def fit(
             break
         if gain < max(patience_nats, _TRUSTED * promised) and left > 0:
             slopes = search.slopes(x, slopes.results)
-    cost = float(target.cost(slopes.results)[0])
     x = search.centred(x)
     hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
     spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
@@ -149,7 +148,7 @@ def fit(
         plant_at(plant, variables, search.si(x)),
         tuple(variables),
         spread * np.outer(width, width),
-        cost,
+        float(target.cost(slopes.results)[0]),
         search.prior_cost(x),
         target.worth(),
     )
