@@ -132,7 +132,10 @@ def test_counts_rows_as_an_editor_does_blank_lines_included(put, refusal):
 @pytest.mark.parametrize(
     ("content", "part"),
     [
-        (b"time_s,a_tacho_deg\n0,1\n1,\xff\xfe\n", "row 3: is not UTF-8"),
+        (
+            b"time_s,a_tacho_deg\n0,1\n1,\xff\xfe\n",
+            "row 3: is not UTF-8 text (save it as CSV UTF-8, or read it through a mapping",
+        ),
         (b"time_s,a_tacho\xe9\n0,1\n1,2\n", "row 1: is not UTF-8"),
         ("time_s,a_tacho_deg\n0,1\n1,2\n".encode("utf-16"), "UTF-16"),
         (b"PAR1\x15\x04", "Parquet file"),

@@ -102,6 +102,9 @@ def _is_counted(cell: str) -> bool:
     return cell.lstrip("+-.")[:1].isdigit()
 
 
+UTF_8 = "save it as CSV UTF-8, or read it through a mapping, which `nxt-twin map` writes"
+
+
 def _all_lines(path: Path, layout: TextLayout) -> Generator[NumberedLine]:
     """Every line that is not blank."""
     try:
@@ -117,7 +120,7 @@ def _all_lines(path: Path, layout: TextLayout) -> Generator[NumberedLine]:
                     yield skipped + reader.line_num, stripped
     except UnicodeDecodeError:
         where = f"{path}, row {_first_undecodable_line(path)}"
-        raise RecordingError("is not UTF-8 text", where=where, mend="save it as CSV UTF-8") from None
+        raise RecordingError("is not UTF-8 text", where=where, mend=UTF_8) from None
     except csv.Error as failure:
         mend = "look for a quote that never closes"
         raise RecordingError(f"is no text table: {failure}", where=str(path), mend=mend) from None

@@ -13,6 +13,7 @@ from nxt_twin.errors import RecordingError
 from nxt_twin.recording.source import read_table_head
 from nxt_twin.recording.tables.floats import floats
 from nxt_twin.recording.tables.lines import (
+    UTF_8,
     WHITESPACE,
     TextLayout,
     column_names,
@@ -28,8 +29,8 @@ _SIGNATURES = (
     (b"PAR1", "is a Parquet file, not text", "name it .parquet"),
     (b"PK\x03\x04", "is a zip archive or a spreadsheet, not text", "export it as CSV UTF-8"),
     (b"MATLAB 5.0 MAT", "is a MAT file, not text", "read it through a mapping with format: mat"),
-    (b"\xff\xfe", "is UTF-16, not UTF-8", "save it as CSV UTF-8"),
-    (b"\xfe\xff", "is UTF-16, not UTF-8", "save it as CSV UTF-8"),
+    (b"\xff\xfe", "is UTF-16, not UTF-8", UTF_8),
+    (b"\xfe\xff", "is UTF-16, not UTF-8", UTF_8),
 )
 
 
