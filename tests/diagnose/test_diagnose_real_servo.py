@@ -7,6 +7,7 @@ import pytest
 
 from nxt_twin.api.prediction import predictions
 from nxt_twin.diagnose.changed.compare import changed
+from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.errors import MissingDataError
 from nxt_twin.recording.case import read_case
 from nxt_twin.recording.realdata import data_root
@@ -65,3 +66,18 @@ def test_another_load_is_named_with_its_size(
 def test_other_repeats_of_one_load_are_unchanged(case_of, before, stamps):
     (found,) = changed(before, [replace(case_of("unchanged", stamps), holdout=())])
     assert (found.verdict, found.changes) == ("unchanged", ())
+
+
+def test_friction_that_grows_with_load_is_named_where_the_model_leaves_it_out(case_of, stamps):
+    found = diagnose(case_of("gear-friction-left-out", stamps)).diagnosis
+    assert (found.verdict, [effect.id for effect in found.effects]) == (
+        "explained",
+        ["load_dependent_friction"],
+    )
+    assert found.fit.improved < 0.7 * found.fit.baseline
+
+
+def test_a_model_with_gear_friction_is_adequate_for_other_repeats(case_of, stamps):
+    found = diagnose(case_of("unchanged", stamps)).diagnosis
+    assert (found.verdict, found.effects) == ("adequate", ())
+    assert found.fit.improved <= 1.1
