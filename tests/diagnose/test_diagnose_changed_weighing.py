@@ -79,6 +79,16 @@ def test_an_arm_that_came_in_is_one_change_with_its_inertia():
     assert WEIGHING.worth(bare, with_inertia) == pytest.approx(8.0 - 2.0)
 
 
+def test_inertia_beside_a_new_arm_needs_little_and_has_no_rivals():
+    arm = {"gravity_load": {"gravity": 0.05, "phase": 0.3}}
+    joint, ways = fit_with({"inertia": 1.5}, arm)
+    assert WEIGHING.is_companion(joint, ways["inertia"])
+    assert WEIGHING.keeping(joint, ways["inertia"]) == 1.0
+    alone, ways = fit_with({"inertia": 1.5})
+    assert not WEIGHING.is_companion(alone, ways["inertia"])
+    assert WEIGHING.keeping(alone, ways["inertia"]) == LIMIT
+
+
 @pytest.mark.parametrize(
     ("gain", "rms_after", "matters"),
     [(10.0, 0.0094, True), (10.0, 0.0096, False), (21.0, 0.01, False), (23.0, 0.01, True)],

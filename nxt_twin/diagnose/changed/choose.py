@@ -112,7 +112,7 @@ class Chooser:
     def _not_told(self, chosen: Chosen) -> list[RivalChange]:
         """What may stand in the place of one change: the readings, priors apart, favour neither clearly."""
         joint, found = chosen.joint, []
-        for each in chosen.nats:
+        for each in (one for one in chosen.nats if not self.weighing.is_companion(joint, one)):
             for _, rival in self._rivals(joint, each):
                 new = (set(rival.model.differs) | set(rival.model.effects)) - set(chosen.nats)
                 if len(new) != 1 or rival.model.changes != joint.model.changes:

@@ -111,11 +111,16 @@ class Weighing:
         model = joint.model
         if isinstance(each, str):
             return self.limit_nats if self.has_a_name(joint, each) else self._keeping_slight(model)
-        hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
-        if model.ways[each].slot.symbol in LOAD and len(hung & LOAD) > 1:
+        if self.is_companion(joint, each):
             return _COMPANION_NATS
         moved = abs(joint.x[len(model.shared) + model.differs.index(each)]) / model.ways[each].size
         return self.limit_nats if moved >= _SLIGHT else self._keeping_slight(model)
+
+    def is_companion(self, joint: JointFit, each: int | str) -> bool:
+        """Whether a parameter of the load differs beside another part of that load, which brings it."""
+        model = joint.model
+        hung = {model.ways[n].slot.symbol for n in model.differs} | set(model.effects)
+        return isinstance(each, int) and model.ways[each].slot.symbol in LOAD and len(hung & LOAD) > 1
 
     def _keeping_slight(self, model: Model) -> float:
         return self.limit_nats + _SLIGHT_NATS if model.changes > 1 else max(self.limit_nats, CLOSE_NATS)
