@@ -15,8 +15,9 @@ from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.judging.judge import stale_readings
 from nxt_twin.physics.observer import Noise, free_run_std
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job
-from nxt_twin.physics.start import Start, moving_start, restarts, run_in
+from nxt_twin.physics.start import Start, moving_start, restarts
 
 _SLACK = 1.02
 _SLACK_OF_DRIFT = 1.1  # a whole run is one number, in which much is luck
@@ -50,10 +51,11 @@ def errors_of(simulator: Simulator, problem: Problem, plant: Plant, best: Plant,
     Each window starts from the state that the plant, corrected at each reading until then, has reached.
     """
     clean = [(part, _without_stale(simulator, part, best, noise)) for part in problem.held_out]
+    begun = [(part, signals, moving_start(signals)) for part, signals in clean]
     seconds = horizons_of(problem)
     found = []
     for horizon_s in seconds:
-        errors = [_errors(simulator, part, shown, plant, noise, horizon_s) for part, shown in clean]
+        errors = [_errors(simulator, *one, plant, noise, horizon_s) for one in begun]
         found.append(_rms(errors))
     return Errors(seconds, tuple(found))
 
@@ -117,21 +119,25 @@ def least_wrong(every: Sequence[Errors], tolerance: float) -> int:
 
 
 def _errors(
-    simulator: Simulator, part: HeldOut, shown: FloatArray, plant: Plant, noise: Noise, horizon_s: float
+    simulator: Simulator,
+    part: HeldOut,
+    signals: Signals,
+    first: Start,
+    plant: Plant,
+    noise: Noise,
+    horizon_s: float,
 ) -> FloatArray:
-    signals = replace(part.signals, measured=shown)
-    first = moving_start(signals)
-    start: Start = first
-    if np.isfinite(horizon_s) or run_in(signals).any():
+    start = first
+    if np.isfinite(horizon_s) or first.speed[0] != 0.0:  # where it may be wrong, so that a run-in is needed
         start = observed_starts(simulator, plant, signals, first, noise, horizon_s)
     predicted = simulator.trace(plant, free_job(signals, start))["predicted"]
-    judged = part.counted & np.isfinite(shown) & ~start.at
-    return np.asarray((shown - predicted)[judged])
+    judged = part.counted & np.isfinite(signals.measured) & ~start.at
+    return np.asarray((signals.measured - predicted)[judged])
 
 
-def _without_stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Noise) -> FloatArray:
+def _without_stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Noise) -> Signals:
     stale = stale_readings(simulator, part.signals, best, noise)
-    return np.asarray(np.where(stale, np.nan, part.signals.measured))
+    return replace(part.signals, measured=np.where(stale, np.nan, part.signals.measured))
 
 
 def _rms(errors: Sequence[FloatArray]) -> float:
