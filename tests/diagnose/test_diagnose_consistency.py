@@ -21,7 +21,8 @@ from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.diagnose.engine import fit_as_it_stands
-from nxt_twin.diagnose.fitting.baselines import best_baseline, is_nearer, settled_baseline
+from nxt_twin.diagnose.fitting import baselines
+from nxt_twin.diagnose.fitting.baselines import best_baseline, is_nearer, plainly_fitted, settled_baseline
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
 from nxt_twin.diagnose.judging.horizons import Errors, beaten_at, best_at_every_horizon, errors_of
@@ -83,6 +84,23 @@ def test_a_baseline_that_lacks_physics_simulates_unseen_readings_as_a_plain_fit_
     for seconds in (WINDOW_S, np.inf):
         least = max(other.at(seconds), problem.tolerance)
         assert own.at(seconds) <= MOST_OVER_THE_PLAIN_FIT * least
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("times", "kept"), [(1.0, True), (2.0, False)])
+def test_errors_of_ordinary_size_count_in_proportion_in_the_plain_fit(monkeypatch, times, kept):
+    monkeypatch.setattr(baselines, "ORDINARY", times * baselines.ORDINARY)
+    problem = problem_of(home(23, "shaft_compliance", family="workshop"))
+    with Simulator(problem.plant.layout) as simulator:
+        fitter = Fitter(simulator, problem)
+        settled_one = settled_baseline(fitter)
+        refit = plainly_fitted(fitter, settled_one, settled_one.noise)
+        plain = plain_fit(simulator, problem)
+        own, other = (
+            errors_of(simulator, problem, plant, refit.plant, refit.noise).at(WINDOW_S)
+            for plant in (refit.plant, plain)
+        )
+    assert (own <= MOST_OVER_THE_PLAIN_FIT * other) is kept
 
 
 PLAIN = np.array([2.0, 4.0, 8.0])
