@@ -26,7 +26,7 @@ from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
-from nxt_twin.diagnose.judging.evidence import Evidence, gather
+from nxt_twin.diagnose.judging.evidence import Evidence, beside_the_others, gather
 from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
@@ -39,7 +39,9 @@ from nxt_twin.diagnose.judging.verdict import (
     is_patchwork,
     is_spoiled,
     is_stalled,
+    is_superfluous,
     leaves_little,
+    may_be_superfluous,
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
@@ -130,11 +132,19 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     evidence = gather(simulator, problem, found, rng)
     while (vague := vague_effect(evidence)) is not None:
         evidence = _less(simulator, evidence, vague, rng)
-    evidence = _unspoiled(simulator, evidence, rng)
+    return _without_needless(simulator, _unspoiled(simulator, evidence, rng), rng)
+
+
+def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
+    """`evidence` without the effects that no simulation needs, the weakest first; each is weighed beside the others."""
     needless: list[Effect] = []
-    while is_needless(evidence.record):
-        needless.append(_weakest(evidence))
-        evidence = _less(simulator, evidence, needless[-1], rng)
+    while is_needless(evidence.record) or may_be_superfluous(evidence.record):
+        weakest = _weakest(evidence)
+        lesser = _less(simulator, evidence, weakest, rng)
+        if not is_needless(evidence.record) and not is_superfluous(beside_the_others(evidence, lesser)):
+            break
+        needless.append(weakest)
+        evidence = lesser
     return replace(evidence, needless=tuple(needless))
 
 

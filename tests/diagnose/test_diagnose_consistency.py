@@ -22,7 +22,13 @@ from nxt_twin.blind.families.table import FAMILIES
 from nxt_twin.blind.sets import CasePlan
 from nxt_twin.diagnose.engine import fit_as_it_stands
 from nxt_twin.diagnose.fitting import baselines
-from nxt_twin.diagnose.fitting.baselines import best_baseline, is_nearer, plainly_fitted, settled_baseline
+from nxt_twin.diagnose.fitting.baselines import (
+    best_baseline,
+    best_fit,
+    is_nearer,
+    plainly_fitted,
+    settled_baseline,
+)
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
 from nxt_twin.diagnose.judging.horizons import Errors, beaten_at, best_at_every_horizon, errors_of
@@ -127,6 +133,25 @@ def test_errors_that_do_not_matter_do_not_keep_a_plain_fit():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("plain_nats", "windows", "stays"),
+    [
+        (52.0, 20.0, True),
+        (52.0, 45.0, False),
+        (10.9, 1.0, True),
+        (9.9, 1.0, False),
+        (29.0, 20.0, True),
+        (24.0, 20.0, False),
+    ],
+)
+def test_given_numbers_stay_where_windows_gain_less_than_a_plain_fit_costs_by_their_priors(
+    plain_nats, windows, stays
+):
+    errors = np.array([[0.53, 0.76, 0.85], [0.67, 1.07, 1.43], [0.66, 1.06, 1.42]])  # of a real servo, deg
+    priors = np.array([plain_nats, 6.0, 0.0])
+    assert best_fit(priors, errors, windows, TOLERANCE) == (2 if stays else 0)
+
+
 def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any_horizon():
     problem = problem_of(home(SEED, "backlash", duration_s=8.0))
     with Simulator(problem.plant.layout) as simulator:

@@ -16,6 +16,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_idle,
     is_needless,
     is_spoiled,
+    is_superfluous,
     is_worse,
     leaves_little,
     verdict_of,
@@ -245,6 +246,23 @@ def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(change
 def test_no_gain_names_what_hardly_changes_a_simulation_that_errs_by_less_than_matters(changes, needless):
     loud = replace(FOUND, nearer=0.86, at_first=0.99, least_nats=1e4)
     assert is_needless(replace(loud, **changes)) is needless
+
+
+@pytest.mark.parametrize(
+    ("changes", "superfluous"),
+    [
+        ({}, True),
+        ({"worst_ratio": 1.05}, False),
+        ({"worst_ratio": 1.05, "nearer": 0.98}, True),
+        ({"nearer": 0.85}, False),
+        ({"least_nats": 40.0}, False),
+        ({"named": 1}, False),
+        ({"restores": True}, False),
+    ],
+)
+def test_the_weakest_of_several_effects_is_weighed_beside_the_others(changes, superfluous):
+    beside = replace(FOUND, named=2, nearer=0.86, worst_ratio=1.06, least_nats=39.9)
+    assert is_superfluous(replace(beside, **changes)) is superfluous
 
 
 @pytest.mark.parametrize(

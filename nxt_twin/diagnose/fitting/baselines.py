@@ -11,6 +11,7 @@ from nxt_twin.diagnose.fitting.everything import roughly_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.free_windows import fitted_freely
 from nxt_twin.diagnose.fitting.noise import estimate, first_noise, with_noise
+from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.observer import Noise
@@ -31,7 +32,14 @@ ORDINARY = 0.35
 Errors beyond twice that count in proportion, so that a window on the edge of sticking does not outweigh all others.
 """
 
+READINGS_OF_A_WINDOW = 4.0
+"""As how many independent readings a window of simulation counts against the priors of given numbers."""
+
+DEAR_NATS = 10.0
+"""What the priors of given numbers cost a plain fit at least, above another one, where the other is to replace it."""
+
 _PLAIN_ROUNDS = 2
+_WINDOWS = 1  # which of the errors that a fitter gives is that of windows
 _AS_IT_STANDS = replace(SETTLED, iterations=0)
 
 
@@ -51,7 +59,8 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
     """The re-fitted baseline that simulates best, so that what was found is not held against a straw man.
 
     It is a plain fit of windows. Fits under the noise of the baseline or of the improved plant, a fit on simulation
-    alone and the given parameters replace it where `is_nearer`.
+    alone and the given parameters replace it where `is_nearer`. The likeliest of them also does where its windows gain
+    less than its priors cost. Physics that a model leaves out may look like a parameter a hundred times as large.
     """
     simulating, drifting = fitter.simulating(baseline.plant, baseline.noise, everything=True)
     others = [
@@ -60,16 +69,28 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
         fitter.checked(simulating, drifting),
         standing(fitter, fitter.problem.plant, baseline.noise),
     ]
-    plain = plainly_fitted(fitter, baseline, final.noise)
-    least = fitter.simulated_errors(plain.plant, final.noise)
-    nearer = [
-        (float(np.log(errors).sum()), number)
-        for number, one in enumerate(others)
-        if is_nearer(
-            errors := fitter.simulated_errors(one.plant, final.noise), least, fitter.problem.tolerance
-        )
-    ]
-    return others[min(nearer)[1]] if nearer else plain
+    fits = [plainly_fitted(fitter, baseline, final.noise), *others]
+    errors = np.array([fitter.simulated_errors(one.plant, final.noise) for one in fits])
+    priors = np.array([one.fitted.prior_cost for one in fits])
+    return fits[best_fit(priors, errors, windows_of(fitter.problem), fitter.problem.tolerance)]
+
+
+def best_fit(prior_nats: FloatArray, errors: FloatArray, windows: float, tolerance: float) -> int:
+    """The number of the fit that is the baseline: 0, a plain one, or one that replaces it.
+
+    Args:
+        prior_nats: what each fit costs by the priors of given numbers, shape (fits,).
+        errors: of short windows, windows and whole runs, SI, shape (fits, 3).
+        windows: how many windows were simulated.
+        tolerance: the error that does not matter, SI.
+    """
+    nearer = [n for n in range(1, len(errors)) if is_nearer(errors[n], errors[0], tolerance)]
+    if nearer:
+        return min(nearer, key=lambda n: float(np.log(errors[n]).sum()))
+    # Errors within one window go on in one another, so that a window counts as a few readings against the priors.
+    burdens = prior_nats + READINGS_OF_A_WINDOW * windows * np.log(errors[:, _WINDOWS])
+    likeliest = int(np.argmin(burdens))
+    return likeliest if prior_nats[0] - prior_nats[likeliest] > DEAR_NATS else 0
 
 
 def is_nearer(errors: FloatArray, plain: FloatArray, tolerance: float) -> bool:
@@ -80,6 +101,13 @@ def is_nearer(errors: FloatArray, plain: FloatArray, tolerance: float) -> bool:
     """
     silent = bool((errors[:-1] <= tolerance).all())
     return bool((errors <= np.maximum((AS_GOOD if silent else CLEARLY_NEARER) * plain, tolerance)).all())
+
+
+def windows_of(problem: Problem) -> float:
+    """How many windows of simulation the readings that are not held out fill."""
+    held = {id(part.signals): part.counted for part in problem.held_out}
+    seconds = [s.interval_s * (s.time_s.size - np.sum(held.get(id(s), False))) for s in problem.signals]
+    return float(sum(seconds)) / problem.window_s
 
 
 def plainly_fitted(fitter: Fitter, baseline: Structure, noise: Noise) -> Structure:

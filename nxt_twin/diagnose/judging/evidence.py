@@ -212,11 +212,8 @@ def _record(
     baseline, final = searched.refit, searched.final
     before, after = errors
     found = searched.explanation.found
-    windows = [n for n, seconds in enumerate(after.seconds) if seconds <= WINDOW_S]
-    mattering = [n for n in windows if after.rms[n] > problem.tolerance]
+    mattering = [n for n in _windows(after) if after.rms[n] > problem.tolerance]
     window = nearest_horizon(after, problem.window_s)
-    tolerance = max(problem.tolerance, 1e-15)
-    ratios = [after.rms[n] / max(before.rms[n], 1e-15) for n in mattering]
     physical = any(not effect.fault for effect, _ in found)
     weakest, weight = min(found, key=lambda pair: pair[1].total, default=(None, None))
     return Record(
@@ -234,15 +231,44 @@ def _record(
         surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
         by_windows=problem.by_windows,
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
-        remaining=max((after.rms[n] for n in windows), default=0.0) / tolerance,
+        remaining=_largest(problem, after),
         longer=_drift(problem, before, after) if physical else 0.0,
-        at_first=max((before.rms[n] for n in windows), default=0.0) / tolerance,
+        at_first=_largest(problem, before),
         least_nats=weight.total if weight else 0.0,
         restores=bool(weight and weight.restores),
         of_readings=bool(found) and not physical,
         doubts=bool(weakest and "outlier" in weakest.terms),
-        worst_ratio=max(ratios, default=0.0) if physical else 0.0,
+        worst_ratio=_worst(problem, before, after) if physical else 0.0,
     )
+
+
+def beside_the_others(evidence: Evidence, lesser: Evidence) -> Record:
+    """The record of `evidence` against `lesser`, the plant without the weakest effect, in the place of the baseline."""
+    problem, before, after = evidence.problem, lesser.final_errors, evidence.final_errors
+    window = nearest_horizon(after, problem.window_s)
+    return replace(
+        evidence.record,
+        nearer=after.rms[window] / max(before.rms[window], 1e-15),
+        longer=_drift(problem, before, after),
+        at_first=_largest(problem, before),
+        worst_ratio=_worst(problem, before, after),
+    )
+
+
+def _windows(errors: Errors) -> list[int]:
+    """Which horizons are windows of two seconds or shorter."""
+    return [n for n, seconds in enumerate(errors.seconds) if seconds <= WINDOW_S]
+
+
+def _largest(problem: Problem, errors: Errors) -> float:
+    """The largest error of windows of two seconds or shorter, over the tolerance."""
+    return max((errors.rms[n] for n in _windows(errors)), default=0.0) / max(problem.tolerance, 1e-15)
+
+
+def _worst(problem: Problem, before: Errors, after: Errors) -> float:
+    """The largest error over that of another plant, of windows of two seconds or shorter where it matters."""
+    mattering = [n for n in _windows(after) if after.rms[n] > problem.tolerance]
+    return max((after.rms[n] / max(before.rms[n], 1e-15) for n in mattering), default=0.0)
 
 
 def _drift(problem: Problem, before: Errors, after: Errors) -> float:

@@ -230,6 +230,21 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return record.nearer >= limits.no_nearer or record.at_first < limits.silent or taken_back
 
 
+def may_be_superfluous(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether so little speaks for the weakest of several effects that it is weighed beside the others alone."""
+    return record.named > 1 and record.least_nats < limits.sure and not record.restores
+
+
+def is_superfluous(beside: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the weakest of several effects goes, as little speaks for it and the others do as well alone.
+
+    `beside` compares the plant with the one that lacks this effect, and not with the baseline. The effect is needless
+    there, or makes one window worse and none much better.
+    """
+    worse = beside.worst_ratio > limits.worse and beside.nearer > limits.idle
+    return may_be_superfluous(beside, limits) and (is_needless(beside, limits) or worse)
+
+
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects predict unseen recordings worse than the re-fitted baseline does.
 
