@@ -58,7 +58,7 @@ def test_every_effect_that_a_seed_may_draw_runs_in_a_mock(effect):
     for tick in range(300):
         motor.step(0.5 if tick < 200 else -0.5, 0, 8.0, 1e-3)
     assert math.isfinite(motor.shown_rad)
-    assert motor.hub_rad > 0.3
+    assert motor.shown_rad > 0.3
     assert secret.effects[0]["id"] == effect
 
 
@@ -66,10 +66,10 @@ def test_a_late_command_acts_late():
     motor = TrueMotor(Motor(), Sensing(delay_s=0.02))
     for _ in range(20):
         motor.step(1.0, 0, 8.0, 1e-3)
-    assert motor.hub_rad == pytest.approx(0.0, abs=1e-6)
+    assert motor.shown_rad == pytest.approx(0.0, abs=1e-6)
     for _ in range(50):
         motor.step(1.0, 0, 8.0, 1e-3)
-    assert motor.hub_rad > 0.02
+    assert motor.shown_rad > 0.02
 
 
 @pytest.mark.slow
