@@ -57,7 +57,7 @@ def belief(effect, *, by_windows=False):
     return Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace()).belief(effect)
 
 
-def lasts(gain, moments, error=2.1, elsewhere=0.0):
+def lasts(gain, moments, error=2.1, elsewhere=0.0, *, check=0.0, shows=("high_load",)):
     """Whether a further effect's gain lasts, beside one that leaves an `error` of so many tolerances."""
     fits = SimpleNamespace(
         moments_gained=lambda *_: moments,
@@ -65,8 +65,22 @@ def lasts(gain, moments, error=2.1, elsewhere=0.0):
         problem=SimpleNamespace(tolerance=1.0),
     )
     standard = Standard(fits, structure(), SimpleNamespace())
-    weight = Weight(gain, 0.0, 1.0, runs_worse=False)
-    return standard.lasts(weight, structure("a", error=error), structure("a", "b"))
+    weight = Weight(gain, check, 1.0, runs_worse=False)
+    richer = structure("a", "b")
+    richer.plant.effects = (SimpleNamespace(id="b", shows=shows),)
+    return standard.lasts(weight, structure("a", error=error), richer)
+
+
+@pytest.mark.parametrize(
+    ("check", "shows", "kept"),
+    [
+        (8.1, ("low_speed", "reversal"), True),
+        (7.9, ("low_speed", "reversal"), False),
+        (8.1, ("high_load",), False),
+    ],
+)
+def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_back_once(check, shows, kept):
+    assert lasts(1e4, 9.0, 1.5, check=check, shows=shows) is kept
 
 
 def is_late(age_polls):

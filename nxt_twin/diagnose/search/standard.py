@@ -75,11 +75,13 @@ class Standard:
 
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
         Where a simulation hardly errs, one odd second is no missing physics either, however loud. What brings given
-        numbers back need gain nothing there: the numbers in their place simulate as well.
+        numbers back need gain nothing there: the numbers in their place simulate as well. Nor need friction that acts
+        where a motor turns back, if checking readings bear it out: it may do so once.
         """
         first = simpler.plant.active == self._baseline.plant.active
         errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
-        asked = not errs and not weight.restores
+        turning = weight.check_gain > LIMITS.gain_nats and _turns_back(simpler, richer)
+        asked = not errs and not weight.restores and not turning
         if asked and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
             return False
         return (
@@ -143,6 +145,12 @@ class Standard:
     def leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""
         return self.belief(effect) + self._fits.problem.leaning.get(effect.id, 0.0)
+
+
+def _turns_back(simpler: Structure, richer: Structure) -> bool:
+    """Whether every effect that `richer` has beyond `simpler` acts where a motor slows and turns back."""
+    new = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
+    return all({"low_speed", "reversal"} <= {*effect.shows} for effect in new)
 
 
 def _choice_nats(effect: Effect) -> float:
