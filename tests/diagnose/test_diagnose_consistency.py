@@ -152,6 +152,12 @@ def test_given_numbers_stay_where_windows_gain_less_than_a_plain_fit_costs_by_th
     assert best_fit(priors, errors, windows, TOLERANCE) == (2 if stays else 0)
 
 
+def test_fits_without_any_error_are_weighed_without_a_warning():
+    still = np.zeros((2, 3))
+    assert best_fit(np.array([30.0, 0.0]), still, 5.0, TOLERANCE) == 1
+    assert best_fit(np.zeros(2), np.array([[0.5, 1.0, 1.0], [0.0, 0.0, 0.0]]), 5.0, TOLERANCE) == 1
+
+
 def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any_horizon():
     problem = problem_of(home(SEED, "backlash", duration_s=8.0))
     with Simulator(problem.plant.layout) as simulator:

@@ -39,6 +39,7 @@ DEAR_NATS = 10.0
 """What the priors of given numbers cost a plain fit at least, above another one, where the other is to replace it."""
 
 _PLAIN_ROUNDS = 2
+_LEAST_ERROR = 1e-12  # of a plant that sticks fast as the motor does, none is left
 _WINDOWS = 1  # which of the errors that a fitter gives is that of windows
 _AS_IT_STANDS = replace(SETTLED, iterations=0)
 
@@ -84,11 +85,12 @@ def best_fit(prior_nats: FloatArray, errors: FloatArray, windows: float, toleran
         windows: how many windows were simulated.
         tolerance: the error that does not matter, SI.
     """
+    logs = np.log(np.maximum(errors, _LEAST_ERROR))
     nearer = [n for n in range(1, len(errors)) if is_nearer(errors[n], errors[0], tolerance)]
     if nearer:
-        return min(nearer, key=lambda n: float(np.log(errors[n]).sum()))
+        return min(nearer, key=lambda n: float(logs[n].sum()))
     # Errors within one window go on in one another, so that a window counts as a few readings against the priors.
-    burdens = prior_nats + READINGS_OF_A_WINDOW * windows * np.log(errors[:, _WINDOWS])
+    burdens = prior_nats + READINGS_OF_A_WINDOW * windows * logs[:, _WINDOWS]
     likeliest = int(np.argmin(burdens))
     return likeliest if prior_nats[0] - prior_nats[likeliest] > DEAR_NATS else 0
 
