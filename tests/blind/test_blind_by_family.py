@@ -153,12 +153,13 @@ def test_the_range_of_silence_holds_clean_motors_and_unknown_effects_of_a_seed_o
     assert (len(clean), len(strangers), len(orders)) == (100, 100, 200)
 
 
-def test_the_second_range_holds_a_share_of_every_kind_and_a_seed_of_its_own():
-    second = RANGES["second"]
-    others = [seed for name, one in RANGES.items() if name != "second" for seed in one.seeds]
-    assert min(second.seeds) >= 5000
-    assert not set(second.seeds) & set(others)
-    orders = [case.order for case in second.cases(tuple(FAMILIES.values()))]
+@pytest.mark.parametrize("own", ["second", "third"])
+def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own):
+    found = RANGES[own]
+    others = [seed for name, one in RANGES.items() if name != own for seed in one.seeds]
+    assert min(found.seeds) >= 5000
+    assert not set(found.seeds) & set(others)
+    orders = [case.order for case in found.cases(tuple(FAMILIES.values()))]
     known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
     counts = [sum(len(order.plan.effects) == number for order in known) for number in range(4)]
     assert counts == [100, 60, 24, 0]
