@@ -11,6 +11,7 @@ from numpy.random import Generator
 
 from nxt_twin.blind.effects.library import KNOWN_EFFECTS, UNKNOWN_EFFECTS, compatible
 from nxt_twin.blind.kinds import SIZES, Size
+from nxt_twin.errors import CaseError
 
 LARGEST_SEED = 2**53
 
@@ -44,6 +45,9 @@ def plan_set(
     Pairs and triples are drawn from `effects` that may stand `together`, unknown ones in turn from `strangers`,
     which no library holds. The order is shuffled and the names are numbers behind `prefix`, so that neither tells
     what is in a case.
+
+    Raises:
+        CaseError: where pairs or triples are wanted, and too few of `effects` may stand together.
     """
     rng = np.random.default_rng(seed)
     contents: list[tuple[tuple[str, ...], Size | None]] = [
@@ -69,4 +73,12 @@ def _together(
     for effect in rng.permutation(list(effects)):
         if len(chosen) < count and together((*chosen, str(effect))):
             chosen = (*chosen, str(effect))
+    if len(chosen) < count:
+        kind = "pairs" if count == 2 else "triples"
+        those = (
+            f"the effects {', '.join(effects)} hold no {count} that stand together"
+            if effects
+            else "no effects"
+        )
+        raise CaseError(f"no {kind} can be made: {those}", mend=f"name more effects, or give --{kind} 0")
     return chosen

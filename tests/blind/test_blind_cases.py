@@ -211,6 +211,21 @@ def test_a_planned_set_holds_the_effect_a_clean_case_and_an_unknown_one():
     assert {len(plan.effects) for plan in plans} == {0, 1}
 
 
+@pytest.mark.parametrize(
+    ("effects", "wanted", "told"),
+    [
+        ((), {"pairs": 4, "triples": 0}, "no pairs can be made: no effects"),
+        (("cogging",), {"pairs": 1, "triples": 0}, "no pairs can be made: the effects cogging"),
+        (("cogging", "gravity_load"), {"pairs": 1, "triples": 1}, "no triples"),
+        (("backlash", "shaft_compliance"), {"pairs": 1, "triples": 0}, "no pairs"),  # they exclude each other
+    ],
+)
+def test_pairs_and_triples_need_effects_that_stand_together(effects, wanted, told):
+    with pytest.raises(CaseError, match=told):
+        plan_set(3, effects=effects, **wanted)
+    assert plan_set(3, effects=effects, pairs=0, triples=0)
+
+
 def test_an_end_stop_is_met_in_two_recordings_and_passed_in_none():
     case = make_case(14, effects=("end_stop",), size="medium", duration_s=5.0)
     limit_deg = case.answer["effects"][0]["params"]["limit_deg"]

@@ -111,3 +111,12 @@ def test_an_effect_or_link_that_nobody_knows_is_refused(tmp_path, option, value,
     outcome = run("blind", "make", tmp_path / "c", tmp_path / "a", *TINY, option, value)
     assert outcome.status == status
     assert value in outcome.err
+
+
+def test_pairs_without_effects_are_refused_in_one_line(tmp_path):
+    folders = (tmp_path / "c", tmp_path / "a")
+    outcome = run("blind", "make", *folders, "--effects", "none", "--pairs", "4", "--triples", "0")
+    assert outcome.status == 1
+    assert outcome.err.count("\n") == 1
+    assert "--pairs 0" in outcome.err
+    assert not any(folder.exists() for folder in folders)
