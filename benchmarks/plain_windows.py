@@ -23,28 +23,33 @@ STEP_S = 2e-3
 SOFT_RAD = np.deg2rad(2.0)
 NUDGE = 1e-2
 CONSTANT, BACK_EMF = Slot("base", "torque_constant"), Slot("base", "back_emf")
-FREE = [
+FREE = (
     CONSTANT,
     Slot("base", "resistance"),
     Slot("base", "inertia"),
     Slot("coulomb_friction", "coulomb"),
     Slot("viscous_friction", "viscous"),
-]
+)
 
 
 def fitted_on_windows(
-    simulator: Simulator, plant: Plant, recordings: Sequence[Signals], shown: Sequence[BoolArray]
+    simulator: Simulator,
+    plant: Plant,
+    recordings: Sequence[Signals],
+    shown: Sequence[BoolArray],
+    free: Sequence[Slot] = FREE,
 ) -> Plant:
     """`plant` with five parameters fitted to windows of 2 s that start from smoothed readings.
 
-    `shown` has, for each of `recordings`, the samples that may be fitted.
+    `shown` has, for each of `recordings`, the samples that may be fitted. `free` may hold
+    positive parameters of effects too.
     """
     jobs = [replace(free_job(one, restarts(one, WINDOW_S)), step_s=STEP_S) for one in recordings]
     kept = [mask & ~job.start.at for mask, job in zip(shown, jobs, strict=True)]
     _, active = plant.vectors()
 
     def at(logs: FloatArray) -> Plant:
-        new = {slot: float(plant.values[slot] * np.exp(log)) for slot, log in zip(FREE, logs, strict=True)}
+        new = {slot: float(plant.values[slot] * np.exp(log)) for slot, log in zip(free, logs, strict=True)}
         return plant.with_values({**new, BACK_EMF: plant.values[BACK_EMF] * float(np.exp(logs[0]))})
 
     def misses(points: FloatArray) -> FloatArray:
@@ -64,7 +69,7 @@ def fitted_on_windows(
 
     fit = least_squares(
         lambda logs: misses(logs[None])[0],
-        np.zeros(len(FREE)),
+        np.zeros(len(free)),
         jac=slopes,
         loss="soft_l1",
         f_scale=SOFT_RAD,

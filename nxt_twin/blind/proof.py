@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from nxt_twin.blind.families.family import Family
 from nxt_twin.blind.limits_in_turn import Recorded
@@ -18,6 +18,7 @@ from nxt_twin.blind.ranges import RangeCase, SeedRange
 from nxt_twin.blind.score import judged_case
 from nxt_twin.blind.solve import record_file
 from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
+from nxt_twin.blind.told import Deleted
 from nxt_twin.blind.verdict import NO_ANSWER, Judged
 from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.fleet.workers.place import Place
@@ -96,15 +97,26 @@ class Proof:
                 found.append(Recorded(shelf.judged(name), record))
         return found
 
-    def deletions(self) -> dict[str, list[str]]:
-        """The verdicts of cases whose effect was taken out, by effect."""
-        found: dict[str, list[str]] = {}
+    def answers(self) -> list[tuple[str, Mapping[str, Any]]]:
+        """The diagnosis of each finished case that has one, as JSON values, beside the family of its truth."""
+        files = [
+            (one.case.order.family, self._shelf(one.case).file("diagnoses", one.case.order.plan.name))
+            for one in self.finished()
+        ]
+        return [
+            (family, json.loads(file.read_text(encoding="utf-8"))) for family, file in files if file.exists()
+        ]
+
+    def deletions(self) -> dict[str, list[Deleted]]:
+        """What cases came back as whose effect was taken out, by effect."""
+        found: dict[str, list[Deleted]] = {}
         for one in self.finished():
             shelf, name = self._shelf(one.case), one.case.order.plan.name
             if (file := shelf.file("deleted", name)).exists():
                 hidden = json.loads(shelf.file("answers", name).read_text(encoding="utf-8"))["effects"]
-                verdict = str(json.loads(file.read_text(encoding="utf-8"))["verdict"])
-                found.setdefault(str(hidden[0]["id"]), []).append(verdict)
+                answer = json.loads(file.read_text(encoding="utf-8"))
+                names = tuple(str(one["id"]) for one in answer["effects"])
+                found.setdefault(str(hidden[0]["id"]), []).append(Deleted(str(answer["verdict"]), names))
         return found
 
     def peers(self) -> dict[str, list[Judged]]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from statistics import mean
 from typing import Any
 
+from nxt_twin.blind.absurd import absurd_rows
 from nxt_twin.blind.by_family import EVERY, TableRow, family_rows, left_out_rows
 from nxt_twin.blind.limits_in_turn import limits_in_turn_rows
 from nxt_twin.blind.peers.localised import OURS
@@ -34,6 +35,7 @@ def tables_of(proof: Proof) -> dict[str, list[TableRow]]:
         "reliability": reliability_rows(cases),
         "calibration, left out in turn": calibration_rows(cases),
         "taken out of the library": deletion_rows(proof.deletions()),
+        "what no answer may say": absurd_rows(proof.answers()),
         "floor over the true structure's error": floor_rows(cases),
         "other methods": peer_rows({OURS: cases, **proof.peers()}, proof.cells()),
         "processor time": time_rows(finished),

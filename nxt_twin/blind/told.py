@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from statistics import mean, median, quantiles
-from typing import Final
+from typing import Final, final
 
 from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.by_family import EVERY, TableRow
@@ -125,15 +126,29 @@ def _shares(cases: Iterable[Judged]) -> list[tuple[float, bool]]:
     ]
 
 
-def deletion_rows(verdicts: Mapping[str, Sequence[str]]) -> list[TableRow]:
+@final
+@dataclass(frozen=True)
+class Deleted:
+    """What a case came back as whose effect was taken out of the library: the verdict, and the effects named."""
+
+    verdict: str
+    named: tuple[str, ...]
+
+
+def deletion_rows(cases: Mapping[str, Sequence[Deleted]]) -> list[TableRow]:
     """Cases whose effect was taken out of the library: by effect, what became of them."""
-    rows: list[TableRow] = [("taken out", "cases", "unexplained", "another name", "adequate")]
+    rows: list[TableRow] = [
+        ("taken out", "cases", "unexplained", "another name", "adequate", "named in its place")
+    ]
     for effect, each in [
-        *sorted(verdicts.items()),
-        (EVERY, [one for every in verdicts.values() for one in every]),
+        *sorted(cases.items()),
+        (EVERY, [one for every in cases.values() for one in every]),
     ]:
-        counts = [sum(one == verdict for one in each) for verdict in ("unexplained", "explained", "adequate")]
-        rows.append((effect, str(len(each)), *map(str, counts)))
+        verdicts = ("unexplained", "explained", "adequate")
+        counts = [sum(one.verdict == verdict for one in each) for verdict in verdicts]
+        others = Counter(" + ".join(one.named) for one in each if one.verdict == "explained")
+        told = ", ".join(f"{names} {count}" for names, count in others.most_common())
+        rows.append((effect, str(len(each)), *map(str, counts), told if effect != EVERY else ""))
     return rows
 
 

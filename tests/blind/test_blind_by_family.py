@@ -17,6 +17,7 @@ from nxt_twin.blind.ranges import RANGES
 from nxt_twin.blind.reached import Reach
 from nxt_twin.blind.tables import as_text
 from nxt_twin.blind.told import (
+    Deleted,
     calibration_rows,
     chance_of_something_else,
     confusion_rows,
@@ -122,9 +123,10 @@ def test_a_told_probability_leaves_room_for_what_was_not_weighed():
 
 
 def test_deletions_are_counted_by_verdict():
-    rows = deletion_rows({"cogging": ["unexplained", "explained"], "stiction": ["unexplained"]})
-    assert row_of(rows, "cogging")["another name"] == "1"
-    assert row_of(rows, EVERY)["unexplained"] == "2"
+    refused, named = Deleted("unexplained", ()), Deleted("explained", ("stiction", "backlash"))
+    rows = deletion_rows({"cogging": [refused, named, named], "stiction": [refused]})
+    assert rows[1] == ("cogging", "3", "1", "2", "0", "stiction + backlash 2")
+    assert rows[-1] == ("all", "4", "2", "2", "0", "")
     assert as_text(rows).splitlines()[0].startswith("taken out")
 
 
