@@ -1,13 +1,14 @@
 """Whether what is fitted also simulates: errors in windows of 2 s and over whole runs of what no fit saw.
 
-`python -m benchmarks.consistency 21 8 bristle,stiff 12` takes seeds 21 to 28 of these truth families, 12 s a recording:
-a motor with play and one with a shaft that twists, each. It prints the error of the re-fitted baseline over that of a
-plain fit of windows by scipy. Beside it stand two fits of the true structure. The one from the true parameters is held
-against the true parameters themselves, and the one from the baseline against the fit from the truth.
+`python -m benchmarks.consistency 21 8 bristle,stiff 12` takes seeds 21 to 28 of these truth families, 12 s a
+recording. Each seed gives a motor with play and one with a shaft that twists. The command prints the error of the re-
+fitted baseline over that of a plain fit of windows by scipy. Beside it stand two fits of the true structure. The one
+from the true parameters is held against the true parameters themselves, and the one from the baseline against the fit
+from the truth.
 
 A fit that leaves the truth is explained by one of two things. Scipy's plain fit of the true structure, started at the
 truth too, may leave it as far: then it is the data. Or the held-out recordings drive the motor in a way that no fitted
-one does, such as coasting: then fitted readings do not tell all parameters.
+one does, such as coasting.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def absurd_rows(answers: Sequence[tuple[str, Answer]]) -> list[TableRow]:
     return [("", *families), *((one.words, *(one.cell(own[name]) for name in families)) for one in SENTENCES)]
 
 
-def names(answer: Answer) -> list[tuple[Answer, Answer]]:
+def told_names(answer: Answer) -> list[tuple[Answer, Answer]]:
     """The named effects of an explanation, each beside its answer."""
     return [(answer, effect) for effect in answer["effects"]] if answer["verdict"] == "explained" else []
 
@@ -115,7 +115,7 @@ def is_worse_untold(pair: tuple[Answer, Mapping[str, float]]) -> bool:
     )
 
 
-def moves(answer: Answer) -> list[tuple[Answer, Mapping[str, float]]]:
+def far_moves(answer: Answer) -> list[tuple[Answer, Mapping[str, float]]]:
     """The positive parameters that a re-fit left further than `FACTOR` away, in an answer that names no doubt."""
     if answer["verdict"] == "unexplained":
         return []
@@ -132,10 +132,10 @@ def is_untold(pair: tuple[Answer, Mapping[str, float]]) -> bool:
 
 
 SENTENCES: Final = (
-    Sentence("names below one half that stand alone", names, is_improbable_alone),
-    Sentence("names with a rival better by 3 nats", names, is_beaten),
-    Sentence("names whose 95 % interval is wider than the size", names, is_vague),
+    Sentence("names below one half that stand alone", told_names, is_improbable_alone),
+    Sentence("names with a rival better by 3 nats", told_names, is_beaten),
+    Sentence("names whose 95 % interval is wider than the size", told_names, is_vague),
     Sentence("explained, over half of the error above the floor left", explained_horizons, leaves_most),
     Sentence("horizons at which the written plant is worse, untold", horizons, is_worse_untold),
-    Sentence("parameters moved by over three times, untold", moves, is_untold),
+    Sentence("parameters moved by over three times, untold", far_moves, is_untold),
 )

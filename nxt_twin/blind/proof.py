@@ -108,7 +108,7 @@ class Proof:
         ]
 
     def deletions(self) -> dict[str, list[Deleted]]:
-        """What cases came back as whose effect was taken out, by effect."""
+        """The cases whose effect was taken out, by effect."""
         found: dict[str, list[Deleted]] = {}
         for one in self.finished():
             shelf, name = self._shelf(one.case), one.case.order.plan.name

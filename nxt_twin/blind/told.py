@@ -129,7 +129,7 @@ def _shares(cases: Iterable[Judged]) -> list[tuple[float, bool]]:
 @final
 @dataclass(frozen=True)
 class Deleted:
-    """What a case came back as whose effect was taken out of the library: the verdict, and the effects named."""
+    """A case whose effect was taken out of the library: the verdict, and the effects that it named."""
 
     verdict: str
     named: tuple[str, ...]

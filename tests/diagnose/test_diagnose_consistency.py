@@ -4,6 +4,8 @@
 """
 
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -19,8 +21,9 @@ from benchmarks.consistency import (
 )
 from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.table import FAMILIES
+from nxt_twin.blind.make import write_case
 from nxt_twin.blind.sets import CasePlan
-from nxt_twin.diagnose.engine import fit_as_it_stands
+from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
 from nxt_twin.diagnose.fitting import baselines
 from nxt_twin.diagnose.fitting.baselines import (
     best_baseline,
@@ -35,9 +38,11 @@ from nxt_twin.diagnose.judging.horizons import Errors, beaten_at, best_at_every_
 from nxt_twin.diagnose.search.searched import searched
 from nxt_twin.diagnose.telling.words import beaten
 from nxt_twin.physics.simulate import Simulator
+from nxt_twin.recording.case import read_case
 
 WINDOW_S = 2.0
 SEED = 21
+AGREED_SEED = 400
 WORKSHOP = Order("workshop", CasePlan(f"workshop-{SEED}", SEED, (), None), "usb", 6.0)
 
 
@@ -173,15 +178,43 @@ def test_the_plant_that_is_written_is_not_clearly_worse_than_the_baseline_at_any
 
 def test_a_diagnosis_and_a_fit_of_the_structure_that_it_found_agree_within_their_intervals():
     case, found = concealed(("gravity_load",), **LONG), diagnosed(("gravity_load",), **LONG)
-    (effect,) = found.diagnosis.effects
-    started = {"gravity_load": {"gravity_torque_nm": 0.02, "phase_deg": 0.0}}
-    values = fit_as_it_stands(replace(case, plant={**case.plant, "effects": started})).plant.to_config()
-    fitted = {**values, **values["effects"]["gravity_load"]}
-    told = {name: (one.after, one.std) for name, one in found.diagnosis.refit.items()}
+    agree(case, found.diagnosis, {"gravity_torque_nm": 0.02, "phase_deg": 0.0})
+
+
+@pytest.mark.slow_variants
+@pytest.mark.parametrize(
+    ("family", "effect", "start"),
+    [
+        ("stiff", "gravity_load", {"gravity_torque_nm": 0.01, "phase_deg": 0.0}),
+        ("mujoco", "gravity_load", {"gravity_torque_nm": 0.01, "phase_deg": 0.0}),
+        ("workshop", "gravity_load", {"gravity_torque_nm": 0.01, "phase_deg": 0.0}),
+        ("bristle", "quadratic_drag", {"quadratic_drag_nm_s2_per_rad2": 1e-4}),
+        ("stiff", "shaft_compliance", {"stiffness_nm_per_rad": 1.0, "load_inertia_kg_m2": 1e-3}),
+        ("stiff", "command_delay", {"delay_s": 0.01}),
+        ("workshop", "quadratic_drag", {"quadratic_drag_nm_s2_per_rad2": 1e-4}),
+    ],
+)
+def test_in_each_family_a_fit_from_elsewhere_agrees_with_the_diagnosis(family, effect, start):
+    made = home(AGREED_SEED, effect, family=family, duration_s=8.0)
+    with TemporaryDirectory() as folder:
+        case = read_case(write_case(made, Path(folder) / "cases", Path(folder) / "answers"))
+        agree(case, diagnose(case).diagnosis, start)
+
+
+def agree(case, found, start):
+    """Hold a fit of the found structure, begun at `start`, against the intervals of the diagnosis."""
+    (effect,) = found.effects
+    started = {**case.plant, "effects": {effect.id: start}}
+    values = fit_as_it_stands(replace(case, plant=started)).plant.to_config()
+    fitted = {**values, **values["effects"][effect.id]}
+    told = {name: (one.after, one.std) for name, one in found.refit.items()}
     told |= {name: (one.value, one.std) for name, one in effect.params.items()}
-    assert {"inertia_kg_m2", "gravity_torque_nm"} <= told.keys()
+    assert {"inertia_kg_m2", *start} <= told.keys()
     for name, (value, std) in told.items():
-        assert abs(fitted[name] - value) < 2.0 * std, name
+        off = fitted[name] - value
+        if name.endswith("phase_deg"):
+            off = (off + 180.0) % 360.0 - 180.0
+        assert abs(off) < 2.0 * std, name
 
 
 SECONDS = (0.5, 2.0, 10.0, np.inf)
