@@ -189,7 +189,7 @@ def test_a_diagnosis_and_a_fit_of_the_structure_that_it_found_agree_within_their
         ("mujoco", "gravity_load", {"gravity_torque_nm": 0.01, "phase_deg": 0.0}),
         ("workshop", "gravity_load", {"gravity_torque_nm": 0.01, "phase_deg": 0.0}),
         ("bristle", "quadratic_drag", {"quadratic_drag_nm_s2_per_rad2": 1e-4}),
-        ("stiff", "shaft_compliance", {"stiffness_nm_per_rad": 1.0, "load_inertia_kg_m2": 1e-3}),
+        ("bristle", "shaft_compliance", {"stiffness_nm_per_rad": 1.0, "load_inertia_kg_m2": 1e-3}),
         ("stiff", "command_delay", {"delay_s": 0.01}),
         ("workshop", "quadratic_drag", {"quadratic_drag_nm_s2_per_rad2": 1e-4}),
     ],
