@@ -225,4 +225,12 @@ def test_floors_are_held_against_the_true_structure_where_the_library_holds_it()
         "0.70",
         "0.50",
     )
+    assert row["where named exactly"] == "0.50 of 2"
     assert row["is the error reached"] == "0.50"
+
+
+def test_floors_of_models_that_lack_an_effect_are_told_apart():
+    right = judged()
+    wrong = replace(judged(exact=False), named=("stiction",), floors={2.0: 9.0})
+    row = row_of(floor_rows([right, wrong]), EVERY)
+    assert (row["within 0.8 to 1.25"], row["where named exactly"]) == ("0.50", "1.00 of 1")

@@ -1,7 +1,9 @@
 import math
 
 import pytest
+from diagnose_cases import concealed
 
+from nxt_twin.diagnose.engine import diagnose
 from nxt_twin.diagnose.tolerance import parse_tolerance
 from nxt_twin.errors import DiagnosisError
 
@@ -25,3 +27,16 @@ def test_anything_else_is_refused_in_one_short_line(text):
     with pytest.raises(DiagnosisError, match="no tolerance") as refused:
         parse_tolerance(text)
     assert len(str(refused.value)) < 200
+
+
+@pytest.mark.slow
+def test_an_unknown_effect_below_the_told_tolerance_leaves_the_model_adequate():
+    case, nobody_knows = concealed(("gravity_load",), seed=11), frozenset({"gravity_load", "hanging_payload"})
+    usual, wide = (
+        diagnose(case, tolerance=tolerance, without=nobody_knows).diagnosis
+        for tolerance in (None, parse_tolerance("400deg"))
+    )
+    assert usual.verdict == "unexplained"
+    assert usual.tolerance.value == pytest.approx(0.5)  # half a step of the encoder, deg
+    assert wide.verdict == "adequate"
+    assert "less than the tolerance of 400 deg" in wide.sentence

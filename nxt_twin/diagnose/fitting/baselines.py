@@ -38,7 +38,7 @@ READINGS_OF_A_WINDOW = 4.0
 DEAR_NATS = 10.0
 """What the priors of given numbers cost a plain fit at least, above another one, where the other is to replace it."""
 
-_PLAIN_ROUNDS = 2
+_PLAIN_ROUNDS = 2  # of a plain fit: the loss follows the error that the last one left
 _LEAST_ERROR = 1e-12  # of a plant that sticks fast as the motor does, none is left
 _WINDOWS = 1  # which of the errors that a fitter gives is that of windows
 _AS_IT_STANDS = replace(SETTLED, iterations=0)

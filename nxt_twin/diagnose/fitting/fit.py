@@ -18,10 +18,10 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Result, Simulator
 
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
-_DIFFERENCE = 2e-3
-_PATIENCE_NATS = 0.05
+_DIFFERENCE = 2e-3  # between parameter sets of a slope, in units of a variable
+_PATIENCE_NATS = 0.05  # a fit rests where the next step would gain less
 _LEAST_SHARE = 1e-3  # of its scale: the least value of a positive variable
-_LONGEST_LOG_STEP = 1.0
+_LONGEST_LOG_STEP = 1.0  # of one step, as a logarithm: slopes say little further away
 _TRUSTED = 0.5  # of the gain that was promised: slopes that give less are measured anew
 
 

@@ -20,11 +20,11 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S, Simulator
 
-_SIMULATING_ROUNDS = 3
-_DRIFT_RESTS = 0.02
-_SHARE_ROUNDS = 3
-_SHARE_RESTS = 0.03
-_TUNED_KEPT = 8
+_SIMULATING_ROUNDS = 3  # of parameters and drift in turn, at most
+_DRIFT_RESTS = 0.02  # relative change of the drift at which rounds end
+_SHARE_ROUNDS = 3  # of variables and shares of faults in turn, at most
+_SHARE_RESTS = 0.03  # relative change of a share at which they end
+_TUNED_KEPT = 8  # targets with gains: each holds as much as the readings
 
 
 @final

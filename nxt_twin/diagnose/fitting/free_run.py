@@ -15,7 +15,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator, free_job
 from nxt_twin.physics.start import Start, restarts
 
-_TINY = 1e-12
+_TINY = 1e-12  # keeps a ratio of errors finite
 
 
 @final

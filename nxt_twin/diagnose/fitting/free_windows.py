@@ -17,8 +17,8 @@ from nxt_twin.physics.simulate import free_job
 from nxt_twin.physics.start import restarts
 
 _WIDER = 5.0  # priors: what windows show may lie far from the given numbers
-_ITERATIONS = 25
-_LEAST_STD = 1e-12
+_ITERATIONS = 25  # of a plain fit, at most
+_LEAST_STD = 1e-12  # of a plant that simulates exactly, SI: an error is divided by it
 
 
 def fitted_freely(fitter: Fitter, plant: Plant, error: float) -> Plant:

@@ -18,7 +18,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.observer import Noise, carried, corrected
 from nxt_twin.physics.simulate import Job
 
-_STANDING_SHARE = 1e-3
+_STANDING_SHARE = 1e-3  # of the largest step between readings, below which a predicted motor stands
 _VAGUE_SPEED = 1e2  # variance of the first speed per second squared, over that of a reading
 
 

@@ -23,9 +23,9 @@ from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator
 
-_DIFFERENCE = 2e-3
-_SCREEN_STEP_S = 2e-3
-_LARGEST_LOAD = 0.5
+_DIFFERENCE = 2e-3  # between parameter sets of a slope, in units of a variable
+_SCREEN_STEP_S = 2e-3  # of a simulation that only ranks effects
+_LARGEST_LOAD = 0.5  # share of the inertia that a screened load may take from the body
 _LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
 
 

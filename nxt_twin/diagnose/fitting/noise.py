@@ -20,24 +20,26 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.smooth import smoothed
 
-DISTURBANCE_TIME_S = 0.15
-_SMALLEST = 1e-4
+DISTURBANCE_TIME_S = (
+    0.15  # over which an unknown torque forgets itself; one that never does takes up slow physics
+)
+_SMALLEST = 1e-4  # of a first guess: no noise is searched below
 _STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
 _WIDEST_STAR = 0.7  # in logarithms
-_NARROWER_STAR = 0.25
-_MOST_STARS = 8
-_SHRINKING = 0.5
-_FINEST_STAR = 0.1
+_NARROWER_STAR = 0.25  # as `_WIDEST_STAR`, where a noise is known to be near
+_MOST_STARS = 8  # of one estimate
+_SHRINKING = 0.5  # of a star's arms where its centre is lowest
+_FINEST_STAR = 0.1  # arms at which an estimate may rest
 _LONGEST_STEP = 3.0  # in arms of the star
 _WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
-_FLAT_NATS = 1e-3
-_RESTING_NATS = 0.2
-_SAME_DAMPING = 0.1
-_WORSE_NATS = 100.0
-_LARGEST_DRIFT = 1e4
-_LEAST_SQUARE = 1e-12
-_DRIFT_ROUNDS = 30
-_DRIFT_FOUND = 1e-6
+_FLAT_NATS = 1e-3  # bend below which a slope alone says which way
+_RESTING_NATS = 0.2  # an estimate rests where the next star promises less
+_SAME_DAMPING = 0.1  # relative change of a plant's damping that changes no gains
+_WORSE_NATS = 100.0  # by which a plant's own damping may be less likely: a fit will make up for it
+_LARGEST_DRIFT = 1e4  # either way: keeps standard deviations finite
+_LEAST_SQUARE = 1e-12  # of scaled errors: keeps the drift above 0
+_DRIFT_ROUNDS = 30  # of its fixed point, at most
+_DRIFT_FOUND = 1e-6  # relative change at which they end
 
 
 def first_noise(plant: Plant, signals: Sequence[Signals], torque: float) -> Noise:

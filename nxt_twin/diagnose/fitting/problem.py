@@ -32,14 +32,14 @@ from nxt_twin.physics.start import Start, driven_before, moving_start, restarts,
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stalls import stalled_share, stalls, stalls_in_words
 
-_LONGEST_THINNING_S = 0.06
-_READINGS_PER_TIME_CONSTANT = 8.0
+_LONGEST_THINNING_S = 0.06  # between readings that are kept
+_READINGS_PER_TIME_CONSTANT = 8.0  # of the plant's motion, that are kept
 _PHASES = 2  # where few readings are left, a thinned recording is fitted from each of so many first readings
-_FEW_READINGS = 2000
+_FEW_READINGS = 2000  # below which a thinned recording is used in several phases
 _HALF = 0.5  # of an encoder's step does not matter
 _MOST_QUANTA = 3.0  # slow polls leave more than noise off a smooth curve
-_FEWEST_READINGS = 40
-_LARGEST_READING = 1e9
+_FEWEST_READINGS = 40  # to fit, below which a case is refused
+_LARGEST_READING = 1e9  # SI: a larger one is no reading
 
 
 @final

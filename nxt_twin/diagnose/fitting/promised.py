@@ -16,9 +16,9 @@ from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.fitting.variables import variables_of
 from nxt_twin.physics.plant import Plant
 
-_LARGEST_STRETCH = 4.0
+_LARGEST_STRETCH = 4.0  # of a start along its linear gain: further away it is not linear
 _LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
-_DIFFERENCE = 2e-3
+_DIFFERENCE = 2e-3  # between parameter sets of a slope, in units of a variable
 
 
 def promised(fitter: Fitter, structure: Structure, plants: Sequence[Plant]) -> list[tuple[int, float, float]]:

@@ -13,10 +13,10 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 
-_ROUNDS = 4
-_RESTING_NATS = 1.0
+_ROUNDS = 4  # of noise and parameters in turn, at most
+_RESTING_NATS = 1.0  # gain by a likelier noise at which it rests
 _POLL_FACTORS = (0.5, 0.7, 0.85, 1.15, 1.4, 2.0)
-_POLLED_NATS = 1.0
+_POLLED_NATS = 1.0  # gain from which a polled plant is worth another fit
 
 
 def settled(fitter: Fitter, plant: Plant, noise: Noise) -> Structure:

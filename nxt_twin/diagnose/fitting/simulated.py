@@ -12,7 +12,7 @@ from nxt_twin.physics.start import RUN_IN_READINGS, RUN_IN_S
 _WORTH_OF_A_WINDOW = (
     4.0  # independent readings: what is simulated errs together from a window's beginning to its end
 )
-_PULL = 12.0
+_PULL = 12.0  # of simulated windows while parameters are sought, so that these simulate
 
 
 def simulated(target: Target, window_s: float) -> Target:

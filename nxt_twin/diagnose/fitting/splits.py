@@ -16,11 +16,11 @@ WINDOW_S = 2.0
 
 _CYCLE = 6  # windows of a recording: fit, fit, held out, fit, check, held out
 _HELD_OUT = (2, 5)
-_CHECK = 4
-_CHECKS = 4
-_LONGEST_BLOCK_S = 2.0
-_SHORTEST_BLOCK_S = 0.5
-_BLOCKS = 16
+_CHECK = 4  # the window of a cycle that checks
+_CHECKS = 4  # one block of four checks a choice
+_LONGEST_BLOCK_S = 2.0  # that checks
+_SHORTEST_BLOCK_S = 0.5  # that checks
+_BLOCKS = 16  # of the shortest recording, at least
 
 
 @final

@@ -13,7 +13,7 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import STEP_S
 
-DRAFT_STEP_S = 4e-3
+DRAFT_STEP_S = 4e-3  # of a simulation that only ranks a candidate
 SETTLED_STEP_S = 2e-3
 """Steps while structures are searched and weighed; what is reported is fitted with `STEP_S`. For an NXT motor they err
 by less than 5 and 1 nats; an effect with a mechanical state of its own takes half of either."""

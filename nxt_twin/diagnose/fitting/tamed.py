@@ -6,7 +6,7 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 
-_RAN_AWAY = 1e30
+_RAN_AWAY = 1e30  # above which a number stands for a run that ran away
 
 
 def tamed(values: FloatArray) -> FloatArray:
