@@ -17,6 +17,8 @@ FACTOR: Final = 3.0
 """By how much a positive parameter may leave its given value before the answer has to tell."""
 _WORSE, _WORSE_BEYOND_2_S = 1.02, 1.1
 """Errors of the improved plant, over those of another one, that are chance; a whole run is one number."""
+NOISE_NAMED: Final = 0.01
+"""Share of synthetic clean recordings in which noise alone may get a name."""
 _SHORT_S: Final = 2.0
 _HANDED_ON: Final = "is handed on"
 
@@ -83,6 +85,12 @@ def is_vague(name: tuple[Answer, Answer]) -> bool:
     return bool(2.0 * NORMAL_95 * told["std"] > abs(told["value"]))
 
 
+def is_of_noise(name: tuple[Answer, Answer]) -> bool:
+    """Whether noise alone would get a name in more than `NOISE_NAMED` of such recordings, by parametric bootstrap."""
+    alarms = name[0].get("false_alarm_rate")
+    return bool(alarms and alarms["rate"] > NOISE_NAMED)
+
+
 def horizons(answer: Answer) -> list[tuple[Answer, Mapping[str, float]]]:
     """The horizons of an answer, each beside it."""
     return [(answer, one) for one in answer["fit"].get("horizons", [])]
@@ -135,6 +143,7 @@ SENTENCES: Final = (
     Sentence("names below one half that stand alone", told_names, is_improbable_alone),
     Sentence("names with a rival better by 3 nats", told_names, is_beaten),
     Sentence("names whose 95 % interval is wider than the size", told_names, is_vague),
+    Sentence("names where noise alone gets one in over 1 %", told_names, is_of_noise),
     Sentence("explained, over half of the error above the floor left", explained_horizons, leaves_most),
     Sentence("horizons at which the written plant is worse, untold", horizons, is_worse_untold),
     Sentence("parameters moved by over three times, untold", far_moves, is_untold),

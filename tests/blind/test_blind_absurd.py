@@ -4,7 +4,7 @@ import pytest
 
 from nxt_twin.blind.absurd import SENTENCES, absurd_rows
 
-IMPROBABLE, BEATEN, VAGUE, LEAVES, WORSE, MOVED = range(len(SENTENCES))
+IMPROBABLE, BEATEN, VAGUE, NOISE, LEAVES, WORSE, MOVED = range(len(SENTENCES))
 
 
 def effect(probability=0.9, *, alike=(), std=0.1, ratio=None):
@@ -52,6 +52,9 @@ AT_WORST = {"improved": 9.2, "floor": 9.0}
         (VAGUE, answer(effects=[effect(std=0.26)]), 1),
         (VAGUE, answer(effects=[effect(std=0.25)]), 0),
         (VAGUE, answer(effects=[effect(std=9.0, ratio={"value": 1.0, "std": 0.25})]), 0),
+        (NOISE, answer(false_alarm_rate={"rate": 0.015}), 1),
+        (NOISE, answer(false_alarm_rate={"rate": 0.01}), 0),
+        (NOISE, answer(), 0),
         (LEAVES, answer(at={"improved": 5.1}), 1),
         (LEAVES, answer(at={"improved": 4.9}), 0),
         (LEAVES, answer(at={"improved": 5.1}, tolerance={"value": 5.2}), 0),

@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
-from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands
+from nxt_twin.diagnose.engine import diagnose, fit_as_it_stands, problem_for
+from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline
+from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.problem import problem_of
+from nxt_twin.diagnose.judging.horizons import errors_of
 from nxt_twin.errors import MissingDataError
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator, free_job
-from nxt_twin.physics.start import at_rest
+from nxt_twin.physics.start import at_rest, restarts
 from nxt_twin.recording.case import Case, read_case
 from nxt_twin.recording.realdata import data_root, prepare_case
 
@@ -32,6 +36,37 @@ def test_emps_lacks_dry_friction_and_the_error_on_the_test_file_falls_to_3_2_mm(
     assert diagnosis.fit.unit == "mm"
     assert diagnosis.fit.baseline > 7.0
     assert diagnosis.fit.improved <= 3.2
+
+
+def test_the_re_fitted_baseline_of_emps_errs_as_a_plain_fit_of_windows_by_scipy_does(case_of):
+    problem = problem_for(case_of("emps"))
+    jobs = [free_job(one, restarts(one, 2.0)) for one in problem.signals]
+    free = [Slot("base", "inertia"), Slot("viscous_friction", "viscous")]
+
+    def at(logs):
+        return problem.plant.with_values(
+            {s: problem.plant.values[s] * np.exp(x) for s, x in zip(free, logs, strict=True)}
+        )
+
+    def misses(logs):
+        values, active = (np.array([row]) for row in at(logs).vectors())
+        runs = simulator.run(values, active, jobs)
+        pairs = zip(jobs, runs, strict=True)
+        return np.concatenate(
+            [(job.signals.measured - run.predicted[0])[~job.start.at] for job, run in pairs]
+        )
+
+    with Simulator(problem.plant.layout) as simulator:
+        plain = at(least_squares(misses, [0.0, 0.0], diff_step=1e-2).x)
+        fitter = Fitter(simulator, problem)
+        settled = settled_baseline(fitter)
+        refit = best_baseline(fitter, settled, settled)
+        own, other = (
+            errors_of(simulator, problem, plant, refit.plant, refit.noise).rms
+            for plant in (refit.plant, plain)
+        )
+    assert not {one.name for one in problem.signals} & {part.signals.name for part in problem.held_out}
+    assert (np.array(own) <= 1.1 * np.array(other)).all()
 
 
 def test_emps_parameters_of_the_published_structure_agree_within_5_percent(case_of):
