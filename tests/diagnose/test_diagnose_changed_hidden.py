@@ -44,6 +44,14 @@ def test_more_inertia_and_viscous_friction_are_told_from_another_resistance(tmp_
         ("mujoco", 8842626359934219, ("inertia", "quadratic_drag"), {"inertia_kg_m2", "quadratic_drag"}),
         # Three changes are as likely as two.
         ("mujoco", 4328002123229055, ("supply", "quadratic_drag"), {"supply_v", "quadratic_drag"}),
+        # 4 deg of play: errors that do not matter to a user tell it from inertia, and an open gap gains 54 nats.
+        ("bristle", 3268525922974599, ("backlash", "supply"), {"backlash", "supply_v"}),
+        # Friction that always was a little unequal triples: unequal friction gains 11 nats more.
+        ("workshop", 4863887940040308, ("coulomb_friction",), {"coulomb_friction_nm"}),
+        # A late command makes readings look held.
+        ("bristle", 2217427159867850, ("command_delay", "gravity"), {"gravity_torque_nm", "command_delay"}),
+        # 20 % more viscous friction beside a load and its play is what the model lacks.
+        ("workshop", 1802064414013001, ("backlash", "gravity_load"), {"backlash", "gravity_load"}),
         # Another friction that brings no window nearer, and 5 % more viscous friction, where nothing changed.
         ("workshop", 6175049087030343, (), set()),
         ("workshop", 4655944039609400, (), set()),

@@ -37,7 +37,7 @@ def test_a_slight_parameter_alone_needs_more(factor, needs):
     assert WEIGHING.keeping(joint, ways["viscous"]) == needs
 
 
-@pytest.mark.parametrize(("factor", "needs"), [(1.07, LIMIT + 15.0), (1.1, LIMIT)], ids=str)
+@pytest.mark.parametrize(("factor", "needs"), [(1.25, LIMIT + 15.0), (1.32, LIMIT)], ids=str)
 def test_a_slight_parameter_beside_another_change_needs_more_still(factor, needs):
     joint, ways = fit_with({"viscous": factor, "coulomb": 3.0})
     assert WEIGHING.keeping(joint, ways["viscous"]) == needs

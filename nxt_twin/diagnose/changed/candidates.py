@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
@@ -19,6 +19,18 @@ from nxt_twin.physics.parameter import Scale
 
 _GROUPS = (("gravity", "inertia"), ("gravity", "phase", "inertia"), ("coulomb", "viscous"))
 _HUNG = "gravity_load"
+PLAINER: Final = {
+    "angle_dependent_friction": "coulomb",
+    "asymmetric_friction": "coulomb",
+    "asymmetric_viscous_friction": "viscous",
+    "friction_warmup": "coulomb",
+    "load_dependent_friction": "coulomb",
+    "quadratic_drag": "viscous",
+    "sample_hold": "command_delay",
+    "stale_samples": "command_delay",
+}
+"""What says nearly as much as a law with less: a parameter's symbol, or an effect's id."""
+
 _FROM_A_MOMENT_ON = frozenset({"payload_inertia", "hanging_payload"})
 _LARGEST_SIGNATURE = 1e3
 _LARGEST_STRETCH = 10.0
@@ -79,6 +91,20 @@ def promising(
         if gain > 0.0:
             best.setdefault((each.slots, each.effect), each)
     return list(best.values())[:most]
+
+
+def plainer(fitter: JointFitter, bare: JointFit, effect_id: str, scale: Scale) -> list[ChangeCandidate]:
+    """What may say with less what the effect says that was taken out of `bare`.
+
+    A promise is a straight line's: of friction that has tripled it misleads, and a law may come first.
+    """
+    wanted, ways = PLAINER.get(effect_id), bare.model.ways
+    every = [
+        each
+        for each in candidates_for(fitter, bare.model, scale)
+        if wanted in (each.effect, *(ways[n].slot.symbol for n in each.slots if len(each.slots) == 1))
+    ]
+    return promising(fitter, bare, every, scale, 1) or every[:1]
 
 
 def promises(

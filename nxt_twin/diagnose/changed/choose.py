@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import final
 
-from nxt_twin.diagnose.changed.candidates import ChangeCandidate, candidates_for, promising
+from nxt_twin.diagnose.changed.candidates import PLAINER, ChangeCandidate, candidates_for, plainer, promising
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
-from nxt_twin.diagnose.changed.weighing import LOAD, Weighing
+from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.trials import addable_effects as lacking
@@ -135,7 +135,7 @@ class Chooser:
         start = best
         for number, step in enumerate(beginnings):
             found = self._exchanged(self._pruned(self._grown(step, progress)))
-            found = self._loosened(found)
+            found = self._plainly(self._loosened(self._plainly(found)))
             if self.weighing.worth(best.joint, found.joint) > 0.0:
                 best = found
             if (best is not start and self._is_finished(best.joint)) or number + 1 == _BEGINNINGS:
@@ -188,17 +188,32 @@ class Chooser:
 
     def _closer(self, joint: JointFit) -> JointFit:
         """`joint` with what may hide behind another load: it is not fixed, or the motor yields under it."""
-        if "inertia" in {joint.model.ways[n].slot.symbol for n in joint.model.differs}:
+        if joint.model.moves_inertia:
             joint = self._play.passed(joint) or joint
         return self._under_load(joint)
 
     def _loosened(self, found: Chosen) -> Chosen:
-        """With a load behind play where close windows show it and nothing else suffices, else without."""
+        """With a load behind play where close windows show it, else without."""
         fixed = self._play.without(found.joint)
         if fixed is not None:
             return self._exchanged(self._pruned(fixed))
-        loose = None if self._is_finished(found.joint) else self._play.passed(found.joint)
+        moved = found.joint.model.moves_inertia or not self._is_finished(found.joint)
+        loose = self._play.passed(found.joint) if moved else None
         return self._exchanged(self._pruned(self._under_load(loose))) if loose else found
+
+    def _plainly(self, chosen: Chosen) -> Chosen:
+        """`chosen` with what says a law's part with less, unless the readings speak loudly for the law.
+
+        What the model lacks grows with a change: where friction is a little larger one way, and all of it
+        triples, a law of unequal friction gains some nats beyond the friction that tripled.
+        """
+        for each in [one for one in chosen.nats if isinstance(one, str)]:
+            for _, rival in self._rivals(chosen.joint, each):
+                if _symbols(rival.model) - _symbols(chosen.joint.model) != {PLAINER.get(each)}:
+                    continue
+                if self.weighing.worth(rival, chosen.joint) < CLOSE_NATS:
+                    return self._plainly(self._pruned(rival))
+        return chosen
 
     def _under_load(self, joint: JointFit) -> JointFit:
         """With what only a heavier load shows, on both sides: otherwise the load makes up for what the motor yields."""
@@ -244,7 +259,11 @@ class Chooser:
         model = self._without(joint.model, each)
         bare = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
         found = []
-        for other in self._promising(bare, _RIVALS):
+        others = self._promising(bare, _RIVALS)
+        if isinstance(each, str):
+            said_with_less = plainer(self._fitter, bare, each, self._scale)
+            others += [other for other in said_with_less if other not in others]
+        for other in others:
             wider = other.put(model, self._scale)
             if wider.changes <= MOST_CHANGES and (wider.differs, wider.effects) != (
                 joint.model.differs,
@@ -341,3 +360,8 @@ class Chooser:
 
     def _without(self, model: Model, each: int | str) -> Model:
         return model.alike(each) if isinstance(each, int) else model.without_effect(each, self._scale)
+
+
+def _symbols(model: Model) -> set[str | None]:
+    """What differs in a model: symbols of parameters, ids of effects."""
+    return {*(model.ways[n].slot.symbol for n in model.differs), *model.effects}

@@ -15,7 +15,7 @@ from nxt_twin.diagnose.changed.null import alarm_nats, lacking_nats
 from nxt_twin.diagnose.changed.play import CLOSE_WINDOW_S
 from nxt_twin.diagnose.changed.sides import Side, every_signal, side_of, supply_unread, window_for
 from nxt_twin.diagnose.changed.weighing import CLOSE_NATS
-from nxt_twin.diagnose.fitting.noise import first_noise
+from nxt_twin.diagnose.fitting.noise import first_noise, reading_floor
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.errors import DiagnosisError
@@ -92,6 +92,12 @@ class ReadyPair:
     def tolerance(self) -> float:
         """Error of a simulation that does not matter, SI."""
         return max(problem.tolerance for problem in self.problems)
+
+    @property
+    def as_read(self) -> float:
+        """The least error that readings can have, SI."""
+        least = reading_floor([*self.problems[0].signals, *self.problems[1].signals])
+        return min(self.tolerance, least) if least > 0.0 else self.tolerance
 
 
 def ready_pairs(before: Case, afters: Sequence[Case], tolerance: float | None = None) -> list[ReadyPair]:
@@ -185,9 +191,9 @@ def _compared(simulator: Simulator, pair: ReadyPair, least_nats: float, progress
     before, after = pair.problems
     model, windows, tolerance = pair.model, pair.windows, pair.tolerance
     sides = windows.sides
-    fitter, close = (JointFitter(simulator, each, tolerance) for each in (sides, windows.close))
+    fitter, close = (JointFitter(simulator, each, tolerance, pair.as_read) for each in (sides, windows.close))
     progress("fitting the side before")
-    alone = JointFitter(simulator, sides[:1], tolerance)
+    alone = JointFitter(simulator, sides[:1], tolerance, pair.as_read)
     first = alone.fit(model, model.start())
     every = model.differing(range(len(model.shared)))
     progress("fitting both sides")

@@ -38,7 +38,7 @@ class JointFit:
     Attributes:
         model: what is shared and what differs.
         x: its numbers.
-        error: of simulated readings, SI: the likeliest, but never less than what does not matter.
+        error: of simulated readings, SI: the likeliest, but never less than readings allow.
         cost: negative log-likelihood of the fitted readings and of the priors, nats.
         check_cost: negative log-likelihood of the readings that only check, nats.
         check_rms: error of windows that only check, SI, by side.
@@ -68,12 +68,22 @@ class JointSlopes:
 
 @final
 class JointFitter:
-    """Fits models to one or two sides: before, and after where there are two."""
+    """Fits models to one or two sides: before, and after where there are two.
 
-    def __init__(self, simulator: Simulator, sides: Sequence[Side], tolerance: float) -> None:
+    Args:
+        simulator: of the plant's layout.
+        sides: to be fitted together.
+        tolerance: error of a simulation that does not matter, SI.
+        as_read: the least error that readings can have, SI: what does not matter may still tell causes apart.
+    """
+
+    def __init__(
+        self, simulator: Simulator, sides: Sequence[Side], tolerance: float, as_read: float | None = None
+    ) -> None:
         self.simulator = simulator
         self.sides = tuple(sides)
         self.tolerance = tolerance
+        self._as_read = tolerance if as_read is None else as_read
 
     def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> JointFit:
         """Move the numbers of `model` from `x` to the likeliest ones, given the readings of one use."""
@@ -193,7 +203,7 @@ class JointFitter:
         ]
         square = np.concatenate([part for part, _ in parts]) ** 2
         weight = np.concatenate([np.full(part.size, w) for part, w in parts])
-        least = self.tolerance**2
+        least = self._as_read**2
         found = max(float(np.median(square)), least)
         for _ in range(_ERROR_ROUNDS):
             scaled = square / found

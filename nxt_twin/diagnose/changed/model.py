@@ -98,6 +98,11 @@ class Model:
         return any(effect.states for effect in self.after.effects)
 
     @property
+    def moves_inertia(self) -> bool:
+        """Whether the inertia differs."""
+        return any(self.ways[n].slot.symbol == "inertia" for n in self.differs)
+
+    @property
     def motor_constants(self) -> int:
         """How many of the motor's own constants differ."""
         return sum(self.ways[n].is_motor_constant for n in self.differs)

@@ -22,7 +22,8 @@ CLOSE_NATS = 20.0
 What a model lacks looks like such a change."""
 
 _NEARER = 0.95  # of the error of windows that only check
-_SLIGHT = 0.08  # of the parameter, by factor
+_SLIGHT = 0.08  # of the parameter, by factor, where it alone differs
+_SLIGHT_BESIDE = 0.25  # beside another change
 _SLIGHT_NATS = 15.0
 _SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
 """A load on a stiff shaft, or behind little play, moves as one that is fixed: more inertia says it with less."""
@@ -31,10 +32,12 @@ _OF_ITS_MAKE = frozenset(
     {
         "asymmetric_friction",
         "asymmetric_viscous_friction",
+        "clock_skew",
         "cogging",
         "commutation_ripple",
         "current_limit",
         "encoder_eccentricity",
+        "friction_warmup",
         "inductance",
         "missed_counts",
         "power_curve",
@@ -44,6 +47,7 @@ _OF_ITS_MAKE = frozenset(
         "stale_samples",
         "torque_saturation",
         "voltage_drop",
+        "winding_heating",
     }
 )
 """Laws of how a motor, its encoder and its electronics are made: whoever touches a machine hardly brings them in."""
@@ -114,7 +118,8 @@ class Weighing:
         if self.is_companion(joint, each):
             return _COMPANION_NATS
         moved = abs(joint.x[len(model.shared) + model.differs.index(each)]) / model.ways[each].size
-        return self.limit_nats if moved >= _SLIGHT else self._keeping_slight(model)
+        slight = _SLIGHT if model.changes == 1 else _SLIGHT_BESIDE
+        return self.limit_nats if moved >= slight else self._keeping_slight(model)
 
     def is_companion(self, joint: JointFit, each: int | str) -> bool:
         """Whether a parameter of the load differs beside another part of that load, which brings it."""
