@@ -78,14 +78,16 @@ def null_gains(
     """
     fitted = ~linear.checks
     innovations = linear.left_of(clean, fitted)
+    seen, unseen = innovations[:, fitted], innovations[:, ~fitted]
+    del innovations  # of an hour, each copy is 60 MB
     largest = np.full(len(clean), -np.inf)
     readings = math.log(max(int(fitted.sum()), 2))
     for part in batches(len(trials), linear.innovations.size):
         found = signatures(simulator, linear, linear.structure.plant, trials[part])
         left = linear.left_of(found, fitted)
         strength = np.maximum(np.sum(found[:, fitted] * left[:, fitted], axis=1), 1e-12)
-        share = innovations[:, fitted] @ found[:, fitted].T / strength
-        check = share * (innovations[:, ~fitted] @ left[:, ~fitted].T)
+        share = seen @ found[:, fitted].T / strength
+        check = share * (unseen @ left[:, ~fitted].T)
         check -= 0.5 * share**2 * np.sum(left[:, ~fitted] ** 2, axis=1)
         further = [max(len(t.effect.parameters) - len(t.effect.supersedes), 1) for t in trials[part]]
         gain = 0.5 * share**2 * strength - 0.5 * readings * np.array(further)
