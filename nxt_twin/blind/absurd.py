@@ -135,8 +135,9 @@ def far_moves(answer: Answer) -> list[tuple[Answer, Mapping[str, float]]]:
 
 
 def is_untold(pair: tuple[Answer, Mapping[str, float]]) -> bool:
-    """Whether the answer's sentence says nothing of a re-fit that moved far."""
-    return "re-fit moved" not in pair[0]["sentence"]
+    """Whether neither the answer's sentence nor a note says anything of a re-fit that moved far."""
+    answer = pair[0]
+    return not any("re-fit moved" in words for words in (answer["sentence"], *answer["notes"]))
 
 
 SENTENCES: Final = (

@@ -11,7 +11,7 @@ import yaml
 import nxt_twin as nt
 from nxt_twin.diagnose.engine import _what_stays, diagnose
 from nxt_twin.diagnose.fitting.tamed import tamed
-from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
+from nxt_twin.diagnose.telling.far import furthest_off, moved_far, moved_notably, stays
 from nxt_twin.recording.case import read_case
 
 GIVEN = nt.load_plant("nxt_motor")
@@ -53,6 +53,15 @@ def test_several_numbers_that_moved_tenfold_ask_for_a_look_at_units_and_model():
 def test_nothing_is_said_of_smaller_moves_or_of_effects_that_replace_a_key():
     assert moved_far(GIVEN, refitted(inertia_kg_m2=9.0, coulomb_friction_nm=0.11)) == ()
     assert moved_far(GIVEN, GIVEN.without(["coulomb_friction"])) == ()
+
+
+@pytest.mark.parametrize(
+    ("times", "told"), [(2.9, False), (3.1, True), (9.9, True), (10.1, False), (0.34, False), (0.32, True)]
+)
+def test_a_note_tells_a_quantity_that_moved_by_more_than_three_times(times, told):
+    said = moved_notably(GIVEN, refitted(inertia_kg_m2=times))
+    assert len(said) == told
+    assert all(f"{times:.3g} times the given 0.0012" in one for one in said)
 
 
 def test_what_single_steps_would_rather_have_is_told_where_the_given_numbers_simulate_better():

@@ -8,7 +8,8 @@ from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
-_TENFOLD = 10.0
+_TENFOLD = 10.0  # by factor: the answer begins with it
+_NOTABLE = 3.0  # by factor: a note tells it
 _FEW = 2  # more numbers at once speak of another motor, or of other units
 _CHECK = "Check the units of command and reading, and whether the model is of this motor."
 _FAR_OFF = 1.1  # by factor: less is within what motors of one make differ by
@@ -19,7 +20,7 @@ def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
 
     Where several did, another motor or other units are likelier than another motor's state.
     """
-    far = [slot for slot in given.layout.parameters if _is_far(given, found, slot)]
+    far = [slot for slot in given.layout.parameters if _is_far(given, found, slot, _TENFOLD)]
     if len(far) > _FEW:
         each = listed(
             [f"{given.layout.parameters[slot].name} ({_times(given, found, slot)})" for slot in far]
@@ -29,13 +30,23 @@ def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
     return (f"The re-fit moved {said}.",) if said else ()
 
 
-def _is_far(given: Plant, found: Plant, slot: Slot) -> bool:
-    """Whether a positive quantity vanished or changed tenfold."""
+def moved_notably(given: Plant, found: Plant) -> tuple[str, ...]:
+    """A remark on the positive quantities that `found` has three to ten times as large or small as `given`."""
+    some = [
+        slot
+        for slot in given.layout.parameters
+        if _is_far(given, found, slot, _NOTABLE) and not _is_far(given, found, slot, _TENFOLD)
+    ]
+    return (f"The re-fit moved {listed([_moved(given, found, slot) for slot in some])}.",) if some else ()
+
+
+def _is_far(given: Plant, found: Plant, slot: Slot, times: float) -> bool:
+    """Whether a positive quantity vanished or changed by so many times."""
     parameter = given.layout.parameters[slot]
     before, after = given.values.get(slot, 0.0), found.values.get(slot)
     if after is None or before <= 0.0 or parameter.lower < 0.0 or parameter.frozen:
         return False
-    return not before / _TENFOLD < after < before * _TENFOLD
+    return not before / times < after < before * times
 
 
 def _times(given: Plant, found: Plant, slot: Slot) -> str:

@@ -10,6 +10,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun, Moved
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
+from nxt_twin.diagnose.telling.far import moved_notably
 from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
@@ -56,6 +57,7 @@ def notes(
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
+    said.extend(moved_notably(problem.plant, plant))
     return tuple(said)
 
 
