@@ -204,7 +204,10 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         loose=_is_loose(evidence),
     )
     far = moved_far(problem.plant, evidence.final.plant)
-    small = words.too_small([one.name for one in evidence.needless])
+    small = (
+        *words.too_small([one.name for one in evidence.needless]),
+        *words.unnamed([one.name for one in evidence.explanation.unnamed]),
+    )
     rest = _what_is_left(evidence, verdict)
     faults = (
         *_stood_still(evidence, verdict),

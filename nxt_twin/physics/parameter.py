@@ -18,13 +18,15 @@ FRAMES: tuple[Frame, ...] = ("motor", "rotary", "linear")
 @final
 @dataclass(frozen=True)
 class Dimension:
-    """How a parameter scales with the plant's torque (or force) and speed, as exponents of the two.
+    """How a parameter scales with the plant's torque (or force), speed and current, as exponents of the three.
 
-    With a time of 0.1 s taken for granted, angle scales as speed, inertia as torque over speed.
+    With a time of 0.1 s taken for granted, angle scales as speed, inertia as torque over speed. A voltage times a
+    current is a power, so a voltage scales as torque times speed over current.
     """
 
     torque: float = 0.0
     speed: float = 0.0
+    current: float = 0.0
 
 
 NUMBER = Dimension()
@@ -35,6 +37,11 @@ INERTIA = Dimension(torque=1.0, speed=-1.0)
 DAMPING = Dimension(torque=1.0, speed=-1.0)
 STIFFNESS = Dimension(torque=1.0, speed=-1.0)
 DRAG = Dimension(torque=1.0, speed=-2.0)
+ENERGY_INVERSE = Dimension(torque=-1.0, speed=-1.0)
+CURRENT = Dimension(current=1.0)
+CURRENT_INVERSE = Dimension(current=-1.0)
+VOLTAGE = Dimension(torque=1.0, speed=1.0, current=-1.0)
+RESISTANCE = Dimension(torque=1.0, speed=1.0, current=-2.0)
 
 _LIKE_A_CURRENT = {"A": 1.0, "Ω": -1.0, "H": -1.0, "1/J": -1.0, "1/A": -1.0}
 
@@ -42,15 +49,16 @@ _LIKE_A_CURRENT = {"A": 1.0, "Ω": -1.0, "H": -1.0, "1/J": -1.0, "1/A": -1.0}
 @final
 @dataclass(frozen=True)
 class Scale:
-    """The torque (N·m or N) and speed (rad/s or m/s) that are ordinary for a plant, and what was recorded of it."""
+    """The torque (N·m or N), speed (rad/s or m/s) and current (A) ordinary for a plant, and what was recorded of it."""
 
     torque: float
     speed: float
     recordings: tuple[Signals, ...] = field(default=(), compare=False, repr=False)
+    current: float = 0.53
 
 
 NXT_SCALE = Scale(torque=0.3, speed=10.0)
-"""Half the stall torque and a middling speed of an NXT motor at its output hub."""
+"""Half the stall torque, a middling speed and half the stall current of an NXT motor at its output hub."""
 
 
 @final
@@ -134,6 +142,7 @@ class Parameter:
         """The same parameter with starts and bounds carried from NXT scale to `scale`."""
         factor = (scale.torque / NXT_SCALE.torque) ** self.dimension.torque
         factor *= (scale.speed / NXT_SCALE.speed) ** self.dimension.speed
+        factor *= (scale.current / NXT_SCALE.current) ** self.dimension.current
         hinted = self.hints(scale.recordings) if self.hints and scale.recordings else ()
         lower = self.lower * factor
         if self.lowest and scale.recordings:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.diagnose.search.notable import is_notable, is_told_from_jitter
+from nxt_twin.diagnose.search.notable import is_notable, is_told_from_jitter, is_too_small
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import NXT_SCALE, Scale
@@ -68,8 +68,40 @@ def test_readings_held_for_less_than_three_times_the_jitter_of_polls_are_jitter(
     deviation -= np.median(deviation)
     deviation /= 1.4826 * np.median(np.abs(deviation))
     stamps_s = np.cumsum(0.05 + jitter_s * deviation)
-    polls = SimpleNamespace(time_s=stamps_s, measured=np.zeros(stamps_s.size))
+    polls = SimpleNamespace(time_s=stamps_s, measured=np.zeros(stamps_s.size), interval_s=5e-3)
     hold = PLAIN.layout.effect("sample_hold")
     held = PLAIN.with_effect(hold.id, {hold.parameters[0].symbol: 9e-3})
     assert is_told_from_jitter(held, hold, [polls]) is told
     assert is_told_from_jitter(PLAIN, PLAIN.layout.effect("cogging"), [polls])
+
+
+@pytest.mark.parametrize(("poll_s", "told"), [(8.9e-3, True), (9.1e-3, False)])
+def test_readings_held_for_less_than_a_poll_are_jitter(poll_s, told):
+    stamps_s = poll_s * np.arange(101)
+    polls = SimpleNamespace(time_s=stamps_s, measured=np.zeros(stamps_s.size), interval_s=poll_s)
+    hold = PLAIN.layout.effect("sample_hold")
+    held = PLAIN.with_effect(hold.id, {hold.parameters[0].symbol: 9e-3})
+    assert is_told_from_jitter(held, hold, [polls]) is told
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [one for one in WITH_A_SIZE if not {"outlier", "scatter"} & {*one.terms}],
+    ids=lambda effect: effect.id,
+)
+def test_an_effect_below_its_notable_size_lacks_nothing_but_size(effect):
+    assert is_too_small(sized(effect, (1.0 - STEP) * effect.notable), effect, NXT_SCALE)
+    edge = max(effect.notable, 1.3 * effect.parameters[0].lower / (1.0 - STEP))
+    assert not is_too_small(sized(effect, (1.0 + 2.0 * STEP) * edge), effect, NXT_SCALE)
+
+
+def test_readings_that_are_doubted_are_not_merely_too_few_for_a_name():
+    stale = PLAIN.layout.effect("stale_samples")
+    assert not is_too_small(sized(stale, 1e-3), stale, NXT_SCALE)
+
+
+def test_a_second_body_that_is_too_light_is_not_merely_too_small():
+    twist = PLAIN.layout.effect("shaft_compliance")
+    values = {p.symbol: p.starts[0] * p.si for p in twist.parameters}
+    light = PLAIN.with_effect(twist.id, {**values, "load_inertia": 1e-6})
+    assert not is_too_small(light, twist, NXT_SCALE)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
 from nxt_twin.diagnose.search.drafts import Drafts
-from nxt_twin.diagnose.search.explain import explain
+from nxt_twin.diagnose.search.explain import _Search, explain
 from nxt_twin.diagnose.search.screen import screen
 from nxt_twin.diagnose.search.trials import addable_effects
 from nxt_twin.diagnose.search.weight import weigh
@@ -214,3 +215,44 @@ def test_what_doubts_readings_does_not_hide_what_else_is_missing():
     assert best.gain > 10.0
     stretched = best.stretched(bench.problem.scale)
     assert stretched.values[Slot("stiction", "breakaway")] > coulomb
+
+
+def late(case, latency_s):
+    """`case` with every reading as it was a while before its stamp, as where commands act so much later."""
+    made = []
+    for run in (*case.recordings, *case.holdout):
+        columns = dict(run.columns)
+        told = np.isfinite(columns["a_tacho_deg"])
+        stamps_s, counts = columns["time_s"][told], columns["a_tacho_deg"][told]
+        columns["a_tacho_deg"] = columns["a_tacho_deg"].copy()
+        columns["a_tacho_deg"][told] = np.floor(np.interp(stamps_s - latency_s, stamps_s, counts) + 0.5)
+        made.append(replace(run, columns=columns))
+    count = len(case.recordings)
+    return replace(case, recordings=tuple(made[:count]), holdout=tuple(made[count:]))
+
+
+@pytest.mark.parametrize("effects", [(), ("gravity_load",)])
+def test_a_latency_of_a_millisecond_has_no_name_and_takes_none_from_another(effects):
+    problem = problem_for(late(concealed(effects, seed=145, seconds=12.0), 1.5e-3))
+    with Simulator(problem.plant.layout) as simulator:
+        fits = Fits(simulator, problem)
+        explanation = explain(fits, fits.settled_baseline(), lambda _: None)
+    assert tuple(effect.id for effect, _ in explanation.found) == effects
+    assert [effect.id for effect in explanation.unnamed] == ["command_delay"]
+    delay_s = explanation.best.plant.values[Slot("command_delay", "command_delay")]
+    assert delay_s == pytest.approx(1.5e-3, abs=0.6e-3)
+
+
+@pytest.mark.parametrize("ahead", [True, False])
+def test_what_a_smaller_effect_explains_names_no_larger_one(ahead, monkeypatch):
+    search = object.__new__(_Search)
+    search._standard = SimpleNamespace(worth_it=lambda *_: True)
+    search._unnamed = set()
+    larger, smaller = (SimpleNamespace(id=name) for name in ("cogging", "presliding"))
+    ranks = {"cogging": 1.0, "presliding": 2.0 if ahead else 0.5}
+    monkeypatch.setattr(_Search, "_rank", lambda _, effect, *__: ranks[effect.id])
+    monkeypatch.setattr(_Search, "pruned", lambda _, trial: trial)
+    monkeypatch.setattr(_Search, "_still_worth_it", lambda _, added, __: added)
+    added = search._added("bare", [(larger, None, "with cogging")], [(smaller, None, "with presliding")])
+    assert added == ("with presliding" if ahead else "with cogging")
+    assert search._unnamed == ({"presliding"} if ahead else set())

@@ -107,6 +107,27 @@ def test_an_end_stop_is_sought_where_the_readings_end():
     assert found.starts == pytest.approx((math.degrees(7.0), math.degrees(-0.5)))
 
 
+@pytest.mark.parametrize(
+    ("effect", "name", "factor"),
+    [
+        ("current_limit", "current_limit_a", 10.0),
+        ("voltage_drop", "drop_v", 3.0),
+        ("battery_drain", "drain_v_per_s", 3.0),
+        ("battery_sag", "internal_resistance_ohm", 0.3),
+        ("winding_heating", "resistance_rise_per_joule", 1.0 / 30.0),
+        ("torque_saturation", "torque_yield_per_a", 0.1),
+    ],
+)
+def test_an_electrical_size_is_sought_where_a_stronger_motor_has_it(effect, name, factor):
+    at = library()[effect].parameters[0]
+    assert at.name == name
+    # three times the voltage at ten times the current: thirty times the power
+    strong = Scale(torque=30.0 * NXT_SCALE.torque, speed=NXT_SCALE.speed, current=10.0 * NXT_SCALE.current)
+    found = at.scaled(strong)
+    assert found.starts == pytest.approx([factor * start for start in at.starts])
+    assert found.upper == pytest.approx(factor * at.upper)
+
+
 def test_a_command_is_sought_as_early_as_one_poll_before_its_row():
     run = commanded([(0.0, 0.5)], seconds=1.0, every_s=0.02)
     run.measured[:] = 0.0

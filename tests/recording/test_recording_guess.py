@@ -221,6 +221,14 @@ def test_a_joint_that_is_not_there_is_refused(put, refusal):
     assert "write `output: {column" in refusal(MappingError, guess_mapping, table, "knee")
 
 
+def test_a_motor_that_never_moved_is_said_to_rest(put):
+    rest = np.full(ROWS, 1.24)
+    lacking = guess_mapping(
+        put("dead_zone.csv", lines("Time(ms),Motor_Speed(RPM),Commanded_PWM", T, rest, U))
+    ).lacking
+    assert "Motor_Speed(RPM) never changes" in str(lacking)
+
+
 def test_a_constant_command_stands_in_the_file_s_name(put):
     text = lines("", np.rint(DEG), T, sep="   ")
     keys, _ = guessed(put("data_for_voltage_-40_.txt", text))

@@ -21,7 +21,7 @@ _RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 
 def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
-    """The torque and speed that are ordinary for this plant in these recordings."""
+    """The torque, speed and current that are ordinary for this plant in these recordings."""
     moving = np.concatenate([smoothed(s)[1] for s in signals])
     speed = max(float(np.sqrt(np.mean(moving**2))), 1e-6)
     command = np.concatenate([s.command_at_samples() for s in signals])
@@ -32,13 +32,15 @@ def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
     volts = _base(plant, "supply_v")
     match signals[0].input_kind:
         case "current_a":
-            return Scale(torque=constant * push, speed=speed, recordings=tuple(signals))
+            return Scale(constant * push, speed, tuple(signals), current=push)
         case "voltage_v":
             volts = push
+    current = 0.5 * volts / _base(plant, "resistance")
     return Scale(
-        torque=0.5 * constant * volts / _base(plant, "resistance"),
+        torque=constant * current,
         speed=0.6 * volts / _base(plant, "back_emf"),
         recordings=tuple(signals),
+        current=current,
     )
 
 

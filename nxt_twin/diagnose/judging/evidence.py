@@ -182,8 +182,8 @@ def _no_worse_than_given(simulator: Simulator, problem: Problem, searched: Searc
     ]
     if least_wrong(errors, problem.tolerance) == 0:
         return searched
-    found = searched.explanation.found
-    return replace(searched, refit=searched.given, final=final if found else searched.given)
+    bare = final is searched.refit
+    return replace(searched, refit=searched.given, final=searched.given if bare else final)
 
 
 def _clean_residuals(linear: Linear, rng: Generator) -> FloatArray:

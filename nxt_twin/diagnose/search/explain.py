@@ -12,6 +12,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
 from nxt_twin.diagnose.search.drafts import Drafts
+from nxt_twin.diagnose.search.latency import after_latency
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import Settled
@@ -20,6 +21,9 @@ from nxt_twin.diagnose.search.trials import Trials
 from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.plant import Plant
+
+_Ranked = tuple[Effect, Weight, Structure]
+"""An effect, what speaks for it, and the structure with it."""
 
 
 @final
@@ -33,6 +37,7 @@ class Explanation:
         found: those effects, the weightiest first, each with what speaks for keeping it.
         rivals: for each found effect, others tried in its place, best first.
         refused: effects that came nearest to being added at the end, best first, with their weight.
+        unnamed: effects in `best` that are too small for a name, and explain more than a larger one would.
     """
 
     baseline: Structure
@@ -40,12 +45,13 @@ class Explanation:
     found: tuple[tuple[Effect, Weight], ...]
     rivals: dict[str, tuple[Rival, ...]]
     refused: tuple[tuple[Effect, Weight], ...]
+    unnamed: tuple[Effect, ...] = ()
 
 
 def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
     search = _Search(fits, baseline)
-    best = baseline
+    best = search.begun()
     for _ in range(EFFORT.exchanges + 1):
         best, refused = search.grown(best, progress)
         progress("checking each effect's place")
@@ -58,7 +64,7 @@ def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     else:  # what grows is exchanged again and again: the likelier stays as it is, so that no worse one is named
         found = search.found(best)
         rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-    return Explanation(baseline, best, found, rivals, refused)
+    return Explanation(baseline, best, found, rivals, refused, search.unnamed(best))
 
 
 @final
@@ -69,10 +75,18 @@ class _Search:
         self._fits = fits
         self._baseline = baseline
         self._settled = Settled(fits, baseline)
-        self._standard = Standard(fits, baseline, self._settled)
+        self._unnamed: set[str] = set()
+        self._standard = Standard(fits, baseline, self._settled, self._unnamed)
         self._drafts = Drafts(fits)
         self._trials = Trials(fits, self._settled, self._standard, self._drafts)
         self._tried: list[Effect] = []
+
+    def begun(self) -> Structure:
+        """The baseline, with the host's latency if the readings tell of any."""
+        candidates = self._trials.candidates(self._baseline.plant)
+        begun = after_latency(self._fits, self._settled, self._baseline, candidates)
+        self._unnamed.update(begun.plant.active - self._baseline.plant.active)
+        return begun
 
     def grown(
         self, best: Structure, progress: Progress
@@ -82,10 +96,10 @@ class _Search:
         refused: tuple[tuple[Effect, Weight], ...] = ()
         while len(best.plant.active - self._baseline.plant.active) < LIMITS.most_effects:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
-            ranked = self._forward(best)
+            ranked, smaller = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
-            added = self._added(best, ranked) if ranked else None
+            added = self._added(best, ranked, smaller) if ranked else None
             if (
                 added is None
                 or added.fitted_cost > been.get(added.plant.active, math.inf) - EFFORT.better_nats
@@ -95,12 +109,26 @@ class _Search:
             best = added
         return best, tuple(one for one in refused if one[0].id not in best.plant.active)
 
-    def _added(self, best: Structure, ranked: list[tuple[Effect, Weight, Structure]]) -> Structure | None:
-        """`best` with the leader of `ranked`, if that earns its place, or with two that do together."""
+    def _added(self, best: Structure, ranked: list[_Ranked], smaller: list[_Ranked]) -> Structure | None:
+        """`best` with the leader of `ranked`, if that earns its place, or with two that do together.
+
+        Where one of the `smaller` explains more, that one comes first: what it explains names no other.
+        """
         effect, weight, trial = ranked[0]
         if self._standard.worth_it(effect, weight, best):
-            return self._still_worth_it(self.pruned(trial), effect)
+            return self._with_smaller(best, ranked[0], smaller) or self._still_worth_it(
+                self.pruned(trial), effect
+            )
         return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+
+    def _with_smaller(self, best: Structure, leader: _Ranked, smaller: list[_Ranked]) -> Structure | None:
+        """`best` with the first of the `smaller`, if that is worth it and likelier than the `leader`."""
+        for effect, weight, trial in smaller[:1]:
+            ahead = self._rank(effect, weight, trial, best) > self._rank(*leader, best)
+            if ahead and self._standard.worth_it(effect, weight, best):
+                self._unnamed.add(effect.id)
+                return trial
+        return None
 
     def _with_another(self, best: Structure, tried: tuple[Effect, Weight, Structure]) -> Structure | None:
         """`best` with an effect that nothing but free runs speaks against, and another beside which these do not.
@@ -110,7 +138,7 @@ class _Search:
         effect, weight, trial = tried
         if not (self._standard.likelier(effect, weight, best) and self._standard.lasts(weight, best, trial)):
             return None
-        ranked = self._forward(trial)
+        ranked, _ = self._forward(trial)
         if not ranked or not self._standard.worth_it(ranked[0][0], ranked[0][1], trial):
             return None
         both = self.pruned(ranked[0][2])
@@ -147,7 +175,7 @@ class _Search:
             for effect_id in sorted(best.plant.active - self._baseline.plant.active):
                 simpler = self._settled.without(best, effect_id)
                 weight = weigh(simpler, best)
-                kept = self._standard.is_notable(best, effect_id) and keeps_its_place(
+                kept = self._is_told(best, effect_id) and keeps_its_place(
                     weight, LIMITS.keep_nats + self._belief_in_what_returns(simpler, best)
                 )
                 if not kept and (weakest is None or weight.total < weakest[0]):
@@ -156,16 +184,29 @@ class _Search:
                 return best
             best = weakest[1]
 
+    def _is_told(self, best: Structure, effect_id: str) -> bool:
+        """Whether the effect is large enough in `best` for a name, or came in without one."""
+        unnamed = effect_id in self._unnamed and self._standard.is_too_small(best, effect_id)
+        return unnamed or self._standard.is_notable(best, effect_id)
+
+    def unnamed(self, best: Structure) -> tuple[Effect, ...]:
+        """The effects in `best` that came in without a name, and have not grown to one."""
+        own = sorted(self._unnamed & (best.plant.active - self._baseline.plant.active))
+        return tuple(
+            best.plant.layout.effect(each) for each in own if not self._standard.is_notable(best, each)
+        )
+
     def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
         """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
         back = simpler.plant.active - best.plant.active - self._baseline.plant.active
         return sum(self._standard.belief(best.plant.layout.effect(effect_id)) for effect_id in back)
 
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
-        """The effects in `best`, the weightiest first."""
+        """The effects in `best` that have a name, the weightiest first."""
+        unnamed = {effect.id for effect in self.unnamed(best)}
         weighed = [
             (best.plant.layout.effect(effect_id), weigh(self._settled.without(best, effect_id), best))
-            for effect_id in sorted(best.plant.active - self._baseline.plant.active)
+            for effect_id in sorted(best.plant.active - self._baseline.plant.active - unnamed)
         ]
         return tuple(sorted(weighed, key=lambda item: -item[1].total))
 
@@ -192,19 +233,16 @@ class _Search:
         behind = weight.total + self._favour(best, effect) - self._favour(trial, other)
         return Rival(other, behind, trial, weight.restores or simulates_worse(best, trial, other))
 
-    def _forward(self, best: Structure) -> list[tuple[Effect, Weight, Structure]]:
-        """Every candidate added to `best`, ranked."""
-        return self._ranked(best, self._trials.beside(best))
+    def _forward(self, best: Structure) -> tuple[list[_Ranked], list[_Ranked]]:
+        """Every candidate added to `best`, ranked; apart from these those that are too small for a name."""
+        settled = self._trials.beside(best)
+        named = [one for one in settled if self._standard.is_notable(one[1], one[0].id)]
+        smaller = [one for one in settled if self._standard.is_too_small(one[1], one[0].id)]
+        return self._ranked(best, named), self._ranked(best, smaller)
 
-    def _ranked(
-        self, best: Structure, settled: list[tuple[Effect, Structure]]
-    ) -> list[tuple[Effect, Weight, Structure]]:
-        """Those of `settled` that are large enough for a name, the likeliest first."""
-        ranked = [
-            (effect, weigh(best, trial), trial)
-            for effect, trial in settled
-            if self._standard.is_notable(trial, effect.id)
-        ]
+    def _ranked(self, best: Structure, settled: list[tuple[Effect, Structure]]) -> list[_Ranked]:
+        """What was `settled` beside `best`, the likeliest first."""
+        ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
         return ranked
 

@@ -27,18 +27,38 @@ def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
     main = effect.parameters[0]
     value = plant.values[Slot(effect.id, main.symbol)]
     lower = _carried(main, main.lower, plant, scale)
-    least = main.least(scale.recordings) if main.least else 0.0
-    nothing = max(plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0, least)
+    nothing = _nothing(plant, effect, scale)
     makes_a_difference = value > _CLEAR * lower and (nothing <= 0.0 or value > _ABOVE * nothing)
-    least_worth_a_name = _carried(main, effect.notable, plant, scale)
-    most_worth_a_name = _carried(main, effect.notable_most, plant, scale)
-    size = _size(plant, effect, value, nothing)
-    sized = makes_a_difference and least_worth_a_name <= size <= most_worth_a_name
-    return (
-        sized
-        and not _is_light(plant, effect)
-        and not any(_on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:])
-    )
+    least, most = (_carried(main, each, plant, scale) for each in (effect.notable, effect.notable_most))
+    sized = makes_a_difference and least <= _size(plant, effect, value, nothing) <= most
+    return sized and not _stands_for_another(plant, effect, scale)
+
+
+def is_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether all that `effect` lacks for a name is size.
+
+    A fault that doubts or scatters readings is none: it would take in what any other effect leaves.
+    """
+    main = effect.parameters[0]
+    if {"outlier", "scatter"} & {*effect.terms} or _stands_for_another(plant, effect, scale):
+        return False
+    value = plant.values[Slot(effect.id, main.symbol)]
+    lower = _carried(main, main.lower, plant, scale)
+    size = _size(plant, effect, value, _nothing(plant, effect, scale))
+    return size < _carried(main, effect.notable, plant, scale) or 0.0 < value <= _CLEAR * lower
+
+
+def _nothing(plant: Plant, effect: Effect, scale: Scale) -> float:
+    """The size of the main parameter at which the effect does nothing, SI."""
+    main = effect.parameters[0]
+    least = main.least(scale.recordings) if main.least else 0.0
+    return max(plant.values.get(Slot(*main.above), 0.0) if main.above else 0.0, least)
+
+
+def _stands_for_another(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether its other parameters say that it is no such effect."""
+    on_a_bound = any(_on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:])
+    return on_a_bound or _is_light(plant, effect)
 
 
 def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
@@ -55,11 +75,15 @@ def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> 
 
 
 def is_told_from_jitter(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
-    """Whether readings that `effect` holds are older than the jitter of their polls could make them."""
+    """Whether readings that `effect` holds are older than the jitter of their polls could make them.
+
+    They are held for longer than they are apart, too: below that no reading repeats, and a stamp's jitter looks alike.
+    """
     if "scatter" not in effect.terms:
         return True
     held_s = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-    return held_s > _CLEAR_OF_JITTER * max(map(_jitter_s, recordings))
+    jitter_s = max(map(_jitter_s, recordings))
+    return held_s > max(_CLEAR_OF_JITTER * jitter_s, *(one.interval_s for one in recordings))
 
 
 def _jitter_s(signals: Signals) -> float:

@@ -27,7 +27,7 @@ class Searched:
         explanation: what was found.
         refit: the re-fitted baseline at its best, fitted on all that is not held out.
         given: the baseline with its parameters as they came.
-        final: the best structure, fitted on all that is not held out.
+        final: the best structure, fitted on all that is not held out; it may hold effects too small for a name.
     """
 
     explanation: Explanation
@@ -63,7 +63,7 @@ def _fitted(fits: Fits, explanation: Explanation) -> Searched:
         explanation, final = lesser, refitted
     refit = fits.best_baseline(explanation.baseline, final)
     given = fits.as_given(explanation.baseline.noise)
-    return Searched(explanation, refit, given, final if explanation.found else refit)
+    return Searched(explanation, refit, given, final if explanation.found or explanation.unnamed else refit)
 
 
 def _faint(fits: Fits, explanation: Explanation, final: Structure) -> Effect | None:

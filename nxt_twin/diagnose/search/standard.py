@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 from typing import final
 
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter
+from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter, is_too_small
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.physics.effect import Effect
@@ -20,12 +21,16 @@ _OUR_OWN = "our own"
 
 @final
 class Standard:
-    """What one search asks of effects, beside its `baseline` and what it has `settled`."""
+    """What one search asks of effects, beside its `baseline` and what it has `settled`.
 
-    def __init__(self, fits: Fits, baseline: Structure, settled: Settled) -> None:
+    `unnamed` are the ids of effects that came in without a name, which the search adds to.
+    """
+
+    def __init__(self, fits: Fits, baseline: Structure, settled: Settled, unnamed: Set[str]) -> None:
         self._fits = fits
         self._baseline = baseline
         self._settled = settled
+        self._unnamed = unnamed
 
     def is_notable(self, best: Structure, effect_id: str) -> bool:
         """Whether the effect is large enough in `best` to have a name."""
@@ -35,6 +40,10 @@ class Standard:
         return (
             repeats and held and is_notable(best.plant, effect, problem.scale) and self.is_late(best, effect)
         )
+
+    def is_too_small(self, best: Structure, effect_id: str) -> bool:
+        """Whether the effect is told in `best`, and too small for a name."""
+        return is_too_small(best.plant, best.plant.layout.effect(effect_id), self._fits.problem.scale)
 
     def is_late(self, best: Structure, effect: Effect) -> bool:
         """Whether readings that `effect` doubts are late by more than a stamp's jitter."""
@@ -78,7 +87,7 @@ class Standard:
         numbers back need gain nothing there: the numbers in their place simulate as well. Nor need friction that acts
         where a motor turns back, if checking readings bear it out: it may do so once.
         """
-        first = simpler.plant.active == self._baseline.plant.active
+        first = simpler.plant.active - self._unnamed == self._baseline.plant.active - self._unnamed
         errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
         turning = weight.check_gain > LIMITS.gain_nats and _turns_back(simpler, richer)
         asked = not errs and not weight.restores and not turning

@@ -112,6 +112,14 @@ def too_small(names: Sequence[str]) -> tuple[str, ...]:
     )
 
 
+def unnamed(names: Sequence[str]) -> tuple[str, ...]:
+    """A sentence on effects that are too small for a name and improve the model, if there are any."""
+    if not names:
+        return ()
+    verb, fate = ("improve", "they are") if len(names) > 1 else ("improves", "it is")
+    return (f"{_opening(listed(names))} {verb} the model, but {fate} too small to be missing physics.",)
+
+
 def below_tolerance(tolerance: float, unit: str) -> str:
     """A sentence on an error that is more than noise and does not matter."""
     return f"More than noise is left, but less than the tolerance of {tolerance:.3g} {unit}."

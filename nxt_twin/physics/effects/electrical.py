@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import power
 from nxt_twin.physics.modes import MODE_FLOAT
-from nxt_twin.physics.parameter import NUMBER, Parameter
+from nxt_twin.physics.parameter import CURRENT, ENERGY_INVERSE, NUMBER, RESISTANCE, VOLTAGE, Parameter
 
 if TYPE_CHECKING:
     from nxt_twin.physics.signals import Signals
@@ -39,7 +39,7 @@ BATTERY_SAG = Effect(
     equation_of="electrical",
     shows=("high_current", "after_command"),
     notable=0.12,
-    parameters=(Parameter("internal_resistance_ohm", "internal", "Ω", NUMBER, (0.8, 2.5), 0.0, 20.0),),
+    parameters=(Parameter("internal_resistance_ohm", "internal", "Ω", RESISTANCE, (0.8, 2.5), 0.0, 20.0),),
     terms={"supply": _lowered, "resistance": _sag},
     confusable_with={
         "load_dependent_friction": "fast battery readings at high current tell: friction leaves the supply alone"
@@ -63,7 +63,7 @@ VOLTAGE_DROP = Effect(
     notable=0.06,
     parameters=(
         # A real drop sets in gradually with the current; the law is that of a step.
-        Parameter("drop_v", "brush_drop", "V", NUMBER, (0.4, 1.0), 0.0, 5.0, law=0.05),
+        Parameter("drop_v", "brush_drop", "V", VOLTAGE, (0.4, 1.0), 0.0, 5.0, law=0.05),
     ),
     terms={"drop": _drop},
     confusable_with={
@@ -127,7 +127,7 @@ CURRENT_LIMIT = Effect(
     source="Gonçalves et al., figure 9",
     equation_of="electrical",
     shows=("high_current", "after_command"),
-    parameters=(Parameter("current_limit_a", "ceiling", "A", NUMBER, (0.6, 0.3, 1.0), 0.02, 20.0),),
+    parameters=(Parameter("current_limit_a", "ceiling", "A", CURRENT, (0.6, 0.3, 1.0), 0.02, 20.0),),
     terms={"limit": _limit},
     confusable_with={"battery_sag": "steps of several sizes tell: a limit bites only the large ones"},
     frames=("motor",),
@@ -153,7 +153,7 @@ BATTERY_DRAIN = Effect(
     equation_of="electrical",
     shows=("elapsed_time", "high_speed"),
     parameters=(
-        Parameter("drain_v_per_s", "drain", "V/s", NUMBER, (0.03, 0.1), 0.0, 2.0, least=_unread_drain),
+        Parameter("drain_v_per_s", "drain", "V/s", VOLTAGE, (0.03, 0.1), 0.0, 2.0, least=_unread_drain),
     ),
     terms={"supply": _drained},
     confusable_with={
@@ -184,7 +184,7 @@ WINDING_HEATING = Effect(
     shows=("elapsed_time", "high_current"),
     notable=0.0005,
     parameters=(
-        Parameter("resistance_rise_per_joule", "rise", "1/J", NUMBER, (0.01, 0.05, 2e-3), 0.0, 1.0),
+        Parameter("resistance_rise_per_joule", "rise", "1/J", ENERGY_INVERSE, (0.01, 0.05, 2e-3), 0.0, 1.0),
         # The heat may be that of the cold resistance or of the warm one, which makes the more the warmer it is.
         Parameter(
             "thermal_time_constant_s",

@@ -6,7 +6,7 @@ import math
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import cosine
-from nxt_twin.physics.parameter import NUMBER, Parameter
+from nxt_twin.physics.parameter import CURRENT_INVERSE, NUMBER, Parameter
 
 
 def _yielded(drive_torque: float, current: float, saturation: float) -> float:
@@ -22,7 +22,9 @@ TORQUE_SATURATION = Effect(
     equation_of="torque_balance",
     shows=("high_current", "after_command"),
     notable=0.03,
-    parameters=(Parameter("torque_yield_per_a", "saturation", "1/A", NUMBER, (0.5, 0.15), 0.0, 20.0),),
+    parameters=(
+        Parameter("torque_yield_per_a", "saturation", "1/A", CURRENT_INVERSE, (0.5, 0.15), 0.0, 20.0),
+    ),
     terms={"torque": _yielded},
     confusable_with={
         "current_limit": "steps of several sizes tell: a limit is sharp, iron yields from the first ampere",

@@ -40,7 +40,7 @@ from nxt_twin.recording.guess.scales import (
 )
 from nxt_twin.recording.guess.signs import sign_values
 from nxt_twin.recording.guess.united import united_cells
-from nxt_twin.recording.guess.vocabulary import MODE_WORDS
+from nxt_twin.recording.guess.vocabulary import MODE_WORDS, has
 from nxt_twin.recording.source import quoted
 from nxt_twin.recording.tables.nested import split_name
 from nxt_twin.recording.unsigned import lost_sign
@@ -237,6 +237,8 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     column = roles.output
     if column is None:
         which = "no column that looks like a measured angle, position or speed"
+        still = [c for c in profile.columns if c.span == 0.0 and (has(c, "angle") or has(c, "speed"))]
+        which += f" and moves: {names(still)} never changes" if still else ""
         known = _known(profile)
         mend = f"write `output: {{column: …, kind: position_deg}}` in a mapping; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
@@ -285,6 +287,8 @@ def _input(profile: TableProfile, roles: Roles) -> Guess:
         kind = "voltage_v" if is_volts else "power_pct"
         why = f"the file's name says {quoted(named[0])}; CHECK that it is constant throughout"
         return Guess("input", {"value": _by_file(profile.path, named) or value, "kind": kind}, why)
+    if roles.output is None:  # which of the others is the command, its motion would tell
+        return _output(profile, roles)
     loop = next(filter(is_speed_goal, profile.columns), None)
     if loop is not None:
         mend = "write `input: {column: …, kind: power_pct}` with what the loop commands, or log it"
