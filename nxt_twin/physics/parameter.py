@@ -118,7 +118,14 @@ class Parameter:
 
         Twice the torques, inertias and currents and half the resistances make the same motion.
         """
-        return self.dimension.torque or _LIKE_A_CURRENT.get(self.unit, 0.0)
+        if self.is_electrical:
+            return _LIKE_A_CURRENT[self.unit]
+        return self.dimension.torque + self.dimension.current
+
+    @property
+    def is_electrical(self) -> bool:
+        """Whether its unit holds a current, so that it goes with the winding's resistance among such motors."""
+        return self.unit in _LIKE_A_CURRENT
 
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""

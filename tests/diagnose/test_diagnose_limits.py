@@ -112,6 +112,7 @@ def search(**parts):
     made = object.__new__(explaining._Search)
     made._baseline = structure()
     made._tried = []
+    made._unnamed = set()
     for name, part in parts.items():
         setattr(made, name, part)
     return made
@@ -128,12 +129,12 @@ def trials(**parts):
 def effects_grown():
     """How many effects a search adds of which each earns its place."""
 
-    def added(best, _):
+    def added(best, *_):
         count = len(best.plant.active) + 1
         return structure(*map(str, range(count)), cost=-100.0 * count)
 
     one = (effect_named("z"), Weight(9.0, 9.0, 1.0, runs_worse=False), None)
-    grown, _ = search(_forward=lambda _: [one], _added=added).grown(structure(), lambda _: None)
+    grown, _ = search(_forward=lambda _: ([one], []), _added=added).grown(structure(), lambda _: None)
     return len(grown.plant.active)
 
 
@@ -141,7 +142,7 @@ def is_taken(gain):
     """Whether a structure with the same effects and so many nats more is another."""
     one = (effect_named("z"), Weight(9.0, 9.0, 1.0, runs_worse=False), None)
     better = iter([structure(cost=-gain), None])
-    grown, _ = search(_forward=lambda _: [one], _added=lambda *_: next(better)).grown(
+    grown, _ = search(_forward=lambda _: ([one], []), _added=lambda *_: next(better)).grown(
         structure(), lambda _: None
     )
     return grown.fitted_cost < 0.0
@@ -280,8 +281,14 @@ def rounds(monkeypatch):
     grown = []
 
     class Searching:
-        def __init__(self, *_):
-            pass
+        def __init__(self, _, baseline):
+            self._baseline = baseline
+
+        def begun(self):
+            return self._baseline
+
+        def unnamed(self, _):
+            return ()
 
         def grown(self, best, _):
             grown.append(best)

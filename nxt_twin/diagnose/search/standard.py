@@ -26,7 +26,9 @@ class Standard:
     `unnamed` are the ids of effects that came in without a name, which the search adds to.
     """
 
-    def __init__(self, fits: Fits, baseline: Structure, settled: Settled, unnamed: Set[str]) -> None:
+    def __init__(
+        self, fits: Fits, baseline: Structure, settled: Settled, unnamed: Set[str] = frozenset()
+    ) -> None:
         self._fits = fits
         self._baseline = baseline
         self._settled = settled

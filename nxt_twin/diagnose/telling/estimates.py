@@ -105,7 +105,7 @@ class _Doubts:
 
     def _ratio(self, slot: Slot, parameter: Parameter) -> Ratio | None:
         """A torque over the inertia, a resistance over the winding's: what the recordings fix by themselves."""
-        symbol = "inertia" if parameter.dimension.torque else "resistance"
+        symbol = "resistance" if parameter.is_electrical else "inertia"
         reference = Slot(BASE_OWNER, symbol)
         power = parameter.likeness / self._structure.plant.layout.parameters[reference].likeness
         if slot == reference or slot not in self._place or reference not in self._place:

@@ -238,7 +238,7 @@ def _output(profile: TableProfile, roles: Roles) -> Guess:
     if column is None:
         which = "no column that looks like a measured angle, position or speed"
         still = [c for c in profile.columns if c.span == 0.0 and (has(c, "angle") or has(c, "speed"))]
-        which += f" and moves: {names(still)} never changes" if still else ""
+        which = f"no reading that moves: {names(still)} never changes" if still else which
         known = _known(profile)
         mend = f"write `output: {{column: …, kind: position_deg}}` in a mapping; its columns are {known}"
         raise MappingError(f"has {which}", where=str(profile.path), mend=mend)
