@@ -81,10 +81,8 @@ def test_a_missing_torque_adds_up_from_each_start_of_a_simulation():
     assert found[99] == pytest.approx(4.0 * 0.49**2)
 
 
-@pytest.mark.parametrize("changes", [{"found": False}, {"by_windows": True}])
-def test_shapes_are_asked_only_of_effects_that_single_steps_told(changes):
-    record = SimpleNamespace(**({"found": True, "by_windows": False, "remaining": 5.0} | changes))
-    evidence = SimpleNamespace(record=record)
+def test_without_a_found_effect_no_shape_is_asked():
+    evidence = SimpleNamespace(record=SimpleNamespace(found=False))
     assert with_shapes(SimpleNamespace(), evidence) is evidence
 
 
@@ -99,7 +97,8 @@ def heard(monkeypatch):
 
     monkeypatch.setattr(beyond, "staged", lambda *_: None)
     monkeypatch.setattr(beyond, "_unseen", lambda *_: [])
-    monkeypatch.setattr(beyond, "_heard", gain)
+    monkeypatch.setattr(beyond, "heard", gain)
+    monkeypatch.setattr(beyond, "sober_nats", lambda *_: 20.0)
 
 
 @final
@@ -110,12 +109,19 @@ class Told:
     record: Record
     explanation: object
     problem: object = None
+    final: object = None
     linear: object = field(default_factory=lambda: SimpleNamespace(structure=None))
 
 
 def told(effect, remaining):
     evidence = Told(replace(FOUND, remaining=remaining), SimpleNamespace(found=[(effect, None)]))
     return with_shapes(None, evidence).record
+
+
+@pytest.mark.usefixtures("heard")
+def test_effects_that_windows_told_are_only_asked_for_laws_under_a_soberer_torque():
+    evidence = Told(replace(FOUND, by_windows=True), SimpleNamespace(found=[(STICTION, None)]))
+    assert with_shapes(None, evidence).record == replace(FOUND, by_windows=True, sober_nats=20.0)
 
 
 @pytest.mark.usefixtures("heard")

@@ -17,6 +17,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_needless,
     is_spoiled,
     is_superfluous,
+    is_swallowed,
     is_worse,
     leaves_little,
     verdict_of,
@@ -51,10 +52,11 @@ EDGES = {
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
     "worse": (replace(FOUND, worst_ratio=1.05), "worst_ratio"),
     "confirmed": (
-        replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=0.0, run_ratio=0.4999),
+        replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=5e-3, run_ratio=0.4999),
         "run_ratio",
     ),
-    "surprising": (replace(FOUND, surprise=4.0), "surprise"),
+    "sober": (replace(FOUND, sober_nats=50.0, gained_nats=400.0, remaining=0.1, matters=False), "sober_nats"),
+    "surprising": (replace(FOUND, surprise=4.0, run_ratio=0.5), "surprise"),
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.25), "surprise"),
     "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
     "forgiven": (replace(FORGIVEN, torque_after=1.5e-2, torque_before=2.9e-2), "torque_after"),
@@ -336,15 +338,44 @@ def test_effects_that_halve_the_error_and_leave_next_to_none_may_leave_a_torque(
 
 
 def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():
-    surprising = replace(FOUND, surprise=100.0, nearer=1.01 * LIMITS.hardly)
+    surprising = replace(FOUND, surprise=100.0, nearer=0.1501, run_ratio=0.1501)
     assert verdict_of(surprising) == "unexplained"
-    assert verdict_of(replace(surprising, nearer=LIMITS.hardly)) == "explained"
+    assert verdict_of(replace(surprising, nearer=0.15)) == "explained"
+    assert verdict_of(replace(surprising, run_ratio=0.15)) == "explained"
 
 
 @pytest.mark.parametrize(("surprise", "verdict"), [(0.9, "explained"), (1.1, "unexplained")])
 def test_confirmed_effects_may_do_worse_where_open_parameters_explain_it(surprise, verdict):
     confirmed = replace(FOUND, worst_ratio=2.0, run_ratio=0.3, torque_after=0.0)
     assert verdict_of(replace(confirmed, surprise=surprise)) == verdict
+
+
+@pytest.mark.parametrize(
+    ("changes", "worse"),
+    [({}, False), ({"torque_after": 4e-3}, True), ({"surprise": 1.0}, True), ({"by_windows": True}, True)],
+)
+def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_explain_it(changes, worse):
+    complete = replace(FOUND, worst_ratio=2.0, run_ratio=0.8, surprise=0.99, torque_after=3.9e-3)
+    assert is_worse(replace(complete, **changes)) is worse
+
+
+@pytest.mark.parametrize(
+    ("changes", "swallowed"),
+    [
+        ({}, True),
+        ({"sober_nats": 50.0}, False),
+        ({"gained_nats": 460.0}, False),
+        ({"gained_nats": -100.0}, True),
+        ({"by_windows": True, "colour": 1.39}, True),
+        ({"by_windows": True, "colour": 1.4}, False),
+        ({"colour": 1.4}, True),
+        ({"found": False}, False),
+    ],
+)
+def test_an_unknown_torque_may_not_stand_for_a_law_that_readings_call_for(changes, swallowed):
+    record = replace(replace(FOUND, sober_nats=50.1, gained_nats=450.0), **changes)
+    assert is_swallowed(record) is swallowed
+    assert is_another_law(record) is swallowed
 
 
 def test_effects_that_windows_chose_are_held_to_what_windows_can_tell():

@@ -64,6 +64,9 @@ class VerdictLimits:
         coloured: colour of single steps from which windows alone may tell of an effect that leaves more of the unseen
             error than `confirmed`. Below it steps are evidence, and had refused the effect. Set on seeds 640 to 647 of
             the four families and on a real servo. It was 1.0 to 1.2 beside three wrong names, 1.6 and 2.9 on the servo.
+        sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
+            `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
+            less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
     """
 
     structured_torque: float = 6e-3
@@ -95,6 +98,7 @@ class VerdictLimits:
     rested: float = 40.0
     excused: float = 4e-3
     coloured: float = 1.4
+    sober: float = 50.0
 
 
 LIMITS = VerdictLimits()
@@ -141,6 +145,8 @@ class Record:
         kin_nats: the most that a torque which sets in at a speed or an angle gains beside found effects that go with
             this alone.
         colour: how many readings of the improved plant count as one, over how many of clean recordings do.
+        sober_nats: the most that a law of speed, angle, time or command gains beside the found effects, under less
+            unknown torque than was estimated.
     """
 
     named: int
@@ -170,6 +176,7 @@ class Record:
     rested_nats: float = 0.0
     kin_nats: float = 0.0
     colour: float = math.inf
+    sober_nats: float = 0.0
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -248,9 +255,11 @@ def is_superfluous(beside: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects predict unseen recordings worse than the re-fitted baseline does.
 
-    That is no objection where windows which check confirm them, and parameters that these leave open explain the error.
+    That is no objection where parameters that the fitted readings leave open explain the error. Windows which check
+    must confirm the effects then, or fitted readings leave hardly an unknown torque.
     """
-    confirmed = record.run_ratio < limits.confirmed and record.surprise < 1.0
+    complete = record.torque_after < limits.excused and not record.by_windows
+    confirmed = record.surprise < 1.0 and (record.run_ratio < limits.confirmed or complete)
     halved = record.nearer <= limits.confirmed
     drifts = record.remaining > limits.nearly and record.longer > limits.drifting and not halved
     return record.found and (record.worst_ratio > limits.worse or drifts) and not confirmed
@@ -285,8 +294,11 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     Fitted readings must call for the other law beside all that the effects gained, or unseen ones confirm it. Windows
     that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong.
     No effect goes with the time at rest, and no drag or spring sets in somewhere. Readings that call for such a law
-    speak against a found effect however small the error is.
+    speak against a found effect however small the error is. So do those that call for any law once less unknown torque
+    stands for it.
     """
+    if is_swallowed(record, limits):
+        return True
     if record.found and (record.rested_nats > limits.rested or record.kin_nats > limits.shaped):
         return True
     if not record.found or record.remaining <= limits.nearly or record.shape_nats <= limits.shaped:
@@ -294,6 +306,17 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     share = record.shape_nats / (record.shape_nats + max(record.gained_nats, 0.0))
     confirmed = share > limits.least_left and record.shape_left < limits.confirmed
     return share > limits.most_left or confirmed
+
+
+def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the unknown torque stands for a law that goes with speed, angle, time or command.
+
+    Fitted readings call for that law beside all that the effects gained, once less of the torque is allowed. By windows
+    alone it is asked where single steps are evidence.
+    """
+    told = not record.by_windows or record.colour < limits.coloured
+    share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
+    return record.found and told and record.sober_nats > limits.sober and share > limits.most_left
 
 
 def is_contradicted(record: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -313,7 +336,7 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     surprising = record.surprise > (limits.surprising_by_windows if record.by_windows else limits.surprising)
     if not record.found:
         return structured or large or surprising or _is_pushed(record, limits) or record.off > limits.far_off
-    surprising = surprising and record.nearer > limits.hardly
+    surprising = surprising and min(record.nearer, record.run_ratio) > limits.hardly
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
     still_large = large and record.torque_after > limits.still_large * record.torque_before
     return mostly_left or still_large or surprising or _hardly_explained(record, limits)

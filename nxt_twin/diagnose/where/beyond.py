@@ -21,12 +21,13 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.verdict import LIMITS
 from nxt_twin.diagnose.where.course import Course, course_of
-from nxt_twin.diagnose.where.marginal import Missing, likeliest
+from nxt_twin.diagnose.where.marginal import Missing
 from nxt_twin.diagnose.where.response import free_response
 from nxt_twin.diagnose.where.rested import RESTED
 from nxt_twin.diagnose.where.setting_in import kin_of
 from nxt_twin.diagnose.where.shapes import SHAPES, ShapeFamily
-from nxt_twin.diagnose.where.staged import Staged, answers, staged
+from nxt_twin.diagnose.where.sober import heard, sober_nats
+from nxt_twin.diagnose.where.staged import Staged, staged
 from nxt_twin.physics.observer import observer
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
@@ -57,9 +58,16 @@ class _Unseen:
 
 def with_shapes(simulator: Simulator, evidence: Evidence) -> Evidence:
     """`evidence` whose record also tells what a shape explains beside the found effects, where this is asked."""
-    record = evidence.record
-    if not record.found or record.by_windows:
+    if not evidence.record.found:
         return evidence
+    nats = sober_nats(simulator, evidence.problem, evidence.final)
+    evidence = replace(evidence, record=replace(evidence.record, sober_nats=nats))
+    return evidence if evidence.record.by_windows else _with_kin(simulator, evidence)
+
+
+def _with_kin(simulator: Simulator, evidence: Evidence) -> Evidence:
+    """`evidence` whose record also tells what near relatives of the found effects explain."""
+    record = evidence.record
     scene = staged(simulator, evidence.problem, evidence.linear)
     found = [effect for effect, _ in evidence.explanation.found]
     kin = [shape for effect in found for shape in kin_of(effect)]
@@ -79,20 +87,15 @@ def with_shapes(simulator: Simulator, evidence: Evidence) -> Evidence:
 def _beyond(simulator: Simulator, evidence: Evidence, scene: Staged) -> tuple[float, float]:
     """The most that a shape gains, nats, and the least share of the unseen error that is left with a likely one."""
     linear = evidence.linear
-    heard = [(shape, _heard(scene, linear, shape)) for shape in SHAPES]
-    likely = [(shape, missing) for shape, missing in heard if missing.nats > LIMITS.shaped]
+    every = [(shape, heard(scene, linear, shape)) for shape in SHAPES]
+    likely = [(shape, missing) for shape, missing in every if missing.nats > LIMITS.shaped]
     unseen = _unseen(simulator, evidence) if likely else []
     left = [_left(unseen, scene, linear.structure, *one) for one in likely]
-    return max(missing.nats for _, missing in heard), min(left, default=1.0)
+    return max(missing.nats for _, missing in every), min(left, default=1.0)
 
 
 def _most_nats(scene: Staged, linear: Linear, shapes: Iterable[ShapeFamily]) -> float:
-    return max((_heard(scene, linear, shape).nats for shape in shapes), default=0.0)
-
-
-def _heard(scene: Staged, linear: Linear, shape: ShapeFamily) -> Missing:
-    rows = (shape.rows(course, scene.unit) for course in scene.courses)
-    return likeliest(linear, answers(scene, linear, rows, shape.entry))
+    return max((heard(scene, linear, shape).nats for shape in shapes), default=0.0)
 
 
 def _unseen(simulator: Simulator, evidence: Evidence) -> list[_Unseen]:

@@ -318,6 +318,11 @@ SHAPES: tuple[ShapeFamily, ...] = (
     ShapeFamily("measurement", "reading", _encoder_around_a_turn),
 )
 
+LAWS: tuple[ShapeFamily, ...] = tuple(
+    shape for shape in SHAPES if shape.equation != "kinematic" and shape.rows is not _inertia_in_time
+)
+"""Those but for a second body and an inertia that changes: right effects leave errors that look like these."""
+
 
 RESTLESS: tuple[Restless, ...] = (
     Restless(

@@ -22,15 +22,14 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Source, SourceFinding
 from nxt_twin.diagnose.fitting.kalman import Randomness, cost, deviation, quiet
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
-from nxt_twin.diagnose.fitting.noise import estimate, reading_floor
 from nxt_twin.diagnose.fitting.problem import Problem
-from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, Structure, step_for
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.where.marginal import likeliest
+from nxt_twin.diagnose.where.noises import between, noises, readings_nats
 from nxt_twin.diagnose.where.response import Entry
 from nxt_twin.diagnose.where.shapes import RESTLESS, SHAPES, hats
 from nxt_twin.diagnose.where.staged import Staged, answers, staged, whitened
 from nxt_twin.physics.effect import Equation
-from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Job, Simulator
 
@@ -41,11 +40,6 @@ SOURCE_OF: dict[Equation, Source] = {
     "measurement": "encoder",
     "timing": "clock_or_link",
 }
-
-_COMPLETE_TORQUE = 3e-3
-_ABOVE_FLOOR = 1.5
-"""What a complete model leaves at most: an unknown torque as a share of an ordinary one, and a reading noise over that
-of the readings' quantum."""
 
 _FORMLESS_NATS = 7.0  # what chance gives the best of all shapes less than once in a hundred clean cases
 _SHIFTS_S = (4e-3, 8e-3, 0.013, 0.02, 0.03, 0.045, 0.065, 0.09)
@@ -62,15 +56,15 @@ def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tupl
 
     The p-values hold the best of all hypotheses against what the best of as many gives by chance.
     """
-    asked, complete = _noises(simulator, problem, baseline)
+    asked, complete = noises(simulator, problem, baseline)
     linears = [
         linearise(simulator, problem, replace(baseline, noise=noise))
-        for noise in dict.fromkeys((asked, _between(asked, complete)))
+        for noise in dict.fromkeys((asked, between(asked, complete)))
     ]
     scene = staged(simulator, problem, linears[0])
     heard = [_formless(scene, asked, complete)]
     for linear in linears:
-        fitted = _log_likelihood(scene, linear) - _log_likelihood(scene, linears[0])
+        fitted = readings_nats(scene, linear) - readings_nats(scene, linears[0])
         heard += [(equation, fitted + gain) for equation, gain in _shaped(scene, linear)]
         heard += _shapeless(scene, asked, linear.structure.noise)
     best: dict[Equation, float] = dict.fromkeys(SOURCE_OF, 0.0)
@@ -86,37 +80,6 @@ def sources(simulator: Simulator, problem: Problem, baseline: Structure) -> tupl
 def _p_value(nats: float, tries: int) -> float:
     """Of a likelihood ratio for a variance that cannot be negative, half a chi-square of one degree of freedom."""
     return min(tries * 0.5 * math.erfc(math.sqrt(nats)), 1.0)
-
-
-def _noises(simulator: Simulator, problem: Problem, baseline: Structure) -> tuple[Noise, Noise]:
-    """What the baseline asks for, at least a complete model's, and what a complete model would leave of that."""
-    target = problem.everything()
-    step_s = step_for(baseline.plant, DRAFT_STEP_S)
-    coarse = replace(target, jobs=tuple(replace(job, step_s=step_s) for job in target.jobs))
-    likeliest, _ = estimate(simulator, baseline.plant, coarse, baseline.noise)
-    least = _COMPLETE_TORQUE * problem.scale.torque / baseline.plant.values[Slot(BASE_OWNER, "inertia")]
-    asked = replace(likeliest, disturbance_std=max(likeliest.disturbance_std, least))
-    floor = _ABOVE_FLOOR * reading_floor([job.signals for job in target.jobs])
-    reading = min(asked.reading_std, floor) if floor > 0.0 else asked.reading_std
-    return asked, replace(asked, reading_std=reading, disturbance_std=least)
-
-
-def _between(one: Noise, other: Noise) -> Noise:
-    return replace(
-        one,
-        reading_std=math.sqrt(one.reading_std * other.reading_std),
-        disturbance_std=math.sqrt(one.disturbance_std * other.disturbance_std),
-    )
-
-
-def _log_likelihood(scene: Staged, linear: Linear) -> float:
-    """Of the readings, with the parameters of the re-fit at their best, nats but for a constant."""
-    left = linear.left_of(linear.innovations)[0]
-    widths = [
-        np.log(job.observer.innovation_std[mask])
-        for job, mask in zip(linear.jobs, linear.counted, strict=True)
-    ]
-    return -scene.evidence * float(np.sum(np.concatenate(widths))) - 0.5 * float(left @ left)
 
 
 def _formless(scene: Staged, asked: Noise, complete: Noise) -> _Strength:
