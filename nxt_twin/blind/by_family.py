@@ -10,7 +10,7 @@ from typing import Final, final
 from nxt_twin.blind.aims import is_detectable
 from nxt_twin.blind.verdict import Judged
 
-LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94)
+LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.91)
 EVERY: Final = "all"
 
 TableRow = tuple[str, ...]

@@ -16,7 +16,7 @@ from nxt_twin.blind.share import Share
 from nxt_twin.blind.verdict import Judged
 from nxt_twin.diagnose.telling.calibration import UNCONSIDERED
 
-BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.94, 1.0)
+BINS: Final = (0.0, 0.5, 0.7, 0.8, 0.9, 0.91, 1.0)
 FLOOR_BOUNDS: Final = (0.8, 1.25)
 """A floor is right within these multiples of the error of the true structure."""
 
