@@ -32,6 +32,7 @@ from nxt_twin.diagnose.judging.horizons import (
 from nxt_twin.diagnose.judging.intervals import covariance_of
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
 from nxt_twin.diagnose.judging.onset import placed
+from nxt_twin.diagnose.judging.strained import is_one_sided, is_stretched
 from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
@@ -214,7 +215,8 @@ def _record(
     found = searched.explanation.found
     mattering = [n for n in _windows(after) if after.rms[n] > problem.tolerance]
     window = nearest_horizon(after, problem.window_s)
-    physical = any(not effect.fault for effect, _ in found)
+    effects = [effect for effect, _ in found]
+    physical = any(not effect.fault for effect in effects)
     weakest, weight = min(found, key=lambda pair: pair[1].total, default=(None, None))
     return Record(
         named=sum(not effect.plain for effect, _ in found),
@@ -239,6 +241,7 @@ def _record(
         of_readings=bool(found) and not physical,
         doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=_worst(problem, before, after) if physical else 0.0,
+        strained=is_stretched(problem, final.plant, effects) or is_one_sided(final.plant, effects),
     )
 
 

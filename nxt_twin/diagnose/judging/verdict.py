@@ -147,6 +147,8 @@ class Record:
         colour: how many readings of the improved plant count as one, over how many of clean recordings do.
         sober_nats: the most that a law of speed, angle, time or command gains beside the found effects, under less
             unknown torque than was estimated.
+        strained: whether a parameter of a found effect rests on its upper bound, or two effects together are one law
+            that acts one way only.
     """
 
     named: int
@@ -177,6 +179,7 @@ class Record:
     kin_nats: float = 0.0
     colour: float = math.inf
     sober_nats: float = 0.0
+    strained: bool = False
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -295,9 +298,9 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong.
     No effect goes with the time at rest, and no drag or spring sets in somewhere. Readings that call for such a law
     speak against a found effect however small the error is. So do those that call for any law once less unknown torque
-    stands for it.
+    stands for it. Nor may they strain the effects to laws that these are not.
     """
-    if is_swallowed(record, limits):
+    if is_swallowed(record, limits) or (record.found and record.strained):
         return True
     if record.found and (record.rested_nats > limits.rested or record.kin_nats > limits.shaped):
         return True
