@@ -369,6 +369,7 @@ def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_e
         ({"by_windows": True, "colour": 1.39}, True),
         ({"by_windows": True, "colour": 1.4}, False),
         ({"colour": 1.4}, True),
+        ({"restores": True}, False),
         ({"found": False}, False),
     ],
 )

@@ -315,9 +315,10 @@ def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the unknown torque stands for a law that goes with speed, angle, time or command.
 
     Fitted readings call for that law beside all that the effects gained, once less of the torque is allowed. By windows
-    alone it is asked where single steps are evidence.
+    alone it is asked where single steps are evidence. What brings given numbers back gains by those, and not by
+    readings: so no share tells, and it is not asked.
     """
-    told = not record.by_windows or record.colour < limits.coloured
+    told = (not record.by_windows or record.colour < limits.coloured) and not record.restores
     share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
     return record.found and told and record.sober_nats > limits.sober and share > limits.most_left
 
