@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.fitting.batch import samples_of
 from nxt_twin.diagnose.fitting.checks import Checks
 from nxt_twin.diagnose.fitting.fit import Fitted, Slopes, fit
 from nxt_twin.diagnose.fitting.noise import drift_of, with_noise
@@ -24,7 +25,8 @@ _SIMULATING_ROUNDS = 3  # of parameters and drift in turn, at most
 _DRIFT_RESTS = 0.02  # relative change of the drift at which rounds end
 _SHARE_ROUNDS = 3  # of variables and shares of faults in turn, at most
 _SHARE_RESTS = 0.03  # relative change of a share at which they end
-_TUNED_KEPT = 8  # targets with gains: each holds as much as the readings
+_TUNED_KEPT = 8  # targets with gains, at most
+_KEPT_READINGS = 1_000_000  # of all of them: gains of an hour's readings take 12 MB and more
 
 
 @final
@@ -162,7 +164,8 @@ class Fitter:
         """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
         key = (step_s, noise)
         if key not in self._tuned:
-            if len(self._tuned) >= _TUNED_KEPT:
+            readings = samples_of(self.problem.objective.jobs)
+            if len(self._tuned) >= min(_TUNED_KEPT, max(1, _KEPT_READINGS // max(readings, 1))):
                 del self._tuned[next(iter(self._tuned))]
             self._tuned[key] = with_noise(self.target(step_s), noise)
         return self._tuned[key]
