@@ -151,7 +151,7 @@ class Confusion:
 @final
 @dataclass(frozen=True)
 class FoundEffect:
-    """An effect that the data call for, with its parameters and its doubt."""
+    """An effect that the data call for, with its parameters and its doubt; `motor` says which of a robot's has it."""
 
     id: str
     name: str
@@ -159,6 +159,12 @@ class FoundEffect:
     params: dict[str, Estimate]
     probability: float
     confusable_with: tuple[Confusion, ...]
+    motor: Literal["left", "right"] | None = None
+
+    @property
+    def key(self) -> str:
+        """Its id, behind the motor that has it: ``left_motor.voltage_drop``."""
+        return f"{self.motor}_motor.{self.id}" if self.motor else self.id
 
 
 @final

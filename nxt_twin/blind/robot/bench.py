@@ -120,12 +120,19 @@ def case_of_world(world: RobotWorld, seed: int) -> Case:
 def _outcome(plan: RobotPlan, world: RobotWorld, said: dict[str, Any]) -> RobotOutcome:
     inside = []
     for effect in said["effects"]:
-        truth = world.effects.get(effect["id"], {})
+        truth = world.effects.get(_key(effect), {})
         for name, value in truth.items():
-            low, high = effect["params"][name]["interval_95"]
-            inside.append(bool(low <= value <= high))
-    named = tuple(effect["id"] for effect in said["effects"])
+            if name in effect["params"]:
+                low, high = effect["params"][name]["interval_95"]
+                inside.append(bool(low <= value <= high))
+    named = tuple(map(_key, said["effects"]))
     return RobotOutcome(plan, said["verdict"], named, tuple(inside))
+
+
+def _key(effect: dict[str, Any]) -> str:
+    """An effect's id, behind the side of the motor that has it."""
+    motor = effect.get("motor")
+    return f"{motor}_motor.{effect['id']}" if motor else str(effect["id"])
 
 
 def robots_as_text(outcomes: Sequence[RobotOutcome]) -> str:
@@ -138,7 +145,7 @@ def robots_as_text(outcomes: Sequence[RobotOutcome]) -> str:
     for effect in ROBOT_EFFECTS:
         some = [one for one in outcomes if one.plan.effects == (effect,)]
         if some:
-            lines.append(f"  {effect:22} {Share(sum(one.exact for one in some), len(some))}")
+            lines.append(f"  {effect:31} {Share(sum(one.exact for one in some), len(some))}")
     lines.append("")
     lines += [
         f"{name:24} {value:.3f}  {'≥' if name == 'exact' else '≤'} {_BOUNDS[name]:.2f}  {'met' if met else 'MISSED'}"

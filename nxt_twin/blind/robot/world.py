@@ -12,7 +12,7 @@ from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.blind.robot.truth.body import TrueRobot
-from nxt_twin.blind.robot.truth.integrator import drive_robot
+from nxt_twin.blind.robot.truth.integrator import drive_robot, terminal_v
 from nxt_twin.recording.recording import Recording
 
 NEEDS_POWER: Final = ("caster_drag", "floor_slope", "payload_mass", "centre_of_mass_offset")
@@ -101,6 +101,43 @@ def _payload(rng: Generator) -> Concealed:
     return Concealed({"mass_kg": added}, truth={"added_mass_kg": added})  # added to the body's own mass
 
 
+def _of_side(side: int, rng: Generator, low: float, high: float) -> tuple[float, float]:
+    """A size between two for the motor on one side (0: left, 1: right), none for the other."""
+    size = float(rng.uniform(low, high))
+    return (size, 0.0) if side == 0 else (0.0, size)
+
+
+def _uneven(side: int) -> Callable[[Generator], Concealed]:
+    def made(rng: Generator) -> Concealed:
+        way, both = _sign(rng), _of_side(side, rng, 3.5e-3, 6e-3)
+        return Concealed(
+            {"uneven_nm": (way * both[0], way * both[1])}, truth={"half_difference_nm": way * max(both)}
+        )
+
+    return made
+
+
+def _fan(side: int) -> Callable[[Generator], Concealed]:
+    def made(rng: Generator) -> Concealed:
+        both = _of_side(side, rng, 8e-4, 2e-3)
+        return Concealed({"fan_nm_s2": both}, truth={"quadratic_drag_nm_s2_per_rad2": max(both)})
+
+    return made
+
+
+def _brushes(side: int) -> Callable[[Generator], Concealed]:
+    def made(rng: Generator) -> Concealed:
+        both = _of_side(side, rng, 0.6, 1.2)
+        return Concealed({"brush_v": both}, truth={"drop_v": max(both)})
+
+    return made
+
+
+def _weak_cells(rng: Generator) -> Concealed:
+    cells_ohm = float(rng.uniform(1.0, 2.5))
+    return Concealed({"cells_ohm": cells_ohm}, truth={"internal_resistance_ohm": cells_ohm})
+
+
 def _lopsided(rng: Generator) -> Concealed:
     aside, ahead = _sign(rng) * float(rng.uniform(0.015, 0.035)), _sign(rng) * float(rng.uniform(0.015, 0.04))
     changes = {"aside_m": aside, "ahead_m": ahead}
@@ -118,8 +155,18 @@ ROBOT_EFFECTS: Final[Mapping[str, Callable[[Generator], Concealed]]] = MappingPr
         "floor_slope": _slope,
         "payload_mass": _payload,
         "centre_of_mass_offset": _lopsided,
+        "battery_sag": _weak_cells,
+        "left_motor.asymmetric_friction": _uneven(0),
+        "right_motor.asymmetric_friction": _uneven(1),
+        "left_motor.quadratic_drag": _fan(0),
+        "right_motor.quadratic_drag": _fan(1),
+        "left_motor.voltage_drop": _brushes(0),
+        "right_motor.voltage_drop": _brushes(1),
     }
 )
+"""By id; what one motor has stands behind its side."""
+
+OF_MOTORS: Final = tuple(name for name in ROBOT_EFFECTS if "motor." in name or name == "battery_sag")
 
 ROBOT_SURPRISES: Final[Mapping[str, Concealed]] = MappingProxyType(
     {
@@ -144,7 +191,7 @@ def make_world(effects: Sequence[str], seed: int) -> RobotWorld:
     made = {
         one: ROBOT_SURPRISES[one] if one in ROBOT_SURPRISES else ROBOT_EFFECTS[one](rng) for one in effects
     }
-    powered = any(one in NEEDS_POWER for one in effects) or bool(rng.random() < 0.6)
+    powered = any(one in NEEDS_POWER or one in OF_MOTORS for one in effects) or bool(rng.random() < 0.6)
     powered = powered or bool({"unknown_patch", "unknown_tether"} & set(effects))
     robot = built_robot(drawn_robot(rng), made)
     seen = {name: value for one in made.values() for name, value in one.seen.items()}
@@ -247,7 +294,9 @@ def recorded_run(
     lost = _lost(time_s, power, slip_ratio, rng)
     battery = 8.0 + float(rng.uniform(-0.5, 0.3))
     push = _pushes(time_s, rng)
-    states = drive_robot(np.array(robot.packed()), time_s, battery * power / 100.0, lost, push)
+    robot = replace(robot, cells_v=battery)
+    packed, volts = np.array(robot.packed()), battery * power / 100.0
+    states = drive_robot(packed, time_s, volts, lost, push)
     x, y, heading = _camera(states, seen, rng)
     columns = {
         "time_s": time_s,
@@ -259,7 +308,11 @@ def recorded_run(
     }
     if powered:
         voltage = np.full(time_s.size, np.nan)
-        voltage[::25] = np.round(battery + 0.02 * rng.standard_normal(voltage[::25].size), 3)
+        before = np.concatenate(
+            [np.zeros((1, 2)), volts[:-1]]
+        )  # a reading is taken before the row's command acts
+        read = [terminal_v(before[n], states[n, 5], states[n, 7], packed) for n in range(0, time_s.size, 25)]
+        voltage[::25] = np.round(np.array(read) + 0.02 * rng.standard_normal(len(read)), 3)
         columns |= {"b_power_pct": power[:, 0], "c_power_pct": power[:, 1], "battery_v": voltage}
     return Recording(name, columns)
 

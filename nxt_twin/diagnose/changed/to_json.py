@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from nxt_twin.diagnose.changed.answer import Changes
-from nxt_twin.diagnose.telling.to_json import SCHEMA, finite, moved_to_json
+from nxt_twin.diagnose.telling.to_json import SCHEMA, effect_to_json, finite, moved_to_json
 
 
 def to_json(changes: Changes) -> str:
@@ -26,7 +26,7 @@ def to_json(changes: Changes) -> str:
             "regimes": [],
             "equation": changes.mismatch.equation,
         },
-        "effects": [asdict(effect) for effect in changes.effects],
+        "effects": [effect_to_json(effect) for effect in changes.effects],
         "alternatives": [asdict(other) for other in changes.alternatives],
         "fit": asdict(changes.fit),
         "tolerance": asdict(changes.tolerance),

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Final, final
+from typing import Final, Literal, final
 
 from nxt_twin.physics.effect import Equation
+
+WheelSide = Literal["left", "right"]
 
 
 @final
@@ -17,6 +19,7 @@ class RobotEffect:
 
     Attributes:
         id: the contract's name.
+        motor: the side of the one motor that has it, if it is a motor's.
         name: in words.
         equation: the law in plain text.
         fails: the equation in which it shows.
@@ -30,6 +33,12 @@ class RobotEffect:
     fails: Equation
     units: Mapping[str, str]
     confusable_with: Mapping[str, str] = field(default_factory=dict)
+    motor: WheelSide | None = None
+
+    @property
+    def key(self) -> str:
+        """Its id, behind the motor that has it: ``left_motor.voltage_drop``."""
+        return f"{self.motor}_motor.{self.id}" if self.motor else self.id
 
 
 WHEEL_RADIUS: Final = RobotEffect(
@@ -120,12 +129,60 @@ CENTRE_OF_MASS: Final = RobotEffect(
     {"payload_mass": "start and stop straight: an offset to a side turns the robot, a payload does not"},
 )
 
-POWERED: Final = (CASTER_DRAG, FLOOR_SLOPE, PAYLOAD_MASS, CENTRE_OF_MASS)
-"""Effects of the body on the floor, which need the motors' powers to be seen."""
+BATTERY_SAG: Final = RobotEffect(
+    "battery_sag",
+    "a battery that sags",
+    "supply = open circuit − internal_resistance · current of both motors",
+    "electrical",
+    {"internal_resistance_ohm": "Ω"},
+    {"payload_mass": "read the battery's voltage while both motors start: only a weak battery falls"},
+)
+
+
+def _of_motor(side: WheelSide) -> tuple[RobotEffect, ...]:
+    """The effects that one motor may have of its own."""
+    return (
+        RobotEffect(
+            "asymmetric_friction",
+            f"friction that differs by direction in the {side} motor",
+            "torque = −coulomb_forward · sign(speed) forward, −coulomb_reverse · sign(speed) in reverse",
+            "torque_balance",
+            {"coulomb_forward_nm": "N·m", "coulomb_reverse_nm": "N·m"},
+            motor=side,
+        ),
+        RobotEffect(
+            "quadratic_drag",
+            f"drag that grows with the square of the speed on the {side} motor",
+            "torque = −quadratic_drag · speed · |speed|",
+            "torque_balance",
+            {"quadratic_drag_nm_s2_per_rad2": "N·m·s²/rad²"},
+            motor=side,
+        ),
+        RobotEffect(
+            "voltage_drop",
+            f"a voltage drop in the circuit of the {side} motor",
+            "voltage across the winding = voltage − back-emf − drop · sign(current)",
+            "electrical",
+            {"drop_v": "V"},
+            motor=side,
+        ),
+    )
+
+
+POWERED: Final = (
+    CASTER_DRAG,
+    FLOOR_SLOPE,
+    PAYLOAD_MASS,
+    CENTRE_OF_MASS,
+    BATTERY_SAG,
+    *_of_motor("left"),
+    *_of_motor("right"),
+)
+"""Effects of body, floor, battery and motors, which need the motors' powers to be seen."""
 
 GEOMETRY: Final = (WHEEL_RADIUS, UNEQUAL_WHEELS, WRONG_TRACK, POSE_OFFSET)
 """Effects that are parameters of the geometry, which all recordings share."""
 
 LIBRARY: Final[Mapping[str, RobotEffect]] = MappingProxyType(
-    {effect.id: effect for effect in (*GEOMETRY, CLOCK_SKEW, WHEEL_SLIP, *POWERED)}
+    {effect.key: effect for effect in (*GEOMETRY, CLOCK_SKEW, WHEEL_SLIP, *POWERED)}
 )

@@ -41,13 +41,9 @@ from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.diagnose.robot.tolerated import path_shifts
 from nxt_twin.errors import DiagnosisError
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry, drive_from_config
-from nxt_twin.physics.robot.powered import dynamics_config, is_powered
+from nxt_twin.physics.robot.powered import body_effects, dynamics_config, is_powered
 from nxt_twin.recording.case import ROBOT_KIND, Case
 from nxt_twin.recording.configs import load_plant_config
-
-STRUCTURED_NATS: Final = 6.0
-STRUCTURED_SHARE: Final = 0.1
-"""What is left is more than noise where letting it go with something gains so much and accounts for such a share."""
 
 _PARTS: Final = 4
 _FARTHEST: Final = 3.0
@@ -92,7 +88,7 @@ class _RobotEvidence:
     @property
     def structured(self) -> RobotLeft | None:
         """The most that is left and is more than noise."""
-        kept = [one for one in self.left if one.nats > STRUCTURED_NATS and one.size > STRUCTURED_SHARE]
+        kept = [one for one in self.left if one.is_structured]
         if kept:
             return max(kept, key=lambda one: one.size * one.nats)
         return self.powered.left if self.powered else None
@@ -152,12 +148,15 @@ def diagnose_robot(
     diagnosis = _diagnosis(evidence)
     geometry = model_of(found.final).geometry if evidence.is_possible else drive.geometry
     named = {
-        effect.id: {name: one.value for name, one in effect.params.items()} for effect in diagnosis.effects
+        effect.id: {name: one.value for name, one in effect.params.items()}
+        for effect in diagnosis.effects
+        if effect.motor is None
     }
     if "clock_skew" in named:
         named["clock_skew"]["lag_s"] = model_of(found.final).lag_s
     dynamics = dynamics_config(drive, powered.values) if powered else drive.dynamics
-    model = DifferentialDrive(drive.left, drive.right, geometry, dynamics, {**drive.effects, **named})
+    beside = {**drive.effects, **(body_effects(powered.values) if powered else {})}
+    model = DifferentialDrive(drive.left, drive.right, geometry, dynamics, {**beside, **named})
     return RobotAnswer(diagnosis, model)
 
 
@@ -210,8 +209,8 @@ def _diagnosis(evidence: _RobotEvidence) -> Diagnosis:
         name=evidence.case.name,
         verdict=verdict,
         sentence=words.sentence(verdict, effects, fit) + words.below_tolerance(small, evidence.tolerance_m),
-        refit=moved_parameters(found, evidence.drive.geometry),
-        mismatch=_mismatch(evidence, verdict, [effect.id for effect in effects]),
+        refit=moved_parameters(found, evidence.drive.geometry) | (powered.moved if powered else {}),
+        mismatch=_mismatch(evidence, verdict, [effect.key for effect in effects]),
         effects=effects,
         alternatives=_alternatives(evidence),
         fit=fit,

@@ -12,7 +12,9 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.robot.runs import filled_run
 from nxt_twin.diagnose.robot.slip import SlipSpell, gripping
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
-from nxt_twin.physics.robot.dynamics import wheel_angles
+from nxt_twin.physics.robot.dynamics import NAMES, wheel_angles
+from nxt_twin.physics.robot.powered import PoweredRobot
+from nxt_twin.physics.supply import open_circuit
 from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
 from nxt_twin.recording.recording import Recording
 
@@ -20,6 +22,8 @@ _SMOOTH_S: Final = 0.12
 _NUDGE: Final = np.array([[0.02, 0.0], [0.0, 0.2]])
 _APART_S: Final = 100.0
 _HALF: Final = 0.5
+_DRAG: Final = NAMES.index("drag_force")
+_FEWEST_READINGS: Final = 4
 
 
 @final
@@ -34,6 +38,8 @@ class PoweredStack:
         angles_rad: of both wheels, shape (rows, 2).
         heading_rad: as measured.
         speeds: travel and turning rate from the counts, shape (rows, 2).
+        open_v: open-circuit voltage of the battery, shape (rows,).
+        floats: 1 where a bridge is open in its off phase, 0 where it shorts its motor, shape (rows, 2).
         shape: radii, track, caster, as `wheel_angles` takes them.
         delay_s: by which the voltages act later than the recordings' stamps say.
     """
@@ -44,16 +50,20 @@ class PoweredStack:
     angles_rad: FloatArray
     heading_rad: FloatArray
     speeds: FloatArray
+    open_v: FloatArray
+    floats: FloatArray
     shape: FloatArray
     delay_s: float = 0.0
 
     def delayed(self, delay_s: float) -> PoweredStack:
         """The runs where all commands act later by a delay; each row has the mean voltage until the next."""
-        volts = self.volts.copy()
+        volts, floats = self.volts.copy(), self.floats.copy()
         for index in range(int(self.run[-1]) + 1):
             rows = np.flatnonzero(self.run == index)
             volts[rows] = _later(self.time_s[rows], self.volts[rows], delay_s)
-        return replace(self, volts=volts, delay_s=self.delay_s + delay_s)
+            before = np.searchsorted(self.time_s[rows], self.time_s[rows] - delay_s, side="right") - 1
+            floats[rows] = self.floats[rows][np.maximum(before, 0)]
+        return replace(self, volts=volts, floats=floats, delay_s=self.delay_s + delay_s)
 
     def windows(self, length_s: float) -> IntArray:
         """The window that each row is in; windows of about a length, none across two runs."""
@@ -68,7 +78,17 @@ class PoweredStack:
 
     def off(self, values: FloatArray, begins: BoolArray, start: FloatArray) -> FloatArray:
         """Counted minus predicted angles since each window began, rad, shape (rows, 2)."""
-        told = wheel_angles(values, self.shape, self.time_s, self.volts, self.heading_rad, begins, start)
+        told = wheel_angles(
+            values,
+            self.shape,
+            self.time_s,
+            self.volts,
+            self.heading_rad,
+            begins,
+            start,
+            self.open_v,
+            self.floats,
+        )
         first = np.maximum.accumulate(np.where(begins, np.arange(begins.size), 0))
         return np.asarray(self.angles_rad - self.angles_rad[first] - told)
 
@@ -84,8 +104,7 @@ def powered_stack(
     recordings: Sequence[Recording],
     drive: DifferentialDrive,
     geometry: Geometry,
-    shape_back_m: float,
-    supply_v: float,
+    robot: PoweredRobot,
     slips: Sequence[SlipSpell] = (),
 ) -> PoweredStack:
     """Runs with their powers, at every row: a command acts whether the camera saw the robot or not.
@@ -96,8 +115,7 @@ def powered_stack(
         recordings: with both power columns.
         drive: names the ports.
         geometry: the fitted wheels and track.
-        shape_back_m: the caster's distance behind the axle.
-        supply_v: of the battery where a recording holds none.
+        robot: gives the caster's place, the height of the centre of mass and the battery where a recording has none.
         slips: spells of slip that were located.
     """
     parts = [
@@ -106,12 +124,16 @@ def powered_stack(
         for part in gripping(filled_run(recording, drive), slips)
     ]
     runs = [part for _, part in parts]
-    volts, time_s = [], []
+    volts, time_s, open_v, floats = [], [], [], []
     for index, (recording, run) in enumerate(parts):
-        supply = _supply(recording, run.time_s, supply_v)
         rows = np.searchsorted(recording.time_s, run.time_s)
-        duty = np.stack([_duty(recording, port)[rows] for port in (drive.left, drive.right)], axis=1)
-        volts.append(duty * supply[:, None])
+        duty = np.stack([_duty(recording, port) for port in (drive.left, drive.right)], axis=1)
+        supply = _supply(recording, duty, run.time_s, robot.supply_v)
+        volts.append(duty[rows] * supply[:, None])
+        open_v.append(supply)
+        floats.append(
+            np.stack([_floats(recording, port)[rows] for port in (drive.left, drive.right)], axis=1)
+        )
         time_s.append(run.time_s - run.time_s[0] + _APART_S * index)
     angles = [np.stack([run.left_rad, run.right_rad], axis=1) for run in runs]
     offset = np.radians(geometry.heading_offset_deg)
@@ -127,7 +149,9 @@ def powered_stack(
         angles_rad=np.concatenate(angles),
         heading_rad=np.concatenate([run.pose.heading_rad for run in runs]) - offset,
         speeds=np.concatenate(speeds),
-        shape=np.array([*radii, geometry.track_m, shape_back_m]),
+        open_v=np.concatenate(open_v),
+        floats=np.concatenate(floats),
+        shape=np.array([*radii, geometry.track_m, robot.caster_back_m, robot.height_m, robot.values[_DRAG]]),
     )
 
 
@@ -150,19 +174,32 @@ def _duty(recording: Recording, port: Port) -> FloatArray:
     """Of a port in each row, -1 to 1; NaN where the motor is let go."""
     duty = recording.columns[power_column(port)] / 100.0
     mode = recording.columns.get(mode_column(port))
-    return duty if mode is None else np.where(mode == DRIVE_MODES.index("coast"), np.nan, duty)
+    if mode is None:
+        return duty
+    let_go = (mode == DRIVE_MODES.index("coast")) | ((mode == DRIVE_MODES.index("float")) & (duty == 0.0))
+    return np.where(let_go, np.nan, duty)
 
 
-def _supply(recording: Recording, time_s: FloatArray, otherwise_v: float) -> FloatArray:
-    """A straight line through the battery's readings."""
+def _floats(recording: Recording, port: Port) -> FloatArray:
+    """1 in each row whose bridge is open in its off phase, else 0."""
+    mode = recording.columns.get(mode_column(port))
+    if mode is None:
+        return np.zeros(recording.time_s.size)
+    return np.asarray(mode == DRIVE_MODES.index("float"), dtype=np.float64)
+
+
+def _supply(recording: Recording, duty: FloatArray, time_s: FloatArray, otherwise_v: float) -> FloatArray:
+    """The battery's open-circuit voltage, a straight line of time."""
     battery = recording.columns.get(BATTERY)
     known = np.zeros(0, dtype=bool) if battery is None else np.isfinite(battery)
     if battery is None or not known.any():
         return np.full(time_s.size, otherwise_v)
-    if np.count_nonzero(known) < 4:
+    # A row's reading is taken before its command acts.
+    effort = np.nansum(np.abs(np.concatenate([np.zeros((1, 2)), duty[:-1]])), axis=1)
+    if np.count_nonzero(known) < _FEWEST_READINGS:
         return np.full(time_s.size, float(np.median(battery[known])))
-    line = np.polyfit(recording.time_s[known], battery[known], 1)
-    return np.asarray(np.polyval(line, time_s))
+    level, slope = open_circuit(recording.time_s[known], battery[known], effort[known])
+    return np.asarray(level + slope * time_s)
 
 
 def _rates(time_s: FloatArray, angles: FloatArray) -> FloatArray:

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
 from scipy.special import stdtrit
 
-from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect
-from nxt_twin.diagnose.robot.choice import beyond, weigh
+from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect, Moved
+from nxt_twin.diagnose.robot.choice import NEEDED_NATS, WeighedSubsets, beyond, weigh
 from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
 from nxt_twin.diagnose.robot.leftover import RobotLeft
-from nxt_twin.diagnose.robot.powered_fit import PoweredFit, fit_powered, noise_deg, rms_of, values_at
+from nxt_twin.diagnose.robot.moved_motors import moved_motors, moved_words
+from nxt_twin.diagnose.robot.powered_fit import PoweredFit, cost_of, fit_powered, noise_deg, rms_of
 from nxt_twin.diagnose.robot.powered_runs import PoweredStack, powered_stack
 from nxt_twin.diagnose.robot.slip import SlipSpell
 from nxt_twin.diagnose.robot.words import why_confusable
@@ -28,16 +29,37 @@ PLACES: Final = {
     "floor_slope": [13, 14],
     "centre_of_mass_offset": [15, 16],
     "payload_mass": [17],
+    "battery_sag": [19],
+    "left_motor.asymmetric_friction": [20],
+    "right_motor.asymmetric_friction": [21],
+    "left_motor.quadratic_drag": [22],
+    "right_motor.quadratic_drag": [23],
+    "left_motor.voltage_drop": [24],
+    "right_motor.voltage_drop": [25],
 }
 MATTERS: Final = {
     "caster_drag": 0.05,
     "floor_slope": 5e-3,
     "centre_of_mass_offset": 3e-3,
     "payload_mass": 0.05,
+    "battery_sag": 0.2,
+    **dict.fromkeys(("left_motor.asymmetric_friction", "right_motor.asymmetric_friction"), 2e-3),
+    **dict.fromkeys(("left_motor.quadratic_drag", "right_motor.quadratic_drag"), 3e-4),
+    **dict.fromkeys(("left_motor.voltage_drop", "right_motor.voltage_drop"), 0.25),
 }
-"""Smaller sizes are not named: N, rise, m, kg."""
+"""Smaller sizes are not named: N, rise, m, kg, ohm, N·m, N·m·s²/rad², V."""
 
-_ONE_WAY: Final = ("caster_drag", "payload_mass")
+_EITHER_WAY: Final = (
+    "floor_slope",
+    "centre_of_mass_offset",
+    "left_motor.asymmetric_friction",
+    "right_motor.asymmetric_friction",
+)
+_OF_BODY: Final = ("caster_drag", "floor_slope", "centre_of_mass_offset", "payload_mass", "battery_sag")
+_NEAR_NATS: Final = 10.0
+_MOST_RIVALS: Final = 2
+_SURER: Final = 0.5
+"""Of what the refits chose, the least probability."""
 _LATE_S: Final = (0.02, 0.04, 0.06, 0.09, 0.12)
 _CLOSER_S: Final = 0.01
 _CLEARLY: Final = 0.7
@@ -55,12 +77,14 @@ class PoweredFindings:
         values: motors, body and effects, in the order of `dynamics.NAMES`.
         left: what is left, None where it is noise.
         notes: plain remarks.
+        moved: numbers of the motors that the fit moved clearly, by the plant's keys.
     """
 
     effects: tuple[FoundEffect, ...]
     values: FloatArray
     left: RobotLeft | None
     notes: tuple[str, ...]
+    moved: dict[str, Moved]
 
 
 def search_powered(
@@ -86,24 +110,58 @@ def search_powered(
     full, stack = fit_body(recordings, drive, geometry, slips)
     able = {name: places for name, places in PLACES.items() if _matters(name, full.off[places])}
     weighed = weigh(able, beyond(full.off, sizes_that_matter()), full.covariance, full.clusters)
-    off, covariance = _given_none_of(full, weighed.best)
-    values = values_at(robot.values, off)
+    named, final = _refitted(weighed, full, stack, robot.values)
+    values, covariance = final.values, final.covariance
     effects = tuple(
         replace(
-            found_powered(effect, off, with_unknown_load(covariance, values, geometry), full.clusters),
-            probability=weighed.probability[effect.id],
+            found_powered(effect, values, with_unknown_load(covariance, values, geometry), full.clusters),
+            probability=max(weighed.probability[effect.key], _SURER),
             confusable_with=tuple(
-                Confusion(one, why_confusable(effect.id, one)) for one in weighed.rivals[effect.id]
+                Confusion(one, why_confusable(effect.key, one)) for one in weighed.rivals.get(effect.key, ())
             ),
         )
         for effect in POWERED
-        if effect.id in weighed.best
+        if effect.key in named
     )
     ratio = full.left_deg / noise_deg(stack, full.values)
     left = (
         RobotLeft("the powers", "wheels", ratio, 1.0 - 1.0 / ratio**2) if ratio > STRUCTURED_TIMES else None
     )
-    return PoweredFindings(effects, values, left, _notes(held, drive, geometry, values, stack.delay_s))
+    moved = moved_motors(robot.values, final)
+    notes = (*moved_words(moved), *_notes(held, drive, geometry, values, stack.delay_s))
+    return PoweredFindings(effects, values, left, notes, moved)
+
+
+def _refitted(
+    weighed: WeighedSubsets, full: PoweredFit, stack: PoweredStack, given: FloatArray
+) -> tuple[frozenset[str], PoweredFit]:
+    """The effects that cost least once they alone are fitted, of the best subset and its nearest rivals.
+
+    The weighing takes the fit of everything for quadratic, which it is not far from where it ends.
+    """
+    near = [ids for ids, behind in weighed.second if behind < _NEAR_NATS]
+    fewer = [weighed.best - {one} for one in sorted(weighed.best)] if len(weighed.best) > 1 else []
+    tried = [weighed.best, *fewer, *near[:_MOST_RIVALS]]
+    found = []
+    for ids in tried:
+        kept, fitted = _that_matter(ids, full, stack, given)
+        asked = sum(NEEDED_NATS + len(PLACES[one]) - 1 for one in kept)
+        found.append((cost_of(stack, given, fitted, full.scales) + asked, kept, fitted))
+    _, named, final = min(found, key=lambda one: one[0])
+    return named, final
+
+
+def _that_matter(
+    ids: frozenset[str], full: PoweredFit, stack: PoweredStack, given: FloatArray
+) -> tuple[frozenset[str], PoweredFit]:
+    """A fit of these effects alone, without those that then turn out too small to matter."""
+    while True:
+        free = _with(ids)
+        fitted = fit_powered(stack, given, free, np.where(free, full.off, 0.0))
+        small = {one for one in ids if not _matters(one, fitted.off[PLACES[one]])}
+        if not small:
+            return ids, fitted
+        ids -= small
 
 
 def fit_body(
@@ -121,9 +179,10 @@ def fit_body(
         PlantError: a dynamic key is missing or none.
     """
     robot = powered_robot(drive)
-    stack = powered_stack(recordings, drive, geometry, robot.caster_back_m, robot.supply_v, slips)
+    stack = powered_stack(recordings, drive, geometry, robot, slips)
     free = np.ones(len(NAMES), dtype=bool)
-    fitted = fit_powered(stack, robot.values, free)
+    begun = fit_powered(stack, robot.values, _with(_OF_BODY))
+    fitted = fit_powered(stack, robot.values, free, begun.off)
     if fitted.left_deg < STRUCTURED_TIMES * noise_deg(stack, fitted.values):
         return fitted, stack
     later = [fit for late_s in _LATE_S for fit in _fit_later(stack, late_s, robot.values)]
@@ -160,21 +219,17 @@ def sizes_that_matter() -> FloatArray:
 
 
 def _matters(name: str, off: FloatArray) -> bool:
-    if name in _ONE_WAY and off[0] <= 0.0:
+    if name not in _EITHER_WAY and off[0] <= 0.0:
         return False
     return bool(np.max(np.abs(off)) > MATTERS[name])
 
 
-def _given_none_of(full: PoweredFit, kept: frozenset[str]) -> tuple[FloatArray, FloatArray]:
-    """The fit where all effects that are not kept are none, by the full fit's covariance."""
-    gone = [place for name, places in PLACES.items() if name not in kept for place in places]
-    off, covariance = full.off.copy(), full.covariance.copy()
-    if gone:
-        gain = np.linalg.solve(covariance[np.ix_(gone, gone)], covariance[gone]).T
-        off = off - gain @ full.off[gone]
-        covariance = covariance - gain @ covariance[gone]
-        off[gone] = 0.0
-    return off, covariance
+def _with(kept: Iterable[str]) -> BoolArray:
+    """Which numbers are free where these effects are, and no other."""
+    free = np.ones(len(NAMES), dtype=bool)
+    for name, places in PLACES.items():
+        free[places] = name in kept
+    return free
 
 
 def with_unknown_load(covariance: FloatArray, values: FloatArray, geometry: Geometry) -> FloatArray:
@@ -191,10 +246,14 @@ def with_unknown_load(covariance: FloatArray, values: FloatArray, geometry: Geom
     return found
 
 
-def found_powered(effect: RobotEffect, off: FloatArray, covariance: FloatArray, clusters: int) -> FoundEffect:
+def found_powered(
+    effect: RobotEffect, values: FloatArray, covariance: FloatArray, clusters: int
+) -> FoundEffect:
     """An effect with its parameters, as the numbers of `dynamics.NAMES` have it; taken for certain."""
-    places = PLACES[effect.id]
-    sizes, inner = off[places], covariance[np.ix_(places, places)]
+    places = PLACES[effect.key]
+    if effect.id == "asymmetric_friction":
+        places = [places[0] - 16, *places]  # with the friction both ways on average
+    sizes, inner = values[places], covariance[np.ix_(places, places)]
     slopes = np.eye(len(places))
     values = sizes
     if effect.id == "floor_slope":
@@ -202,6 +261,10 @@ def found_powered(effect: RobotEffect, off: FloatArray, covariance: FloatArray, 
         values = np.degrees([np.arcsin(min(rise, 1.0)), np.arctan2(sizes[1], sizes[0])])
         along, across = sizes / rise, np.array([-sizes[1], sizes[0]]) / rise**2
         slopes = np.degrees(np.array([along, across]))
+    if effect.id == "asymmetric_friction":
+        middle, uneven = sizes
+        values = np.array([middle + uneven, middle - uneven])
+        slopes = np.array([[middle, 1.0], [middle, -1.0]])
     stds = np.sqrt(np.maximum(np.diag(slopes @ inner @ slopes.T), 0.0))
     reach = float(stdtrit(max(clusters - 1, 2), 0.975))
     params = {
@@ -210,7 +273,7 @@ def found_powered(effect: RobotEffect, off: FloatArray, covariance: FloatArray, 
         )
         for (name, unit), value, std in zip(effect.units.items(), values, stds, strict=True)
     }
-    return FoundEffect(effect.id, effect.name, effect.equation, params, 1.0, ())
+    return FoundEffect(effect.id, effect.name, effect.equation, params, 1.0, (), effect.motor)
 
 
 def _notes(
@@ -229,7 +292,7 @@ def _notes(
         )
     if held:
         robot = powered_robot(drive)
-        stack = powered_stack(held, drive, geometry, robot.caster_back_m, robot.supply_v)
+        stack = powered_stack(held, drive, geometry, robot)
         late = stack.delayed(delay_s) if delay_s else stack
         before, after = rms_of(stack, robot.values), rms_of(late, values)
         said.append(

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, final
+from typing import Final, final
 
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.robot.effects import WheelSide
 from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import PosePath
-
-WheelSide = Literal["left", "right"]
 
 _WINDOW_S: Final = 1.0
 _FINE_S: Final = 0.4

@@ -218,7 +218,7 @@ def next_path(
     effects: Sequence[FoundEffect], verdict: Verdict, left: RobotLeft | None, runs: Sequence[RobotRun]
 ) -> NextExperiment | None:
     """The path to drive next."""
-    confused = [(effect.id, other.id) for effect in effects for other in effect.confusable_with]
+    confused = [(effect.key, other.id) for effect in effects for other in effect.confusable_with]
     if confused:
         one, other = confused[0]
         return _squares(f"these paths do not tell {LIBRARY[one].name} from {LIBRARY[other].name}")

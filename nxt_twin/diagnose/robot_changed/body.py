@@ -11,6 +11,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import FoundEffect
 from nxt_twin.diagnose.robot.choice import WeighedSubsets, beyond, weigh
 from nxt_twin.diagnose.robot.effects import LIBRARY
+from nxt_twin.diagnose.robot.moved_motors import MOTORS, motor_key
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, values_at
 from nxt_twin.diagnose.robot.powered_search import (
     MATTERS,
@@ -26,20 +27,11 @@ from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import NAMES
 from nxt_twin.physics.robot.powered import powered_robot
 
-_MOTORS: Final = range(10)
 _SUSPECT_SIGMAS: Final = 3.0
 _MOST_SUSPECTS: Final = 6
 _DAILY_SHARE: Final = 0.015
 _LEAST_SHARE: Final = 0.03
 """A motor's number that differs by less is not named."""
-_KEYS: Final = {
-    "back_emf": "back_emf_v_s_per_rad",
-    "resistance": "resistance_ohm",
-    "coulomb": "coulomb_friction_nm",
-    "viscous": "viscous_friction_nm_s_per_rad",
-    "rotor": "inertia_kg_m2",
-}
-"""The motors' keys by the names of `dynamics.NAMES`."""
 
 
 @final
@@ -68,13 +60,7 @@ class BodyChanges:
         covariance = self.sides.before_covariance + self.sides.off_covariance
         values = values_at(self.given, self.sides.after)
         covariance = with_unknown_load(covariance, values, self.geometry)
-        return found_powered(LIBRARY[of], self.sides.after, covariance, self.clusters)
-
-
-def motor_key(place: int) -> str:
-    """A motor's number as the plant's keys name it, such as ``left_motor.resistance_ohm``."""
-    side, _, name = NAMES[place].partition("_")
-    return f"{side}_motor.{_KEYS[name]}"
+        return found_powered(LIBRARY[of], values, covariance, self.clusters)
 
 
 def body_changes(
@@ -114,7 +100,7 @@ def body_changes(
 def _suspects(before: FittedSide, after: FittedSide) -> list[int]:
     """Numbers of motors that differ clearly if they alone differ, the clearest first."""
     far = {}
-    for place in _MOTORS:
+    for place in MOTORS:
         alone = joint(before, after, range(len(NAMES)), [place])
         off, std = abs(alone.off[place]), float(np.sqrt(alone.off_covariance[place, place]))
         if off > max(_LEAST_SHARE, _SUSPECT_SIGMAS * std):
@@ -125,5 +111,5 @@ def _suspects(before: FittedSide, after: FittedSide) -> list[int]:
 def _side(fit: PoweredFit) -> FittedSide:
     """A fit's numbers; those of motors and mass also vary a little from day to day."""
     daily = np.zeros(len(NAMES))
-    daily[: len(_MOTORS)] = _DAILY_SHARE
+    daily[: len(MOTORS)] = _DAILY_SHARE
     return FittedSide(fit.off, fit.covariance + np.diag(daily**2), fit.clusters)

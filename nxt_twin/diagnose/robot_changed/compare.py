@@ -10,7 +10,7 @@ import numpy as np
 
 from nxt_twin.diagnose.changed.answer import Changes
 from nxt_twin.diagnose.robot.choice import WeighedSubsets, beyond, weigh
-from nxt_twin.diagnose.robot.engine import STRUCTURED_NATS, STRUCTURED_SHARE, robot_of
+from nxt_twin.diagnose.robot.engine import robot_of
 from nxt_twin.diagnose.robot.held_out import JudgedRun, judged_run
 from nxt_twin.diagnose.robot.judge import RobotModel
 from nxt_twin.diagnose.robot.leftover import RobotLeft, short_errors, what_is_left
@@ -144,4 +144,4 @@ def _left(side: RobotSide, geometry: Geometry) -> list[RobotLeft]:
     stack = stacked(mend(side.runs, side.found.slips))
     runs: Sequence[RobotRun] = stack.runs
     errors = short_errors(runs, geometry, wheels_at(stack, side.found.full.state))
-    return [one for one in what_is_left(errors) if one.nats > STRUCTURED_NATS and one.size > STRUCTURED_SHARE]
+    return [one for one in what_is_left(errors) if one.is_structured]

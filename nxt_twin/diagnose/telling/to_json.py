@@ -7,9 +7,17 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from nxt_twin.diagnose.diagnosis import Diagnosis, Mismatch, Moved, NextExperiment
+from nxt_twin.diagnose.diagnosis import Diagnosis, FoundEffect, Mismatch, Moved, NextExperiment
 
 SCHEMA = "nxt-twin/diagnosis/1"
+
+
+def effect_to_json(effect: FoundEffect) -> dict[str, Any]:
+    """An effect's keys; `motor` only where one motor of a robot has it."""
+    told = asdict(effect)
+    if effect.motor is None:
+        del told["motor"]
+    return told
 
 
 def to_json(diagnosis: Diagnosis) -> str:
@@ -21,7 +29,7 @@ def to_json(diagnosis: Diagnosis) -> str:
         "sentence": diagnosis.sentence,
         "refit": {name: moved_to_json(each) for name, each in diagnosis.refit.items()},
         "mismatch": _mismatch(diagnosis.mismatch),
-        "effects": [asdict(effect) for effect in diagnosis.effects],
+        "effects": [effect_to_json(effect) for effect in diagnosis.effects],
         "alternatives": [asdict(alternative) for alternative in diagnosis.alternatives],
         "fit": asdict(diagnosis.fit),
         "tolerance": asdict(diagnosis.tolerance) if diagnosis.tolerance else None,

@@ -31,16 +31,26 @@ OTHER_EFFECTS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 """Effects that differ from recording to recording: a plant file keeps them as a remark."""
 
-DYNAMIC_KEYS: Final = ("motor", "left_motor", "right_motor", "mass_kg", "yaw_inertia_kg_m2", "caster_back_m")
+DYNAMIC_KEYS: Final = (
+    "motor",
+    "left_motor",
+    "right_motor",
+    "mass_kg",
+    "yaw_inertia_kg_m2",
+    "caster_back_m",
+    "scrub_torque_nm",
+    "centre_height_m",
+)
 DYNAMIC_EFFECTS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "caster_drag": ("drag_force_n",),
         "floor_slope": ("slope_deg", "uphill_heading_deg"),
         "payload_mass": ("added_mass_kg",),
         "centre_of_mass_offset": ("offset_left_m", "offset_forward_m"),
+        "battery_sag": ("internal_resistance_ohm",),
     }
 )
-"""Effects of the body on the floor, which need the motors' powers to be seen."""
+"""Effects of body, floor and battery, which need the motors' powers to be seen."""
 
 _OPTIONAL: Final = ("heading_offset_deg", "offset_forward_m", "offset_left_m")
 _BASE: Final = ("left_wheel_radius_m", "right_wheel_radius_m", "track_m")

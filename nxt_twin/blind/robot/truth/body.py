@@ -20,6 +20,10 @@ class TrueRobot:
         caster_drag_n: its friction on the floor, against its motion.
         slope_rad, uphill_rad: of the floor, and the heading that points uphill.
         resistance_ohm, back_emf_v_s, dry_nm, wet_nm_s, rotor_kg_m2: of the left and the right motor.
+        uneven_nm: what dry friction of each motor has more forward, and less in reverse.
+        fan_nm_s2: drag of each motor by the square of its rate.
+        brush_v: voltage that the brushes of each motor take from the current.
+        cells_ohm, cells_v: internal resistance and open-circuit voltage of the battery.
         patch_drag_n: drag where x is above `patch_from_m`, which no library holds.
         tether_n_per_m: pull of a cable towards the start, which no library holds.
         nap: travel across that the floor adds in one direction, which no library holds.
@@ -47,6 +51,11 @@ class TrueRobot:
     tether_n_per_m: float = 0.0
     nap: float = 0.0
     scrub: float = 0.0
+    uneven_nm: tuple[float, float] = (0.0, 0.0)
+    fan_nm_s2: tuple[float, float] = (0.0, 0.0)
+    brush_v: tuple[float, float] = (0.0, 0.0)
+    cells_ohm: float = 0.0
+    cells_v: float = 8.0
 
     def packed(self) -> tuple[float, ...]:
         """All numbers in the order that the integrator reads."""
@@ -55,4 +64,5 @@ class TrueRobot:
             self.aside_m, self.caster_back_m, self.caster_drag_n, self.slope_rad, self.uphill_rad,
             *self.resistance_ohm, *self.back_emf_v_s, *self.dry_nm, *self.wet_nm_s, *self.rotor_kg_m2,
             self.patch_drag_n, self.patch_from_m, self.tether_n_per_m, self.nap, self.scrub,
+            *self.uneven_nm, *self.fan_nm_s2, *self.brush_v, self.cells_ohm, self.cells_v,
         )  # fmt: skip

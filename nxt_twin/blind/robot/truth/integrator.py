@@ -20,6 +20,30 @@ _GRIP = 0.8
 _CREEP_M_PER_S = 2e-3
 _STICK_RAD_PER_S = 0.04
 _STILL_M_PER_S = 4e-3
+_BRUSH_V = 0.05
+_ROUNDS = 4
+
+
+@njit(cache=True)
+def winding_current(volts: float, rate: float, p: FloatArray, k: int) -> float:
+    """The current of motor k, whose brushes take a part of the voltage."""
+    across = volts - p[13 + k] * rate
+    return float((across - p[30 + k] * np.tanh(across / _BRUSH_V)) / p[11 + k])
+
+
+@njit(cache=True)
+def terminal_v(volts: FloatArray, left_rate: float, right_rate: float, p: FloatArray) -> float:
+    """The voltage of a battery that feeds both motors, in rounds: less what the last round's current takes."""
+    held = p[33]
+    if p[32] == 0.0:
+        return float(held)
+    for _ in range(_ROUNDS):
+        drawn = 0.0
+        for k in range(2):
+            duty, rate = volts[k] / p[33], left_rate if k == 0 else right_rate
+            drawn += duty * winding_current(duty * held, rate, p, k)
+        held = p[33] - p[32] * max(drawn, 0.0)
+    return float(held)
 
 
 @njit(cache=True)
@@ -40,13 +64,15 @@ def slopes(
     tread = np.empty(2)
     out = np.zeros(STATES)
     load = 0.4 * p[3] * _GRAVITY
+    sagged = terminal_v(volts, state[5], state[7], p) / p[33]
     for k in range(2):
         side = -0.5 if k == 0 else 0.5
         rate = state[5 + 2 * k]
         creep = (1.0 - lost[k]) * p[k] * rate - (v + side * track * w)
         tread[k] = _GRIP * load * np.tanh(creep / _CREEP_M_PER_S)
-        drive = p[13 + k] * (volts[k] - p[13 + k] * rate) / p[11 + k]
-        friction = p[15 + k] * np.tanh(rate / _STICK_RAD_PER_S) + p[17 + k] * rate
+        drive = p[13 + k] * winding_current(sagged * volts[k], rate, p, k)
+        way = np.tanh(rate / _STICK_RAD_PER_S)
+        friction = p[15 + k] * way + p[17 + k] * rate + p[26 + k] * way * way + p[28 + k] * rate * abs(rate)
         out[5 + 2 * k] = (drive - friction - p[k] * (1.0 - lost[k]) * tread[k]) / p[19 + k]
         out[6 + 2 * k] = rate
     fall = p[3] * _GRAVITY * np.sin(p[9])
