@@ -58,6 +58,8 @@ _EITHER_WAY: Final = (
 _OF_BODY: Final = ("caster_drag", "floor_slope", "centre_of_mass_offset", "payload_mass", "battery_sag")
 _NEAR_NATS: Final = 10.0
 _MOST_RIVALS: Final = 2
+_SURELY_SIGMAS: Final = 1.5
+"""An effect matters if it does so after its size is taken down by so many standard deviations."""
 _SURER: Final = 0.5
 """Of what the refits chose, the least probability."""
 _LATE_S: Final = (0.02, 0.04, 0.06, 0.09, 0.12)
@@ -154,11 +156,13 @@ def _refitted(
 def _that_matter(
     ids: frozenset[str], full: PoweredFit, stack: PoweredStack, given: FloatArray
 ) -> tuple[frozenset[str], PoweredFit]:
-    """A fit of these effects alone, without those that then turn out too small to matter."""
+    """A fit of these effects alone, without those that may then be too small to matter."""
     while True:
         free = _with(ids)
         fitted = fit_powered(stack, given, free, np.where(free, full.off, 0.0))
-        small = {one for one in ids if not _matters(one, fitted.off[PLACES[one]])}
+        std = np.sqrt(np.diag(fitted.covariance))
+        surely = np.maximum(np.abs(fitted.off) - _SURELY_SIGMAS * std, 0.0) * np.sign(fitted.off)
+        small = {one for one in ids if not _matters(one, surely[PLACES[one]])}
         if not small:
             return ids, fitted
         ids -= small
