@@ -7,6 +7,7 @@ from diagnose_cases import LETS_GO, LONG, TWISTING, concealed, diagnosed
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.diagnose.telling.notes import briefly_recorded
 from nxt_twin.diagnose.telling.words import sentence
 
 
@@ -49,3 +50,15 @@ def test_an_error_is_said_to_fall_only_where_it_does(improved, falls):
     assert said.startswith(f"The model leaves out {effect.name}")
     assert ("falls from 10 to 3 deg" in said) == falls
     assert ("simulation of held-out data does not (10 deg off, now 15)" in said) != falls
+
+
+@pytest.mark.parametrize(("fitted_s", "told"), [(1.9, True), (5.99, True), (6.0, False), (120.0, False)])
+def test_less_than_six_seconds_are_said_to_be_too_little(fitted_s, told):
+    remarks = briefly_recorded(fitted_s)
+    assert bool(remarks) == told
+    assert all(f"last {fitted_s:.2g} s" in remark and "at least 6 s" in remark for remark in remarks)
+
+
+def test_a_diagnosis_of_short_recordings_carries_the_remark():
+    case = concealed((), seed=11, seconds=2.0)
+    assert any("at least 6 s" in note for note in diagnose(case).diagnosis.notes)

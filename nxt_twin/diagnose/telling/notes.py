@@ -22,6 +22,8 @@ _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
 _ANOTHER = 0.1
 _SURE_STDS = 2.0
+_BRIEF_S = 6.0
+"""Fitted time below which an answer is told to rest on little: the shortest that the splits are tested for."""
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
 
 
@@ -54,11 +56,22 @@ def notes(
             "Errors of single steps go on from reading to reading, as where readings are held or stamped late. So "
             "single steps are no evidence here: simulated windows alone set the parameters and chose the effects."
         )
+    said.extend(briefly_recorded(sum(float(np.ptp(signals.time_s)) for signals in problem.signals)))
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     said.extend(_at_bounds(problem, plant))
     said.extend(moved_notably(problem.plant, plant))
     return tuple(said)
+
+
+def briefly_recorded(fitted_s: float) -> tuple[str, ...]:
+    """A remark where the fitted recordings last `fitted_s` together, which is too little for a sure answer."""
+    if fitted_s >= _BRIEF_S:
+        return ()
+    return (
+        f"The fitted recordings last {fitted_s:.2g} s together. That is little: do not trust the answer before you "
+        f"have recorded at least {_BRIEF_S:.0f} s, better 30 s.",
+    )
 
 
 def onsets_told(effects: Sequence[Effect]) -> tuple[str, ...]:
