@@ -11,6 +11,8 @@ from diagnose_robot_cases import robot_case
 
 from nxt_twin.blind.robot.world import make_world, nominal_robot
 from nxt_twin.diagnose.robot.engine import diagnose_robot, robot_of
+from nxt_twin.diagnose.robot.goes_on import what_goes_on
+from nxt_twin.diagnose.robot.leftover import ShortErrors
 from nxt_twin.diagnose.robot.runs import RobotRun, robot_runs
 from nxt_twin.diagnose.robot.search import start_of, wheels_at
 from nxt_twin.diagnose.robot.slip import SlipSpell, find_slip, gripping
@@ -38,20 +40,53 @@ def test_a_radius_and_a_track_off_by_one_factor_may_be_the_camera(scale, told):
     assert any("camera whose scale" in note for note in found.notes) == told
 
 
-def _bent(recording):
-    """The recording where a lens shrinks the picture by up to a tenth, the farther from its middle the more."""
+def _bent(recording, share):
+    """The recording where a lens shrinks the picture by so large a share 0.6 m from its middle, and less within."""
     x, y = (recording.columns[name] for name in ("pose_x_m", "pose_y_m"))
     middle = 0.1 + 0.1j
     ray = x + 1j * y - middle
-    place = middle + ray * (1.0 - 0.05 * np.minimum(np.abs(ray) / 0.5, 1.5) ** 2)
+    place = middle + ray * (1.0 - share * np.minimum(np.abs(ray) / 0.6, 1.2) ** 2)
     return replace(recording, columns={**recording.columns, "pose_x_m": place.real, "pose_y_m": place.imag})
 
 
-def test_a_bent_picture_is_no_slip():
-    world = make_world([], 825)
-    runs = tuple(_bent(one) for one in world.recordings)
+@pytest.mark.parametrize(("seed", "share"), [(822, 0.1), (825, 0.05), (828, 0.05)])
+def test_a_bent_picture_is_no_effect_of_a_robot_and_no_slip(seed, share):
+    runs = tuple(_bent(one, share) for one in make_world([], seed).recordings)
     found = diagnose_robot(case_of(runs, nominal_robot(powered=False))).diagnosis
+    assert found.verdict == "unexplained"
     assert "wheel_slip" not in _ids(found)
+    assert any("The residual is largest" in note for note in found.notes)
+
+
+def _seconds(rho, count=40, seed=1):
+    """Errors of place of `count` seconds straight ahead in each of two runs; neighbours are alike by `rho`."""
+    noise = np.random.default_rng(seed).standard_normal((2, 2, count))
+    errors = noise.copy()
+    for n in range(1, count):
+        errors[..., n] = rho * errors[..., n - 1] + np.sqrt(1.0 - rho**2) * noise[..., n]
+    scores = np.concatenate([errors.reshape(2, -1), np.zeros((1, 2 * count))])
+    run, one, travel = np.repeat([0, 1], count), np.ones(2 * count), np.full(2 * count, 0.2)
+    return ShortErrors(
+        run, one, one, 5e-3 * scores, scores, travel, 0.0 * one, one, one, one, one,
+        np.zeros((2, 2 * count)), np.zeros((2, 2, 2 * count)),
+    )  # fmt: skip
+
+
+def test_only_an_error_of_place_that_goes_on_from_second_to_second_is_told():
+    assert [what_goes_on(_seconds(rho)) for rho in (0.0, -0.5)] == [[], []]
+    (told,) = what_goes_on(_seconds(0.6))
+    assert told.nats > 10.0
+    assert told.size == pytest.approx(0.6, abs=0.2)
+
+
+def test_an_error_goes_on_from_three_nats_on():
+    found = [
+        told
+        for step in range(20, 60)
+        for seed in (1, 2, 3)
+        for told in what_goes_on(_seconds(0.01 * step, seed=seed))
+    ]
+    assert 3.0 < min(told.nats for told in found) < 3.1
 
 
 def test_one_spell_of_slip_counts_once():

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +13,14 @@ import pytest
 from typer.testing import CliRunner
 
 from nxt_twin.api.openers import OPENERS
+from nxt_twin.brick.clock import SystemClock
 from nxt_twin.brick.open import open_brick
 from nxt_twin.cli.app import program
 from nxt_twin.errors import CaseError, NxtTwinError
 from nxt_twin.mock.errors import WorldError
+from nxt_twin.mock.run import serve
 from nxt_twin.mock.serve.clock import VirtualClock
+from nxt_twin.mock.thread import served_in_thread
 from nxt_twin.recording.files import read_recording
 from nxt_twin.world import bullet
 from nxt_twin.world.arena import open_arena
@@ -105,6 +110,45 @@ def test_a_program_on_the_fake_usb_drives_the_robot_of_a_named_world(ahead):
     program_on_it = ["mock", "--world", "playground", "--usb-fake", ahead()]
     told = CliRunner().invoke(program(["world", "mock"]), program_on_it)
     assert (told.exit_code, "found Castor" in told.output) == (0, True)
+
+
+TO_THE_WALL = """
+import sys, time
+import nxt.locator, nxt.motor, nxt.sensor, nxt.sensor.generic
+with nxt.locator.find(backends=["socket"], config=None, server_port=sys.argv[1]) as brick:
+    motors = [brick.get_motor(port) for port in (nxt.motor.Port.B, nxt.motor.Port.C)]
+    sonar = brick.get_sensor(nxt.sensor.Port.S4, nxt.sensor.generic.Ultrasonic)
+    first = sonar.get_distance()
+    while sonar.get_distance() > first - 5:
+        for motor in motors:
+            motor.run(60)
+    for motor in motors:
+        motor.brake()
+    counts = [motor.get_tacho().rotation_count for motor in motors]
+    print(brick.get_device_info()[0], first, *counts)
+"""
+
+
+def test_a_program_in_a_process_of_its_own_drives_the_robot_over_tcp(tmp_path):
+    script, arenas = tmp_path / "to_the_wall.py", []
+    script.write_text(TO_THE_WALL)
+
+    def bodies(_, file, seed, **__):
+        arenas.append(open_arena(load_setting(file), seed))
+        return arenas[-1].body
+
+    places = {"tcp_raw": "127.0.0.1:0", "world": Path("wall")}
+    with served_in_thread(partial(serve, clock=SystemClock(), bodies=bodies, **places)) as served:
+        port = served.urls[0].rpartition(":")[2]
+        ran = subprocess.run(
+            [sys.executable, script, port], capture_output=True, text=True, timeout=60, check=False
+        )
+    assert ran.returncode == 0, ran.stderr
+    name, first_cm, *counts = ran.stdout.split()
+    ahead_m = float(arenas[0].robot_pose().at_m[0])
+    assert (name, float(first_cm)) == ("Wall", pytest.approx(115.0, abs=8.0))
+    assert ahead_m > 0.04
+    assert [0.028 * np.radians(int(one)) for one in counts] == pytest.approx([ahead_m] * 2, abs=0.015)
 
 
 def test_a_misspelt_world_of_a_mock_is_refused_with_the_nearest():

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
+from firmware_protocol import SensorType
+from firmware_protocol.ultrasonic import ADDRESS, UltrasonicRegister
 from nxt_twin.world.arena import Arena, open_arena
 from nxt_twin.world.floor import FloorPicture
 from nxt_twin.world.load import load_setting
@@ -80,6 +82,24 @@ def test_readings_scatter_as_the_model_says_and_two_sensors_disturb_each_other(m
     disturbed = [plugged(arena, 4).distance_cm.at(0.0) for _ in range(300)]
     # A foreign ping comes first with probability 1.52 m over the 6.9 m that sound makes out and back between pings.
     assert np.mean(np.array(disturbed) < 140.0) == pytest.approx(1.4 / 6.87, abs=0.07)
+
+
+def test_a_reading_of_a_moving_thing_is_held_until_the_next_ping(made):
+    ball = {"ball": {"sphere_mm": 50, "at_mm": [0, 0, 1650], "mass_g": 20}}
+    arena = made({4: {"kind": "ultrasonic", "at_mm": [0, 0, 350], "facing_deg": [-90, 0]}}, things=ball)
+    sensor = plugged(arena, 4)
+    sensor.set_type(SensorType.LOW_SPEED_9V)
+    seen, height_mm = [], []
+    for _ in range(441):
+        assert sensor.i2c_write(bytes([ADDRESS, UltrasonicRegister.MEASUREMENT]), arena.time_s)
+        seen.append(sensor.i2c_read(1, arena.time_s)[0])
+        height_mm.append(1e3 * float(arena.thing_pose("ball").at_m[2]))
+        arena.body.step()
+    pings = np.arange(0, 441, 40)
+    assert set(np.flatnonzero(np.diff(seen)) + 1) <= set(pings)
+    assert np.count_nonzero(np.diff(seen)) >= 8
+    distance_mm = np.array(height_mm)[pings] - 25.0 - 350.0
+    assert np.array(seen)[pings] == pytest.approx(0.1 * (1.0055 * distance_mm + 13.0), abs=3.0)
 
 
 def light(arena: Arena, *, lit: bool = True) -> float:

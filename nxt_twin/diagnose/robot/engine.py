@@ -14,6 +14,7 @@ from nxt_twin.diagnose.robot.choice import places_of
 from nxt_twin.diagnose.robot.effects import LIBRARY
 from nxt_twin.diagnose.robot.findings import found_effects, moved_parameters, sizes_seen
 from nxt_twin.diagnose.robot.fit import fit_windows
+from nxt_twin.diagnose.robot.goes_on import what_goes_on
 from nxt_twin.diagnose.robot.held_out import (
     FEWEST_RUNS,
     JudgedRun,
@@ -70,6 +71,7 @@ class _RobotEvidence:
     found: RobotFindings
     judged: tuple[JudgedRun, ...]
     left: tuple[RobotLeft, ...]
+    goes_on: tuple[RobotLeft, ...]
     short: ShortErrors
     powered: PoweredFindings | None
     tolerance_m: float | None
@@ -91,6 +93,8 @@ class _RobotEvidence:
         kept = [one for one in self.left if one.is_structured]
         if kept:
             return max(kept, key=lambda one: one.size * one.nats)
+        if self.goes_on:
+            return self.goes_on[0]
         return self.powered.left if self.powered else None
 
 
@@ -143,7 +147,15 @@ def diagnose_robot(
         runs, drive.geometry, wheels_at(plain, start_of(drive.geometry, len(runs))), scale_of(after)
     )
     evidence = _RobotEvidence(
-        case, drive, found, judged, tuple(what_is_left(after)), before, powered, tolerance_m
+        case,
+        drive,
+        found,
+        judged,
+        tuple(what_is_left(after)),
+        tuple(what_goes_on(after)),
+        before,
+        powered,
+        tolerance_m,
     )
     diagnosis = _diagnosis(evidence)
     geometry = model_of(found.final).geometry if evidence.is_possible else drive.geometry

@@ -165,13 +165,24 @@ def what_is_left(short: ShortErrors) -> list[RobotLeft]:
     """The covariates that the errors depend on beyond chance, most first."""
     if short.run.size < _FEWEST:
         return []
-    base = [short.travel_m, short.turn_rad, np.abs(short.travel_m), np.abs(short.turn_rad)]
+    base = base_columns(short)
     found = []
     for channel, scores, unit in zip(_CHANNELS, short.scores, scale_of(short), strict=True):
         for along, columns in _covariates(short).items():
-            one = _along(along, channel, np.clip(scores, -_CLIP, _CLIP), base, columns, short.run)
+            one = _along(along, channel, clipped(scores), base, columns, short.run)
             found.append(replace(one, amount=float(unit * one.amount)))
     return sorted(found, key=lambda left: -left.nats)
+
+
+def base_columns(short: ShortErrors) -> FloatArray:
+    """What a geometry answers for, as columns of unit size, shape (windows, 4)."""
+    columns = [short.travel_m, short.turn_rad, np.abs(short.travel_m), np.abs(short.turn_rad)]
+    return _unit(np.array(columns).T)
+
+
+def clipped(scores: FloatArray) -> FloatArray:
+    """Scores, the farthest drawn in."""
+    return np.clip(scores, -_CLIP, _CLIP)
 
 
 def _covariates(short: ShortErrors) -> Mapping[str, list[FloatArray]]:
@@ -203,12 +214,11 @@ def _along(
     along: str,
     channel: str,
     scores: FloatArray,
-    base: list[FloatArray],
+    plain: FloatArray,
     columns: list[FloatArray],
     run: IntArray,
 ) -> RobotLeft:
     """A linear law in the columns beside the base's, tested with the runs as independent parts."""
-    plain = _unit(np.array(base).T)
     table = _unit(np.array(columns).T)
     freed = table - plain @ np.linalg.lstsq(plain, table, rcond=None)[0]
     rest = scores - plain @ np.linalg.lstsq(plain, scores, rcond=None)[0]
@@ -254,9 +264,8 @@ def regimes_of(short: ShortErrors) -> tuple[RegimeFinding, ...]:
 
 
 def _regime(name: str, scores: FloatArray) -> RegimeFinding:
-    clipped = np.clip(scores, -_CLIP, _CLIP)
-    means = clipped.mean(axis=1)
-    beyond = float(np.max(np.abs(means) * np.sqrt(clipped.shape[1])))
+    means = clipped(scores).mean(axis=1)
+    beyond = float(np.max(np.abs(means) * np.sqrt(scores.shape[1])))
     return RegimeFinding(name, beyond, float(min(1.0, 3.0 * np.exp(-0.5 * beyond**2))))
 
 
