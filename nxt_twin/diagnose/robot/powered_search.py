@@ -57,6 +57,7 @@ _EITHER_WAY: Final = (
 )
 _OF_BODY: Final = ("caster_drag", "floor_slope", "centre_of_mass_offset", "payload_mass", "battery_sag")
 _NEAR_NATS: Final = 10.0
+"""Rivals that are behind by less are fitted by themselves."""
 _MOST_RIVALS: Final = 2
 _SURELY_SIGMAS: Final = 1.5
 """An effect matters if it does so after its size is taken down by so many standard deviations."""
@@ -117,7 +118,7 @@ def search_powered(
     effects = tuple(
         replace(
             found_powered(effect, values, with_unknown_load(covariance, values, geometry), full.clusters),
-            probability=max(weighed.probability[effect.key], _SURER),
+            probability=_surer(weighed.probability[effect.key]),
             confusable_with=tuple(
                 Confusion(one, why_confusable(effect.key, one)) for one in weighed.rivals.get(effect.key, ())
             ),
@@ -141,16 +142,25 @@ def _refitted(
 
     The weighing takes the fit of everything for quadratic, which it is not far from where it ends.
     """
-    near = [ids for ids, behind in weighed.second if behind < _NEAR_NATS]
-    fewer = [weighed.best - {one} for one in sorted(weighed.best)] if len(weighed.best) > 1 else []
-    tried = [weighed.best, *fewer, *near[:_MOST_RIVALS]]
     found = []
-    for ids in tried:
+    for ids in _to_refit(weighed):
         kept, fitted = _that_matter(ids, full, stack, given)
         asked = sum(NEEDED_NATS + len(PLACES[one]) - 1 for one in kept)
         found.append((cost_of(stack, given, fitted, full.scales) + asked, kept, fitted))
     _, named, final = min(found, key=lambda one: one[0])
     return named, final
+
+
+def _to_refit(weighed: WeighedSubsets) -> list[frozenset[str]]:
+    """The best subset, those with one effect less, and the nearest rivals."""
+    near = [ids for ids, behind in weighed.second if behind < _NEAR_NATS]
+    fewer = [weighed.best - {one} for one in sorted(weighed.best)] if len(weighed.best) > 1 else []
+    return [weighed.best, *fewer, *near[:_MOST_RIVALS]]
+
+
+def _surer(probability: float) -> float:
+    """The probability of an effect of the subset that was chosen by refits, whatever the weighing said."""
+    return max(probability, _SURER)
 
 
 def _that_matter(
