@@ -175,7 +175,7 @@ def what_is_left(short: ShortErrors) -> list[RobotLeft]:
 
 
 def base_columns(short: ShortErrors) -> FloatArray:
-    """What a geometry answers for, as columns of unit size, shape (windows, 4)."""
+    """The travel and turn that a geometry scales, as columns of unit size, shape (windows, 4)."""
     columns = [short.travel_m, short.turn_rad, np.abs(short.travel_m), np.abs(short.turn_rad)]
     return _unit(np.array(columns).T)
 
