@@ -30,11 +30,25 @@ def fit_with(differs, effects=(), cost=0.0, check_rms=(0.01, 0.01)):
 
 
 @pytest.mark.parametrize(
-    ("factor", "needs"), [(1.07, 20.0), (1.0 / 1.07, 20.0), (1.1, LIMIT), (2.0, LIMIT)], ids=str
+    ("factor", "needs"), [(1.25, 20.0), (1.0 / 1.25, 20.0), (1.32, LIMIT), (2.0, LIMIT)], ids=str
 )
 def test_a_slight_parameter_alone_needs_more(factor, needs):
     joint, ways = fit_with({"viscous": factor})
     assert WEIGHING.keeping(joint, ways["viscous"]) == needs
+
+
+@pytest.mark.parametrize("friction", ["viscous", "coulomb"])
+@pytest.mark.parametrize(
+    ("factor", "needs"), [(1.04, math.inf), (1.0 / 1.04, math.inf), (1.06, 20.0)], ids=str
+)
+def test_friction_that_differs_as_from_run_to_run_is_no_change(friction, factor, needs):
+    joint, ways = fit_with({friction: factor})
+    assert WEIGHING.keeping(joint, ways[friction]) == needs
+
+
+def test_what_is_no_friction_may_differ_by_less():
+    joint, ways = fit_with({"inertia": 1.04})
+    assert WEIGHING.keeping(joint, ways["inertia"]) == 20.0
 
 
 @pytest.mark.parametrize(("factor", "needs"), [(1.25, LIMIT + 15.0), (1.32, LIMIT)], ids=str)
