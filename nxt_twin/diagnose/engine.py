@@ -48,7 +48,7 @@ from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.searched import lessened, searched
 from nxt_twin.diagnose.telling import words
-from nxt_twin.diagnose.telling.estimates import refitted, vague_effect
+from nxt_twin.diagnose.telling.estimates import refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
@@ -106,7 +106,7 @@ def diagnose(
         if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-        evidence = with_shapes(simulator, evidence)
+        evidence = _with_moves(with_shapes(simulator, evidence))
         return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
 
@@ -175,6 +175,12 @@ def fit_as_it_stands(case: Case) -> Structure:
     with Simulator(problem.plant.layout) as simulator:
         noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
         return fit_everything(Fitter(simulator, problem), problem.plant, noise)
+
+
+def _with_moves(evidence: Evidence) -> Evidence:
+    """`evidence` with how far the final fit surely moved the given numbers in its record."""
+    moved = surely_moved(refitted(evidence))
+    return replace(evidence, record=replace(evidence.record, moved=moved))
 
 
 def problem_for(case: Case, tolerance: float | None = None) -> Problem:

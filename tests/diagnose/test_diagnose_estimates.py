@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from diagnose_motors import recorded, settled
 
+from nxt_twin.diagnose.diagnosis import Moved
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.judging.intervals import robust_covariance
-from nxt_twin.diagnose.telling.estimates import ANCHORS, estimates, refitted
+from nxt_twin.diagnose.telling.estimates import ANCHORS, estimates, refitted, surely_moved
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 
@@ -72,3 +73,15 @@ def test_a_share_is_counted_and_its_law_doubted(evidence):
     law = effect.parameters[0].law * found.value
     assert found.std == pytest.approx(np.sqrt(counted / evidence.final.fitted.readings + law**2))
     assert rough.std == pytest.approx(np.sqrt(counted / 100 + law**2))
+
+
+@pytest.mark.parametrize(
+    ("interval", "by"),
+    [((0.0, 1.9), 1.0), ((0.0, 0.25), 4.0), ((5.0, 9.0), 5.0), ((0.5, 2.0), 1.0), (None, 1.0)],
+)
+def test_a_number_surely_moved_by_the_near_end_of_its_interval(interval, by):
+    assert surely_moved({"inertia_kg_m2": Moved(1.0, 0.1, 0.1, "", interval)}) == by
+
+
+def test_a_number_given_as_nothing_has_moved_by_no_factor():
+    assert surely_moved({"viscous_friction_nm_s_per_rad": Moved(0.0, 0.1, 0.1, "", (0.05, 0.2))}) == 1.0

@@ -36,6 +36,7 @@ EDGES = {
     "excused": (replace(QUIET, torque_after=4e-3, remaining=2.01), "torque_after"),
     "rested": (replace(FOUND, rested_nats=40.0, remaining=0.1, matters=False), "rested_nats"),
     "far_off": (replace(QUIET, off=4.0), "off"),
+    "moved": (replace(FOUND, moved=3.0), "moved"),
     "most_left": (
         replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.1 - 100.0),
         "left_nats",
@@ -445,3 +446,8 @@ def test_stalls_that_leave_names_in_doubt_are_in_the_sentence_and_ask_for_a_quie
     steady = SimpleNamespace(record=replace(FOUND, named=2, stalled_share=0.02), problem=None)
     assert _stood_still(steady, "unexplained") == ()
     assert _stood_still(stalled, "explained") == ()
+
+
+def test_numbers_that_moved_far_are_no_objection_where_nothing_was_found():
+    assert verdict_of(replace(QUIET, moved=100.0)) == "adequate"
+    assert verdict_of(replace(FOUND, moved=100.0)) == "unexplained"

@@ -68,9 +68,8 @@ class _Nuisance:
         for number, (job, seen, moved, own) in enumerate(jobs):
             weight = target.evidence[number] * target.weight(number, own)[0, seen]
             inverse = np.sqrt(weight) / job.observer.innovation_std[seen]
-            residual = (job.signals.measured[seen] - own.predicted[0, seen]) * inverse
-            slopes = np.nan_to_num((moved[:-1] - moved[-1]) * inverse)
-            slopes /= _DIFFERENCE
+            residual = _bounded((job.signals.measured[seen] - own.predicted[0, seen]) * inverse)
+            slopes = _bounded((moved[:-1] - moved[-1]) * inverse) / _DIFFERENCE
             hessian += slopes @ slopes.T
             gradient += slopes @ residual
             self._inverse.append(inverse)
@@ -110,11 +109,7 @@ class _Nuisance:
             results, self._base, self._masks, self._inverse, self._residual, self._slopes, strict=True
         )
         for result, base, mask, inverse, residual, slopes in parts:
-            signature = np.clip(
-                np.nan_to_num((result.predicted[:, mask] - base) * inverse),
-                -_LARGEST_SIGNATURE,
-                _LARGEST_SIGNATURE,
-            )
+            signature = _bounded((result.predicted[:, mask] - base) * inverse)
             along += signature @ slopes.T
             fit += signature @ residual
             power += np.einsum("ij,ij->i", signature, signature)
@@ -128,6 +123,11 @@ class _Nuisance:
             doubting, np.maximum(linear, outright), linear
         )  # likelihoods changed, not predictions
         return [(float(gain), float(by)) for gain, by in zip(gains, stretch, strict=True)]
+
+
+def _bounded(deviations: FloatArray) -> FloatArray:
+    """`deviations`, in standard deviations, of runs that may have blown up: finite, so that their squares are."""
+    return np.clip(np.nan_to_num(deviations), -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE)
 
 
 def _shifted(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, BoolArray]:

@@ -67,6 +67,8 @@ class VerdictLimits:
         sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
+        moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
+            one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
     """
 
     structured_torque: float = 6e-3
@@ -99,6 +101,7 @@ class VerdictLimits:
     excused: float = 4e-3
     coloured: float = 1.4
     sober: float = 50.0
+    moved: float = 3.0
 
 
 LIMITS = VerdictLimits()
@@ -149,6 +152,7 @@ class Record:
             unknown torque than was estimated.
         strained: whether a parameter of a found effect rests on its upper bound, or two effects together are one law
             that acts one way only.
+        moved: the largest factor by which a positive number of the given model surely changed, at 95 %.
     """
 
     named: int
@@ -180,6 +184,7 @@ class Record:
     colour: float = math.inf
     sober_nats: float = 0.0
     strained: bool = False
+    moved: float = 1.0
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -189,12 +194,18 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
         return "unexplained" if missing else "adequate"
     doubtful = is_patchwork(record, limits) or is_worse(record, limits) or is_stalled(record, limits)
     forgiven = is_forgiven(record, limits) or is_contradicted(record, limits)
-    return "unexplained" if missing or doubtful or forgiven or is_another_law(record, limits) else "explained"
+    other = is_another_law(record, limits) or is_moved(record, limits)
+    return "unexplained" if missing or doubtful or forgiven or other else "explained"
 
 
 def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether it took more effects than are likely to be missing at once, so that they stand for something else."""
     return record.named > limits.most_named
+
+
+def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether the found effects surely need other numbers of the motor than the given ones, by more than a doubt."""
+    return record.found and record.moved > limits.moved
 
 
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import final
 
 import numpy as np
@@ -71,6 +72,17 @@ def refitted(evidence: Evidence) -> dict[str, Moved]:
                 before, found.value, found.std, found.unit, found.interval_95, found.rests_on, found.ratio
             )
     return moved
+
+
+def surely_moved(refit: Mapping[str, Moved]) -> float:
+    """The largest factor by which a positive number of `refit` changed, to the near end of its 95 % interval."""
+    factors = [1.0]
+    for one in refit.values():
+        if one.interval_95 is None or not one.before > 0.0:
+            continue
+        lower, upper = one.interval_95
+        factors += [lower / one.before, one.before / upper if upper > 0.0 else 1.0]
+    return max(factors)
 
 
 @final
