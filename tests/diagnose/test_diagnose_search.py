@@ -243,13 +243,15 @@ def test_a_latency_of_a_millisecond_has_no_name_and_takes_none_from_another(effe
     assert delay_s == pytest.approx(1.5e-3, abs=0.6e-3)
 
 
-@pytest.mark.parametrize("ahead", [True, False])
-def test_what_a_smaller_effect_explains_names_no_larger_one(ahead, monkeypatch):
+@pytest.mark.parametrize(
+    ("smaller_rank", "ahead"), [((True, 9.1), True), ((True, 8.9), False), ((False, 50.0), False)]
+)
+def test_what_a_smaller_effect_clearly_explains_names_no_larger_one(smaller_rank, ahead, monkeypatch):
     search = object.__new__(_Search)
     search._standard = SimpleNamespace(worth_it=lambda *_: True)
     search._unnamed = set()
     larger, smaller = (SimpleNamespace(id=name) for name in ("cogging", "presliding"))
-    ranks = {"cogging": 1.0, "presliding": 2.0 if ahead else 0.5}
+    ranks = {"cogging": (True, 1.0), "presliding": smaller_rank}
     monkeypatch.setattr(_Search, "_rank", lambda _, effect, *__: ranks[effect.id])
     monkeypatch.setattr(_Search, "pruned", lambda _, trial: trial)
     monkeypatch.setattr(_Search, "_still_worth_it", lambda _, added, __: added)

@@ -56,7 +56,7 @@ EDGES = {
         replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=5e-3, run_ratio=0.4999),
         "run_ratio",
     ),
-    "sober": (replace(FOUND, sober_nats=50.0, gained_nats=400.0, remaining=0.1, matters=False), "sober_nats"),
+    "sober": (replace(FOUND, sober_nats=50.0, gained_nats=400.0, remaining=0.6, matters=False), "sober_nats"),
     "surprising": (replace(FOUND, surprise=4.0, run_ratio=0.5), "surprise"),
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.25), "surprise"),
     "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
@@ -372,6 +372,8 @@ def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_e
         ({"colour": 1.4}, True),
         ({"restores": True}, False),
         ({"found": False}, False),
+        ({"remaining": 0.51}, True),
+        ({"remaining": 0.5}, False),
     ],
 )
 def test_an_unknown_torque_may_not_stand_for_a_law_that_readings_call_for(changes, swallowed):

@@ -35,7 +35,8 @@ class VerdictLimits:
         large_by_windows: as `large_torque`, where windows alone tell of it; coloured readings add to it.
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
             no difference to it.
-        silent: error of the re-fitted baseline over the tolerance below which nothing that matters can be missing.
+        silent: error of the re-fitted baseline over the tolerance below which nothing that matters can be missing. No
+            law is asked for under less unknown torque beside effects that leave less.
         sure: gain in nats that names such an effect nevertheless.
         unheard: error of the re-fitted baseline over the tolerance below which no gain in nats names an effect that
             hardly brings a simulation nearer.
@@ -309,7 +310,7 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong.
     No effect goes with the time at rest, and no drag or spring sets in somewhere. Readings that call for such a law
     speak against a found effect however small the error is. So do those that call for any law once less unknown torque
-    stands for it. Nor may they strain the effects to laws that these are not.
+    stands for it, unless hardly an error is left. Nor may they strain the effects to laws that these are not.
     """
     if is_swallowed(record, limits) or (record.found and record.strained):
         return True
@@ -327,11 +328,13 @@ def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
     Fitted readings call for that law beside all that the effects gained, once less of the torque is allowed. By windows
     alone it is asked where single steps are evidence. What brings given numbers back gains by those, and not by
-    readings: so no share tells, and it is not asked.
+    readings: so no share tells, and it is not asked. Nor is it where less than half of the tolerance is left: beside a
+    right name, the equations of another simulator leave as much.
     """
     told = (not record.by_windows or record.colour < limits.coloured) and not record.restores
+    heard = record.found and record.remaining > limits.silent
     share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
-    return record.found and told and record.sober_nats > limits.sober and share > limits.most_left
+    return heard and told and record.sober_nats > limits.sober and share > limits.most_left
 
 
 def is_contradicted(record: Record, limits: VerdictLimits = LIMITS) -> bool:

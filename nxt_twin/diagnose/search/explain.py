@@ -122,9 +122,14 @@ class _Search:
         return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
 
     def _with_smaller(self, best: Structure, leader: _Ranked, smaller: list[_Ranked]) -> Structure | None:
-        """`best` with the first of the `smaller`, if that is worth it and likelier than the `leader`."""
+        """`best` with the first of the `smaller`, if that is worth it and clearly likelier than the `leader`.
+
+        A name is withheld only for as much as an effect needs to be found at all.
+        """
         for effect, weight, trial in smaller[:1]:
-            ahead = self._rank(effect, weight, trial, best) > self._rank(*leader, best)
+            *rank, total = self._rank(effect, weight, trial, best)
+            *named, least = self._rank(*leader, best)
+            ahead = rank >= named and total > least + LIMITS.gain_nats
             if ahead and self._standard.worth_it(effect, weight, best):
                 self._unnamed.add(effect.id)
                 return trial
