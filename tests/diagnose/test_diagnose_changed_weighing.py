@@ -9,6 +9,8 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.changed.joint import JointFit
 from nxt_twin.diagnose.changed.model import all_shared
 from nxt_twin.diagnose.changed.weighing import Weighing
+from nxt_twin.diagnose.changed.words import unchanged_words
+from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.physics.parameter import NXT_SCALE
 from nxt_twin.physics.plant import plant_from_config
 
@@ -16,7 +18,7 @@ LIMIT = 5.0
 WEIGHING = Weighing(2.0, LIMIT, 0.0, NXT_SCALE)
 
 
-def fit_with(differs, effects=(), cost=0.0, check_rms=(0.01, 0.01)):
+def fit_with(differs, effects=(), cost=0.0, check_rms=(0.01, 0.01), check_cost=0.0):
     """A fit in which parameters differ by factors, and effects have sizes (SI, by symbol)."""
     model = all_shared(plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct"), NXT_SCALE)
     ways = {way.slot.symbol: n for n, way in enumerate(model.ways)}
@@ -26,7 +28,7 @@ def fit_with(differs, effects=(), cost=0.0, check_rms=(0.01, 0.01)):
     x = model.start()
     for place, n in enumerate(model.differs, start=len(model.shared)):
         x[place] = math.log(differs[model.ways[n].slot.symbol])
-    return JointFit(model, x, 0.01, cost, 0.0, check_rms), ways
+    return JointFit(model, x, 0.01, cost, check_cost, check_rms), ways
 
 
 @pytest.mark.parametrize(
@@ -111,3 +113,22 @@ def test_changes_that_bring_no_window_nearer_need_more(gain, rms_after, matters)
     simpler, _ = fit_with({}, check_rms=(0.0, 0.01))
     wider, _ = fit_with({"viscous": 1.2}, cost=-gain, check_rms=(0.0, rms_after))
     assert WEIGHING.matters(simpler, wider) == matters
+
+
+@pytest.mark.parametrize(
+    ("check_cost", "rms_after", "lasts"),
+    [(-1.0, 0.0101, True), (-1.0, 0.0103, False), (80.0, 0.0051, False), (80.0, 0.0049, True)],
+)
+def test_windows_that_only_check_accept_what_is_likelier_or_far_nearer(check_cost, rms_after, lasts):
+    simpler, _ = fit_with({}, check_rms=(0.0, 0.01))
+    wider, _ = fit_with({"viscous": 1.2}, check_rms=(0.0, rms_after), check_cost=check_cost)
+    assert WEIGHING.lasts(simpler, wider) == lasts
+
+
+@pytest.mark.parametrize(
+    ("error_before", "beginning"),
+    [(0.4, "No change is shown between a and b, yet"), (0.6, "Nothing changed"), (0.0, "Nothing changed")],
+)
+def test_no_model_is_said_to_predict_both_sides_that_errs_twice_as_much_after(error_before, beginning):
+    fit = Fit("windows", "deg", 1.0, 1.0, 1.0)
+    assert unchanged_words("a", "b", fit, error_before).startswith(beginning)

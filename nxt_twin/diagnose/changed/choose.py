@@ -12,7 +12,7 @@ from nxt_twin.diagnose.changed.candidates import PLAINER, ChangeCandidate, candi
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
-from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, Weighing
+from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, WORSE, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.trials import addable_effects as lacking
@@ -29,7 +29,6 @@ _BEGINNINGS = 3
 _MOST_LACKING = 2
 _AS_WELL = 2.0
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
-_WORSE = 1.02  # of the error of windows that only check: what is not worse
 
 
 @final
@@ -126,7 +125,7 @@ class Chooser:
         """Whether the readings favour `joint` by less than a change has to gain."""
         behind = rival.cost + rival.check_cost - joint.cost - joint.check_cost
         more = rival.model.size - joint.model.size
-        if sum(rival.check_rms) > max(_WORSE * sum(joint.check_rms), 2.0 * self._fitter.tolerance):
+        if sum(rival.check_rms) > max(WORSE * sum(joint.check_rms), 2.0 * self._fitter.tolerance):
             return False
         return behind + self.weighing.penalty * more < self.weighing.limit_nats
 
@@ -223,7 +222,9 @@ class Chooser:
         for effect in missing:
             model = joint.model.lacking(effect.id, starts_of(effect, self._scale)[0], self._scale)
             wider = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
-            if self.weighing.net(joint, wider) > self.weighing.limit_nats and self._lasts(joint, wider):
+            if self.weighing.net(joint, wider) > self.weighing.limit_nats and self.weighing.lasts(
+                joint, wider
+            ):
                 self._lacking.add(effect.id)
                 joint = wider
         return joint
@@ -234,7 +235,7 @@ class Chooser:
             joint = chosen.joint
             exchangeable = [each for each in chosen.nats if each != BACKLASH.id]  # closer windows showed it
             rivals = [rival for each in exchangeable for rival in self._rivals(joint, each)]
-            as_near = [pair for pair in rivals if sum(pair[1].check_rms) < _WORSE * sum(joint.check_rms)]
+            as_near = [pair for pair in rivals if sum(pair[1].check_rms) < WORSE * sum(joint.check_rms)]
             better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in as_near]
             better = [each for each in better if each[0] > _BETTER_NATS]
             better.sort(key=lambda each: -each[0])
@@ -312,7 +313,9 @@ class Chooser:
         """Those that earn their place, the likeliest first."""
         limit = self.weighing.limit_nats
         found = [
-            each for each in found if self.weighing.net(joint, each) > limit and self._lasts(joint, each)
+            each
+            for each in found
+            if self.weighing.net(joint, each) > limit and self.weighing.lasts(joint, each)
         ]
         return sorted(found, key=lambda each: -self.weighing.worth(joint, each))
 
@@ -329,17 +332,12 @@ class Chooser:
         own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect}
         model = joint.model.differing(tried.model.differs).lacking(effect, own, self._scale)
         common = self._fitter.fit(model, model.moved_from(tried.model, tried.x))
-        spoils = common.check_rms[0] > max(_WORSE * tried.check_rms[0], self._fitter.tolerance)
+        spoils = common.check_rms[0] > max(WORSE * tried.check_rms[0], self._fitter.tolerance)
         together, alone = (self.weighing.plain(joint, fit) - fit.check_cost for fit in (common, tried))
         if together <= alone or spoils:
             return None
         self._lacking.add(effect)
         return common
-
-    def _lasts(self, simpler: JointFit, wider: JointFit) -> bool:
-        """Whether readings that were not fitted accept it."""
-        likelier = wider.check_cost < simpler.check_cost
-        return likelier and sum(wider.check_rms) < _WORSE * sum(simpler.check_rms)
 
     def _pruned(self, joint: JointFit) -> Chosen:
         while True:

@@ -55,6 +55,7 @@ _PART_OF = {
 }
 _OTHER_SUPPLY = 0.03  # of the supply before
 _NEARER = 0.8  # of an error: what a reader would call better
+_CLEARLY_MORE = 2.0  # times the error before: what a reader would not call one model's
 _FRICTION = re.compile(r"friction|stiction|coulomb|viscous|drag|presliding")
 
 
@@ -64,10 +65,7 @@ def sentence(verdict: ChangeVerdict, changes: Sequence[Change], fit: Fit, compar
     named = listed([change_words(change) for change in changes])
     errors = f"{fit.baseline:.3g} {fit.unit} off, now {fit.improved:.3g}"
     if verdict == "unchanged":
-        return (
-            f"Nothing changed between {before} and {after}: one model predicts held-out windows of both. "
-            f"Its error after is {fit.improved:.3g} {fit.unit}."
-        )
+        return unchanged_words(before, after, fit, _error_before(compared, fit))
     if verdict == "unexplained":
         helps = f" These changes help, but do not suffice: {named} (error {errors})." if changes else ""
         return (
@@ -75,6 +73,26 @@ def sentence(verdict: ChangeVerdict, changes: Sequence[Change], fit: Fit, compar
         )
     parts = _parts(changes)
     return f"The {listed(parts)} changed: {named}. {_unchanged(parts)}Error of simulated windows after: {errors}."
+
+
+def unchanged_words(before: str, after: str, fit: Fit, error_before: float) -> str:
+    """That no change is told; `error_before` is 0 where errors do not matter, else in the unit of `fit`."""
+    error = f"{fit.improved:.3g} {fit.unit}"
+    if 0.0 < error_before * _CLEARLY_MORE < fit.improved:
+        return (
+            f"No change is shown between {before} and {after}, yet one model of both errs more after: "
+            f"{error}, and {error_before:.3g} {fit.unit} before."
+        )
+    return (
+        f"Nothing changed between {before} and {after}: one model predicts held-out windows of both. "
+        f"Its error after is {error}."
+    )
+
+
+def _error_before(compared: Compared, fit: Fit) -> float:
+    """The error of the one model before, in the unit of `fit`; 0 where that after does not matter."""
+    before, after = compared.chosen.joint.check_rms
+    return before / after * fit.improved if after > compared.tolerance else 0.0
 
 
 def _reach(after: str, fit: Fit) -> str:
