@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose.changed.engine import is_seen_closer
 from nxt_twin.diagnose.changed.joint import JointFit
 from nxt_twin.diagnose.changed.model import all_shared
 from nxt_twin.diagnose.changed.weighing import Weighing
@@ -132,3 +133,19 @@ def test_windows_that_only_check_accept_what_is_likelier_or_far_nearer(check_cos
 def test_no_model_is_said_to_predict_both_sides_that_errs_twice_as_much_after(error_before, beginning):
     fit = Fit("windows", "deg", 1.0, 1.0, 1.0)
     assert unchanged_words("a", "b", fit, error_before).startswith(beginning)
+
+
+@pytest.mark.parametrize(
+    ("differs", "effects", "counts"),
+    [
+        ({}, {}, False),
+        ({"viscous": 1.2}, {}, True),
+        ({}, {"command_delay": {"delay": 0.01}}, True),
+        ({"torque_constant": 1.2}, {}, False),
+        ({}, {"stiction": {"breakaway": 0.03, "stribeck": 1.0}}, False),
+    ],
+    ids=str,
+)
+def test_close_windows_tell_slight_parameters_and_delays_alone(differs, effects, counts):
+    joint, _ = fit_with(differs, effects)
+    assert is_seen_closer(joint.model) == counts

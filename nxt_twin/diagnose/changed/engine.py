@@ -19,6 +19,7 @@ from nxt_twin.diagnose.fitting.noise import first_noise, reading_floor
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.errors import DiagnosisError
+from nxt_twin.physics.effects.timing import COMMAND_DELAY
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
@@ -164,8 +165,12 @@ def _at_both_lengths(
     progress("looking closer")
     near = Windows(windows.close, windows.close, CLOSE_WINDOW_S)
     closer = _compared(simulator, replace(pair, windows=near), CLOSE_NATS, progress)
-    slight = closer.chosen.joint.model
-    return closer if slight.differs and not slight.effects and not slight.motor_constants else found
+    return closer if is_seen_closer(closer.chosen.joint.model) else found
+
+
+def is_seen_closer(model: Model) -> bool:
+    """Whether all that differs is what close windows show better: slight parameters of load and friction, a delay."""
+    return model.changes > 0 and {*model.effects} <= {COMMAND_DELAY.id} and not model.motor_constants
 
 
 def _side(case: Case, problem: Problem, window_s: float) -> Side:
