@@ -128,7 +128,12 @@ def test_windows_that_only_check_accept_what_is_likelier_or_far_nearer(check_cos
 
 @pytest.mark.parametrize(
     ("error_before", "beginning"),
-    [(0.4, "No change is shown between a and b, yet"), (0.6, "Nothing changed"), (0.0, "Nothing changed")],
+    [
+        (0.4, "No change is shown between a and b, yet"),
+        (0.0, "No change is shown"),
+        (0.6, "Nothing"),
+        (None, "Nothing"),
+    ],
 )
 def test_no_model_is_said_to_predict_both_sides_that_errs_twice_as_much_after(error_before, beginning):
     fit = Fit("windows", "deg", 1.0, 1.0, 1.0)

@@ -75,10 +75,10 @@ def sentence(verdict: ChangeVerdict, changes: Sequence[Change], fit: Fit, compar
     return f"The {listed(parts)} changed: {named}. {_unchanged(parts)}Error of simulated windows after: {errors}."
 
 
-def unchanged_words(before: str, after: str, fit: Fit, error_before: float) -> str:
-    """That no change is told; `error_before` is 0 where errors do not matter, else in the unit of `fit`."""
+def unchanged_words(before: str, after: str, fit: Fit, error_before: float | None) -> str:
+    """That no change is told; `error_before` is in the unit of `fit`, None where the error after does not matter."""
     error = f"{fit.improved:.3g} {fit.unit}"
-    if 0.0 < error_before * _CLEARLY_MORE < fit.improved:
+    if error_before is not None and error_before * _CLEARLY_MORE < fit.improved:
         return (
             f"No change is shown between {before} and {after}, yet one model of both errs more after: "
             f"{error}, and {error_before:.3g} {fit.unit} before."
@@ -89,10 +89,10 @@ def unchanged_words(before: str, after: str, fit: Fit, error_before: float) -> s
     )
 
 
-def _error_before(compared: Compared, fit: Fit) -> float:
-    """The error of the one model before, in the unit of `fit`; 0 where that after does not matter."""
+def _error_before(compared: Compared, fit: Fit) -> float | None:
+    """The error of the one model before, in the unit of `fit`; None where that after does not matter."""
     before, after = compared.chosen.joint.check_rms
-    return before / after * fit.improved if after > compared.tolerance else 0.0
+    return before / after * fit.improved if after > compared.tolerance else None
 
 
 def _reach(after: str, fit: Fit) -> str:
