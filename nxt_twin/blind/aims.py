@@ -46,6 +46,12 @@ def is_detectable(case: Judged) -> bool:
     return case.reach is not None and case.reach.gain_nats > DETECTABLE_NATS
 
 
+def shows_each(case: Judged) -> bool:
+    """Whether each of several hidden effects could be seen beside the others, as a single one beside nothing."""
+    gains = {} if case.reach is None else case.reach.each_gain_nats
+    return set(gains) == set(case.hidden) and all(gain > DETECTABLE_NATS for gain in gains.values())
+
+
 def aims_of(cases: Sequence[Judged]) -> list[Aim]:
     """Every aim, measured on these cases."""
     singles = _of(cases, "single")
@@ -59,6 +65,7 @@ def aims_of(cases: Sequence[Judged]) -> list[Aim]:
         _mean("single, detectable: mean size of the set", seen, lambda case: len(case.considered), 2.0),
         _share("clean: called wrong", clean, lambda case: not case.exact, 0.03, at_least=False),
         _share("pairs: exact", pairs, lambda case: case.exact, 0.65),
+        _share("pairs that show both: exact", list(filter(shows_each, pairs)), lambda case: case.exact, 0.0),
         _share("triples: exact", triples, lambda case: case.exact, 0.0),
         _share("unknown: refused", unknown, lambda case: case.exact, 0.60),
         _share("unknown: confidently misnamed", unknown, lambda case: case.misnamed, 0.15, at_least=False),

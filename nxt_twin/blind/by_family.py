@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from statistics import mean, quantiles
 from typing import Final, final
 
-from nxt_twin.blind.aims import is_detectable
+from nxt_twin.blind.aims import is_detectable, shows_each
 from nxt_twin.blind.verdict import Judged
 
 LIMITS: Final = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.91)
@@ -63,6 +63,10 @@ def _seen(case: Judged) -> bool:
     return case.kind == "single" and is_detectable(case)
 
 
+def _shown_pair(case: Judged) -> bool:
+    return case.kind == "pair" and shows_each(case)
+
+
 def _ratios(cases: Sequence[Judged]) -> list[float]:
     """Error over that of the true structure re-fitted, on what nobody fitted."""
     return [
@@ -95,6 +99,7 @@ ASKED: Final = (
     AimRow("single, detectable: size of the set", _mean(_seen, lambda c: len(c.considered)), 2.0, at_least=False),
     AimRow("clean: called wrong", _mean(_kind("clean"), lambda case: not case.exact), 0.02, at_least=False),
     _PAIRS,
+    AimRow("pairs that show both: exact", _mean(_shown_pair, lambda case: case.exact), 0.0, at_least=True),
     AimRow("triples: exact", _mean(_kind("triple"), lambda case: case.exact), 0.0, at_least=True),
     _REFUSED,
     AimRow("unknown: misnamed", _mean(_kind("unknown"), lambda case: case.misnamed), 0.10, at_least=False),

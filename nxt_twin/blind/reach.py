@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,9 +15,11 @@ from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.noise import with_noise
 from nxt_twin.diagnose.fitting.settling import settled
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.horizons import errors_of
 from nxt_twin.diagnose.judging.judge import free_runs, overall
+from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.layout import Layout
@@ -36,18 +38,41 @@ def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
     with Simulator(problem.plant.layout) as simulator:
         fitter = Fitter(simulator, problem)
         baseline = settled_baseline(fitter)
-        true = baseline
-        for effect in effects:
-            started = _started(fitter, true.plant, effect, true.noise)
-            fitted, _ = fitter.fit(started, true.noise, replace(SETTLED, iterations=25))
-            true = settled(fitter, fitted.plant, true.noise)
+        true = _with_effects(fitter, baseline, effects)
         weight = weigh(baseline, true)
         final = fit_everything(fitter, true.plant, true.noise)
         factor = units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
         runs = free_runs(simulator, problem, final.plant, final.plant, final.noise)
         errors = errors_of(simulator, problem, final.plant, final.plant, final.noise)
         horizons = {seconds: rms * factor for seconds, rms in zip(errors.seconds, errors.rms, strict=True)}
-        return Reach(weight.gain, weight.check_gain, overall(runs) * factor, horizons)
+        each = _each_gain(fitter, baseline, true, effects) if len(effects) > 1 else {}
+        return Reach(weight.gain, weight.check_gain, overall(runs) * factor, horizons, each)
+
+
+def _with_effects(fitter: Fitter, baseline: Structure, effects: Sequence[Mapping[str, Any]]) -> Structure:
+    """`baseline` with the hidden effects, one after the other, each settled from its true size."""
+    true = baseline
+    for effect in effects:
+        started = _started(fitter, true.plant, effect, true.noise)
+        fitted, _ = fitter.fit(started, true.noise, replace(SETTLED, iterations=25))
+        true = settled(fitter, fitted.plant, true.noise)
+    return true
+
+
+def _each_gain(
+    fitter: Fitter, baseline: Structure, true: Structure, effects: Sequence[Mapping[str, Any]]
+) -> dict[str, float]:
+    """What each hidden effect gains beside the others, nats: `true` against the best fit of the others alone.
+
+    The others are fitted from where `true` lies, and from the baseline. Both may rest in a worse place.
+    """
+    gains = {}
+    for effect in effects:
+        others = [other for other in effects if other is not effect]
+        plant = simpler(true.plant, effect["id"], fitter.problem.plant)
+        lesser = [settled(fitter, plant, true.noise), _with_effects(fitter, baseline, others)]
+        gains[effect["id"]] = min(weigh(one, true).gain for one in lesser)
+    return gains
 
 
 def _holds(layout: Layout, effects: list[Mapping[str, Any]]) -> bool:

@@ -18,17 +18,19 @@ class Reach:
         check_nats: that gain on the check readings.
         held_out_rmse: its free-run error on what nobody fitted, in the diagnosis's unit.
         horizons: that error by the length of the simulated windows, s; inf is a whole recording.
+        each_gain_nats: by effect, what it gains beside the other hidden ones (BIC); empty where it is alone.
     """
 
     gain_nats: float
     check_nats: float
     held_out_rmse: float
     horizons: Mapping[float, float] = field(default_factory=dict)
+    each_gain_nats: Mapping[str, float] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """The reach as JSON values; a whole recording is null."""
         own = [[None if math.isinf(seconds) else seconds, rmse] for seconds, rmse in self.horizons.items()]
-        return {**vars(self), "horizons": own}
+        return {**vars(self), "horizons": own, "each_gain_nats": dict(self.each_gain_nats)}
 
 
 def reached(held: Mapping[str, Any]) -> Reach:
@@ -38,6 +40,7 @@ def reached(held: Mapping[str, Any]) -> Reach:
         float(held["check_nats"]),
         float(held["held_out_rmse"]),
         {seconds_of(seconds): float(rmse) for seconds, rmse in held.get("horizons", [])},
+        {name: float(nats) for name, nats in held.get("each_gain_nats", {}).items()},
     )
 
 

@@ -6,11 +6,11 @@ import json
 
 import pytest
 
-from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, is_detectable
+from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, is_detectable, shows_each
 from nxt_twin.blind.effects.library import UNKNOWN_EFFECTS
 from nxt_twin.blind.make import make_case, write_case
 from nxt_twin.blind.reach import reach
-from nxt_twin.blind.reached import Reach
+from nxt_twin.blind.reached import Reach, reached
 from nxt_twin.blind.solve import reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
 from nxt_twin.fleet.workers.place import Here
@@ -88,6 +88,20 @@ def test_the_true_structure_beats_the_baseline_where_something_is_hidden(tmp_pat
     assert found is not None
     assert found.gain_nats > DETECTABLE_NATS
     assert 0.0 < found.held_out_rmse < 20.0
+
+
+def test_a_pair_tells_the_effect_that_its_data_do_not_show(tmp_path):
+    """A winding that hardly warms, beside an arm: the pair gains much, and the winding nothing beside the arm."""
+    both = ("winding_heating", "gravity_load")
+    case = make_case(15, effects=both, size="small", recordings=3, duration_s=8.0)
+    folder = write_case(case, tmp_path / "cases", tmp_path / "answers")
+    found = reach(read_case(folder), case.answer)
+    assert found is not None
+    assert found.gain_nats > DETECTABLE_NATS
+    assert found.each_gain_nats["gravity_load"] > DETECTABLE_NATS
+    assert found.each_gain_nats["winding_heating"] < DETECTABLE_NATS
+    assert not shows_each(judged("pair", hidden=both, reach=found))
+    assert reached(found.as_dict()) == found
 
 
 def test_a_stranger_cannot_be_reached(tmp_path):

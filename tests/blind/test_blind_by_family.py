@@ -76,6 +76,16 @@ def test_each_family_is_counted_for_itself_and_what_falls_short_is_marked():
     assert row_of(rows, PAIRS)["workshop"] == "-"
 
 
+def test_pairs_are_counted_all_and_those_apart_that_show_both():
+    gains = {"cogging": 50.0, "stiction": 11.0}
+    shown = replace(judged(kind="pair"), reach=Reach(100.0, 50.0, 1.0, {}, gains))
+    faint = replace(shown, exact=False, reach=Reach(100.0, 50.0, 1.0, {}, {**gains, "stiction": 9.0}))
+    unknown = judged(kind="pair", exact=False)
+    rows = family_rows([shown, faint, unknown])
+    assert row_of(rows, PAIRS)[EVERY] == "0.33 of 3 !"
+    assert row_of(rows, "pairs that show both: exact")[EVERY] == "1.00 of 1"
+
+
 def test_the_error_is_held_against_that_of_the_true_structure():
     rows = family_rows([judged(ratio=ratio) for ratio in (1.0, 1.0, 1.0, 5.0)])
     assert row_of(rows, "error over the true structure's: median")[EVERY] == "1.00 of 4"
