@@ -125,6 +125,12 @@ def test_an_adequate_model_with_open_parameters_is_not_praised(enough):
     assert ("could not have shown a." in said) is not enough
 
 
+def test_what_the_recordings_lack_is_told_beside_what_they_could_not_show():
+    unseen = Excitation(enough=False, lacks=("its command never rests near zero",), unseen=("a",))
+    said = words.sentence("adequate", (), Fit("free-run RMSE", "deg", 4.0, 4.0, 1.0), unseen)
+    assert "could not have shown a. In these recordings, its command never rests near zero." in said
+
+
 def test_clean_recordings_raise_no_alarm_and_an_effect_does(simulator, clean_linear):
     problem, linear = clean_linear
     plant = linear.structure.plant

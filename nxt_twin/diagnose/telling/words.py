@@ -150,7 +150,7 @@ def _unseen(excitation: Excitation, names: Mapping[str, str]) -> str:
     if len(named) > _MOST_NAMED:
         further = len(named) - _MOST_NAMED
         named = [*named[:_MOST_NAMED], "one other effect" if further == 1 else f"{further} other effects"]
-    why = f": {listed(excitation.lacks)}" if excitation.lacks else ""
+    why = f". In these recordings, {listed(excitation.lacks)}" if excitation.lacks else ""
     return f"{listed(named, 'or')}{why}"
 
 

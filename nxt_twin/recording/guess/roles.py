@@ -191,7 +191,9 @@ def _as_input(column: TableColumn, output: TableColumn | None) -> float:
     named = 5.0 * any(has(column, each) for each in _COMMANDS) - 3.0 * has(column, "derived")
     united = 3.0 * (measures in ("power", "voltage", "current", "torque", "force"))
     other = 5.0 * (
-        has(column, "supply") or (has(column, "angle") and not has(column, "goal")) or has(column, "counter")
+        has(column, "supply")
+        or (has(column, "angle") and not is_goal(column) and not has(column, "goal"))
+        or has(column, "counter")
     )
     other += 4.0 * (has(column, "speed") or has(column, "mode") or measures in ("time", "speed"))
     beside = 2.0 * _is_beside(column, output)
@@ -202,8 +204,9 @@ def _as_input(column: TableColumn, output: TableColumn | None) -> float:
 
 
 def is_goal(column: TableColumn) -> bool:
-    """Whether it is named like a position that a loop is to reach: `goal_pwm` is a power."""
-    return has(column, "goal") and not any(has(column, each) for each in _NO_GOALS)
+    """Whether it is named like a position that a loop is to reach: `cmd_pos` is one, `goal_pwm` is a power."""
+    named = has(column, "goal") or (has(column, "told") and has(column, "angle"))
+    return named and not any(has(column, each) for each in _NO_GOALS)
 
 
 def is_speed_goal(column: TableColumn) -> bool:

@@ -25,7 +25,8 @@ torque: torque tau effort moment drehmoment
 force: force kraft
 sign: dir direction sign sens richtung forward reverse sentido
 pulse: servo pulse us microseconds micros
-command: cmd command input control ctrl out motor
+command: cmd cmds command commands commanded input control ctrl out motor
+told: cmd cmds command commands commanded
 supply: battery batterie batt bat vbat supply vin vcc vbus akku
 raw: raw ticks counts count encoder enc steps present
 derived: raw filtered filt err error est estimated dt
