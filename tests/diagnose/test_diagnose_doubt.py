@@ -10,8 +10,9 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import horizons_of
-from nxt_twin.diagnose.search.coincidence import coincidence_nats
+from nxt_twin.diagnose.search.coincidence import are_twins, coincidence_nats
 from nxt_twin.diagnose.search.limits import LIMITS
+from nxt_twin.diagnose.search.rivals import Rival
 from nxt_twin.physics.plant import plant_from_config
 from nxt_twin.physics.simulate import Simulator
 
@@ -76,3 +77,23 @@ def test_friction_by_direction_is_no_coincidence():
     effect = plain.layout.effect("asymmetric_friction")
     values = {p.symbol: p.starts[0] * p.si for p in effect.parameters}
     assert coincidence_nats(plain.with_effect(effect.id, values), effect) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("behind", "simulates_worse", "doubt"),
+    [(0.4, False, 0.4), (9.0, False, 1.0), (-9.0, True, -1.0), (21.0, False, 21.0)],
+)
+def test_twins_share_belief_by_what_speaks_beforehand(behind, simulates_worse, doubt):
+    assert Rival(None, behind, None, simulates_worse, is_twin=True).doubt_nats == doubt
+
+
+@pytest.mark.parametrize(
+    ("load_nm", "other", "twins"),
+    [(0.9, "asymmetric_friction", True), (1.1, "asymmetric_friction", False), (0.9, "gravity_load", False)],
+)
+def test_a_load_below_friction_is_the_twin_of_friction_by_direction(load_nm, other, twins):
+    plain = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+    loaded = plain.with_effect("constant_load", {"load": load_nm * NOMINAL["coulomb_friction_nm"]})
+    effect, its = (loaded.layout.effect(name) for name in ("constant_load", other))
+    assert are_twins(loaded, effect, its) is twins
+    assert not are_twins(loaded, its, effect)

@@ -79,8 +79,19 @@ def lasts(gain, moments, error=2.1, elsewhere=0.0, *, check=0.0, shows=("high_lo
         (8.1, ("high_load",), False),
     ],
 )
-def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_back_once(check, shows, kept):
-    assert lasts(1e4, 9.0, 1.5, check=check, shows=shows) is kept
+@pytest.mark.parametrize(("moments", "error", "elsewhere"), [(9.0, 1.5, 0.0), (3.0, 2.1, 9.0)])
+def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_back_once(
+    check, shows, kept, moments, error, elsewhere
+):
+    assert lasts(99.0, moments, error, elsewhere, check=check, shows=shows) is kept
+
+
+@pytest.mark.parametrize(
+    ("ratio", "share"), [(0.5, 0.04), (0.65, 0.04), (0.825, 0.145), (1.0, 0.25), (1.2, 0.25)]
+)
+def test_a_silent_simulation_asks_for_more_the_less_nearer_it_gets(ratio, share):
+    assert not likelier(1e3 * share - 1.0, explained=1e3, silent=True, ratio=ratio, check=2.5)
+    assert likelier(1e3 * share + 1.0, explained=1e3, silent=True, ratio=ratio, check=2.5)
 
 
 def is_late(age_polls):
@@ -101,8 +112,8 @@ def rival_is_worse(monkeypatch, ratio, total=0.0, states=()):
     return simulates_worse(structure(), structure(), effect_named(states=states))
 
 
-def is_near(behind):
-    rival = Rival(effect_named("b"), behind, structure(), simulates_worse=False)
+def is_near(behind, *, is_twin=False):
+    rival = Rival(effect_named("b"), behind, structure(), simulates_worse=False, is_twin=is_twin)
     told = SimpleNamespace(found=((effect_named("a"), None),), rivals={"a": (rival,)})
     return bool(near_rivals(SimpleNamespace(explanation=told)))
 
@@ -331,7 +342,7 @@ EDGES = {
     "altogether": (lambda _, v: likelier(6.0, check=v), 5.9, 6.1),
     "form_share": (lambda _, v: likelier(v, explained=1e3), 39.0, 41.0),
     "idle_share": (lambda _, v: likelier(v, explained=1e3, silent=True), 247.0, 253.0),
-    "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.64, 0.66),
+    "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.74, 0.76),
     "much_nearer": (lambda _, v: likelier(25.0, explained=1e3, ratio=v), 0.49, 0.51),
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
@@ -341,6 +352,7 @@ EDGES = {
     "keep_nats": (is_kept, 2.95, 3.05),
     "swap_nats": (lambda _, v: swapped(v) is None, -0.98, -1.02),
     "rival_nats": (lambda _, v: is_near(v), 7.9, 8.1),
+    "twin_nats": (lambda _, v: is_near(v, is_twin=True), 19.5, 20.5),
     "rival_ratio": (rival_is_worse, 1.025, 1.035),
     "sure_rival_ratio": (lambda patch, v: rival_is_worse(patch, v, -150.0, ("twist",)), 1.29, 1.31),
     "sure_nats": (lambda patch, v: rival_is_worse(patch, 1.2, v, ("twist",)), -99.0, -101.0),
@@ -357,7 +369,7 @@ EDGES = {
 STATED = SimpleNamespace(plain=True, parameters=(SimpleNamespace(frozen=True),), source="a book")
 COUNTS = {
     "left_out_nats": (lambda _: belief(STATED), 3.0),
-    "coincidence_nats": (lambda _: against_a_hidden_load(), [2.5, 0.0]),
+    "coincidence_nats": (lambda _: against_a_hidden_load(), [1.0, 0.0]),
     "most_effects": (lambda _: effects_grown(), 4),
     "rivals_drafted": (lambda _: rivals_of(*[0.0] * 9), 4),
     "short_list": (lambda _: rivals_of(known=9), 5),

@@ -258,3 +258,19 @@ def test_what_a_smaller_effect_clearly_explains_names_no_larger_one(smaller_rank
     added = search._added("bare", [(larger, None, "with cogging")], [(smaller, None, "with presliding")])
     assert added == ("with presliding" if ahead else "with cogging")
     assert search._unnamed == ({"presliding"} if ahead else set())
+
+
+@pytest.mark.parametrize(("active", "small"), [({"coulomb_friction"}, True), (set(), False)])
+def test_what_brings_a_plain_term_with_it_is_small_only_beside_that_term(active, small):
+    """Else plain friction that the baseline lacks would come in without a name, and never get one."""
+    search = object.__new__(_Search)
+    asymmetric = SimpleNamespace(id="asymmetric_friction", supersedes=("coulomb_friction",))
+    search._trials = SimpleNamespace(beside=lambda _: [(asymmetric, None)])
+    search._standard = SimpleNamespace(is_notable=lambda *_: False, is_too_small=lambda *_: True)
+    search._ranked = lambda _, settled: settled
+    best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(active)))
+    assert search._forward(best) == ([], [(asymmetric, None)] if small else [])
+
+
+def test_a_window_that_errs_by_half_the_tolerance_says_nothing(lacking):
+    assert lacking.baseline.slight == 0.5 * lacking.problem.tolerance

@@ -36,6 +36,11 @@ def test_a_phase_on_its_bound_is_not():
     assert not is_stretched(PROBLEM, *found(("angle_dependent_friction", {"phase": 2.0 * math.pi})))
 
 
+def test_the_usual_law_on_a_bound_is_not():
+    """Most who draw Stribeck's curve take the exponent 2, which is the largest."""
+    assert not is_stretched(PROBLEM, *found(("stiction", {"stribeck_exponent": 2.0})))
+
+
 @pytest.mark.parametrize(
     ("cycles", "phase", "one_sided"),
     [

@@ -32,6 +32,7 @@ def structure(*, cost, variables=7, plant=MOTOR, check_cost=100.0, prior_cost=0.
         window_errors=windows((1.0, 1.0)),
         believed=READINGS,
         plant=plant,
+        slight=0.0,
     )
 
 
@@ -134,6 +135,16 @@ def test_free_runs_that_come_out_worse_speak_against_it(ratio, check, added, wor
 )
 def test_one_kind_of_run_much_worse_speaks_against_it_unless_readings_are_sure(runs, check, worse):
     assert weighed(runs=runs, check=check).runs_worse == worse
+
+
+@pytest.mark.parametrize(("slight", "worse"), [(0.0, True), (0.01, False)])
+def test_windows_at_rest_do_not_outweigh_those_in_which_a_motor_moves(slight, worse):
+    """Ten windows at rest err by thousandths more, and two in motion by a third of what they did."""
+    simpler, richer = structure(cost=200.0), structure(cost=150.0)
+    simpler.slight = slight
+    simpler.window_errors = (np.array([1e-3] * 10 + [3.0, 6.0]),) * 2
+    richer.window_errors = (np.array([3e-3] * 10 + [1.0, 2.0]),) * 2
+    assert weigh(simpler, richer).runs_worse is worse
 
 
 def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_nothing():

@@ -19,6 +19,7 @@ from nxt_twin.physics.simulate import Result, Simulator
 
 _CHECK_NOISES = (1.0, 2.0, 4.0, 8.0, 16.0)
 _SHORT = 0.25  # of a window
+_SLIGHT = 0.5  # of the tolerance: rounding leaves 0.58 of it to a motor that moves
 
 
 @final
@@ -33,6 +34,7 @@ class Checks:
         self._every_run = FreeRunCheck(everything.jobs, everything.counted, problem.window_s)
         self._short_runs = FreeRunCheck(everything.jobs, everything.counted, _SHORT * problem.window_s)
         self._free_runs = FreeRunCheck(problem.target.jobs, problem.check, problem.window_s)
+        self._slight = _SLIGHT * problem.tolerance
 
     def simulated_error(self, plant: Plant, noise: Noise, step_s: float) -> float:
         """The mean error of windows of simulation over fitted and checking readings, SI."""
@@ -69,4 +71,4 @@ class Checks:
         errors, believed = self._free_runs.errors(
             self._simulator, plant, noise, results[: len(self._predicting.jobs)], step_s
         )
-        return Structure(fitted, noise, min(costs), errors, believed)
+        return Structure(fitted, noise, min(costs), errors, believed, self._slight)

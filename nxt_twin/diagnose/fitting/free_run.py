@@ -94,10 +94,15 @@ def mean_error(errors: FloatArray) -> float:
     return float(np.mean(known)) if known.size else math.inf
 
 
-def error_ratio(before: FloatArray, after: FloatArray) -> float:
-    """By what factor windows' errors grow: the geometric mean over windows, so that each one counts alike."""
+def error_ratio(before: FloatArray, after: FloatArray, slight: float = 0.0) -> float:
+    """By what factor windows' errors grow: the geometric mean over windows, so that each one counts alike.
+
+    Errors below `slight` count as that. A motor at rest is off by next to nothing with any plant. Else a hundredth of a
+    count more would outweigh the windows in which it moves.
+    """
     known = ~(np.isnan(before) | np.isnan(after))
     if not known.any():
         return 1.0
-    factors = np.maximum(after[known], _TINY) / np.maximum(before[known], _TINY)
+    least = max(slight, _TINY)
+    factors = np.maximum(after[known], least) / np.maximum(before[known], least)
     return float(np.exp(np.mean(np.log(factors))))

@@ -33,6 +33,7 @@ class Structure:
         window_errors: RMS error of each window over the check readings, SI. The first array is for free runs
             that start anew in each window, the second for one free run over each recording; shape (windows,).
         believed: how many of those readings were taken for readings rather than for faults.
+        slight: error of a window, SI, below which it says nothing: rounding alone leaves as much.
     """
 
     fitted: Fitted
@@ -40,6 +41,7 @@ class Structure:
     check_cost: float
     window_errors: tuple[FloatArray, FloatArray]
     believed: int
+    slight: float = 0.0
 
     @property
     def plant(self) -> Plant:
@@ -91,5 +93,5 @@ def shares(plant: Plant) -> int:
 def free_run_ratios(simpler: Structure, richer: Structure) -> tuple[float, float]:
     """Errors of `richer` in free runs over those of `simpler`, by the kinder of two ways to run and by the other."""
     pairs = zip(simpler.window_errors, richer.window_errors, strict=True)
-    kind, unkind = sorted(error_ratio(before, after) for before, after in pairs)
+    kind, unkind = sorted(error_ratio(before, after, simpler.slight) for before, after in pairs)
     return kind, unkind

@@ -27,13 +27,15 @@ _AT_BOUND = 1e-6  # of the bound
 def is_stretched(problem: Problem, plant: Plant, found: Sequence[Effect]) -> bool:
     """Whether a size or a shape of a found effect rests on its upper bound, so that the readings ask for another law.
 
-    A phase comes round, and its bound means nothing.
+    A phase comes round, and its bound means nothing. Nor does one that is the usual law, such as the exponent 2 of
+    Stribeck's curve: whoever draws that curve draws it so.
     """
     for effect in found:
         for parameter in effect.parameters:
             scaled = plant.layout.parameters[Slot(effect.id, parameter.symbol)].scaled(problem.scale)
             value = plant.values[Slot(effect.id, parameter.symbol)] / scaled.si
-            if not _comes_round(parameter.name) and value >= (1.0 - _AT_BOUND) * scaled.upper > 0.0:
+            means_nothing = _comes_round(parameter.name) or scaled.otherwise == scaled.upper
+            if not means_nothing and value >= (1.0 - _AT_BOUND) * scaled.upper > 0.0:
                 return True
     return False
 

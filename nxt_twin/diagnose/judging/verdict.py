@@ -42,7 +42,8 @@ class VerdictLimits:
             hardly brings a simulation nearer.
         drifting: as `worse`, of simulations longer than two seconds, where much is luck. It is asked of effects that
             leave more than `confirmed` of the unseen error.
-        loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none.
+        loud: gain in nats that keeps one of several effects which together predict unseen readings worse than none, and
+            that no stall of the host explains.
         surprising_by_windows: as `surprising`, where windows alone tell of it: these were fitted, so that they err as
             little on fitted readings as the plant lets them.
         nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
@@ -213,9 +214,10 @@ def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the host or the link stood still for too long to trust what the stamps say.
 
     One effect that leaves no error above the tolerance is trusted nevertheless: no stall explains the rest of
-    a recording.
+    a recording. So are several that are all loud.
     """
-    return record.stalled_share > limits.most_stalled and (record.matters or record.named > 1)
+    in_doubt = record.matters or (record.named > 1 and record.least_nats < limits.loud)
+    return record.stalled_share > limits.most_stalled and in_doubt
 
 
 def leaves_little(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -10,7 +10,7 @@ from typing import final
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.coincidence import coincidence_nats
+from nxt_twin.diagnose.search.coincidence import are_twins, coincidence_nats
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.latency import after_latency
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
@@ -236,13 +236,23 @@ class _Search:
         """`other` in the place of `effect`."""
         weight = weigh(trial, best)
         behind = weight.total + self._favour(best, effect) - self._favour(trial, other)
-        return Rival(other, behind, trial, weight.restores or simulates_worse(best, trial, other))
+        worse = weight.restores or simulates_worse(best, trial, other)
+        twins = are_twins(best.plant, effect, other) or are_twins(trial.plant, other, effect)
+        return Rival(other, behind, trial, worse, twins)
 
     def _forward(self, best: Structure) -> tuple[list[_Ranked], list[_Ranked]]:
-        """Every candidate added to `best`, ranked; apart from these those that are too small for a name."""
+        """Every candidate added to `best`, ranked; apart from these those that are too small for a name.
+
+        What brings a plain term with it that `best` lacks is not small: that term would lose its name to it.
+        """
         settled = self._trials.beside(best)
         named = [one for one in settled if self._standard.is_notable(one[1], one[0].id)]
-        smaller = [one for one in settled if self._standard.is_too_small(one[1], one[0].id)]
+        smaller = [
+            (effect, trial)
+            for effect, trial in settled
+            if best.plant.active.issuperset(effect.supersedes)
+            and self._standard.is_too_small(trial, effect.id)
+        ]
         return self._ranked(best, named), self._ranked(best, smaller)
 
     def _ranked(self, best: Structure, settled: list[tuple[Effect, Structure]]) -> list[_Ranked]:

@@ -21,8 +21,9 @@ class SearchLimits:
         altogether: how many times the least gain both kinds of readings then have to gain together.
         form_share: share of what is explained that a further effect has to gain: an equation whose size is off by a
             fifth leaves as much.
-        idle_share: such a share where a simulation needs no further effect.
-        nearer: ratio of errors in free runs above which a silent simulation does not need the effect.
+        idle_share: such a share where a silent simulation gets no nearer with a further effect.
+        nearer: ratio of errors in free runs up to which `form_share` will do there; in between, the share goes with the
+            ratio.
         much_nearer: ratio of errors in free runs that no better equation of the effects found could reach.
         much_nearer_share: share of what is explained that an effect with such a ratio has to gain on all readings.
         keep_nats: least gain of an effect that is in, with readings that were not fitted.
@@ -35,7 +36,10 @@ class SearchLimits:
         rival_ratio: ratio of errors in free runs from which they speak against a likelier rival.
         sure_rival_ratio: that ratio for a rival with states of its own that is likelier by `sure_nats`.
         sure_nats: see `sure_rival_ratio`.
-        coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart.
+        coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart. Friction hid
+            8 of 21 constant loads of the sets 693, 700 and 720, and the logarithm of that share is -1.0.
+        twin_nats: distance up to which likelihood does not tell apart two effects that move a motor alike. In the sets
+            693, 700 and 720 it was up to 11, either way. Where something sets them apart, it was 40 and more.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
@@ -62,7 +66,8 @@ class SearchLimits:
     rival_ratio: float = 1.03
     sure_rival_ratio: float = 1.3
     sure_nats: float = 100.0
-    coincidence_nats: float = 2.5
+    coincidence_nats: float = 1.0
+    twin_nats: float = 20.0
     left_out_nats: float = 3.0
     late_polls: float = 0.25
 

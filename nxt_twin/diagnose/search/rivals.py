@@ -23,16 +23,23 @@ class Rival:
         structure: with it in the found one's place.
         simulates_worse: whether free runs over checking readings speak against it, or given numbers that are far off
             with it.
+        is_twin: whether the two move a motor alike, at the sizes that they have.
     """
 
     effect: Effect
     behind: float
     structure: Structure
     simulates_worse: bool
+    is_twin: bool = False
 
     @property
     def doubt_nats(self) -> float:
-        """How far behind it counts when beliefs are shared: where likelihood and simulation disagree, a tie."""
+        """How far behind it counts when beliefs are shared: where likelihood and simulation disagree, a tie.
+
+        What likelihood says of twins counts for no more than what speaks beforehand for one of them.
+        """
+        if self.is_twin and abs(self.behind) < LIMITS.twin_nats:
+            return min(max(self.behind, -LIMITS.coincidence_nats), LIMITS.coincidence_nats)
         return max(self.behind, 0.0) if self.simulates_worse else self.behind
 
 

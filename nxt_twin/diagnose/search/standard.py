@@ -97,6 +97,7 @@ class Standard:
             return False
         return (
             first
+            or turning
             or weight.gain > LIMITS.many_nats
             or self._fits.moments_gained(simpler, richer) > LIMITS.few_moments
         )
@@ -111,12 +112,11 @@ class Standard:
             return LIMITS.gain_nats
         explained = self._explained(best)
         silent = self._is_silent(best)
-        idle = silent and weight is not None and weight.free_run_ratio > LIMITS.nearer
-        share = (
-            LIMITS.idle_share * (self._baseline.fitted_cost - best.fitted_cost)
-            if idle
-            else LIMITS.form_share * explained
-        )
+        share = LIMITS.form_share * explained
+        if silent and weight is not None and weight.free_run_ratio > LIMITS.nearer:
+            idle = min((weight.free_run_ratio - LIMITS.nearer) / (1.0 - LIMITS.nearer), 1.0)
+            further = LIMITS.idle_share * (self._baseline.fitted_cost - best.fitted_cost)
+            share += idle * max(further - share, 0.0)
         least = LIMITS.silent_nats if silent else LIMITS.gain_nats
         if self._fits.problem.by_windows:
             least = LIMITS.windows_nats
