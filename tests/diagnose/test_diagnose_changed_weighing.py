@@ -1,6 +1,7 @@
 """What a change has to gain to stay: by its size, and by what stands beside it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,12 +62,18 @@ def test_a_slight_parameter_beside_another_change_needs_more_still(factor, needs
     assert WEIGHING.keeping(joint, ways["coulomb"]) == LIMIT
 
 
-@pytest.mark.parametrize(("load_nm", "needs"), [(0.0006, LIMIT + 15.0), (0.02, LIMIT)], ids=str)
-def test_an_effect_too_small_to_have_a_name_needs_more(load_nm, needs):
+@pytest.mark.parametrize(("load_nm", "needs"), [(0.0006, math.inf), (0.02, LIMIT)], ids=str)
+def test_an_effect_too_small_to_have_a_name_is_no_change(load_nm, needs):
     joint, _ = fit_with({"coulomb": 3.0}, {"constant_load": {"load": load_nm}})
     assert WEIGHING.keeping(joint, "constant_load") == needs
     alone, _ = fit_with({}, {"constant_load": {"load": load_nm}})
-    assert WEIGHING.keeping(alone, "constant_load") == (20.0 if needs > LIMIT else LIMIT)
+    assert WEIGHING.keeping(alone, "constant_load") == needs
+
+
+@pytest.mark.parametrize(("factor", "needs"), [(1.25, math.inf), (1.32, LIMIT)], ids=str)
+def test_what_is_slight_is_no_change_where_one_plant_predicts_both_sides(factor, needs):
+    joint, ways = fit_with({"viscous": factor})
+    assert replace(WEIGHING, within=True).keeping(joint, ways["viscous"]) == needs
 
 
 @pytest.mark.parametrize(

@@ -61,8 +61,9 @@ def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Chan
     """What `model` does not yet let differ; an effect once for each of its starts."""
     index = {variable.slots[0].symbol: n for n, variable in enumerate(model.shared)}
     groups = [tuple(index[symbol] for symbol in group) for group in _GROUPS if set(group) <= index.keys()]
-    found: list[tuple[int, ...]] = [(n,) for n in range(len(model.ways)) if n not in model.differs]
-    found += [group for group in groups if set(group) - set(model.differs)]
+    free = {*model.may_differ}
+    found: list[tuple[int, ...]] = [(n,) for n in model.may_differ]
+    found += [group for group in groups if set(group) & free and set(group) <= {*model.differs, *free}]
     every = [ChangeCandidate(tuple(sorted(each))) for each in found]
     for new in new_effects(fitter, model, scale):
         every.append(new)

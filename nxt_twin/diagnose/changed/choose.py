@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -12,12 +11,12 @@ from nxt_twin.diagnose.changed.candidates import PLAINER, ChangeCandidate, candi
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
+from nxt_twin.diagnose.changed.seen import is_seen
 from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, WORSE, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.trials import addable_effects as lacking
 from nxt_twin.physics.effects.transmission import BACKLASH
-from nxt_twin.physics.parameter import Scale
 
 MOST_CHANGES = 3
 _TRIED = 5
@@ -75,15 +74,13 @@ class Chooser:
         self,
         fitter: JointFitter,
         close: JointFitter,
-        scale: Scale,
-        limit_nats: float,
-        inexact_nats: float,
+        weighing: Weighing,
         free: JointFit,
+        alone: JointFit,
     ) -> None:
-        self._fitter, self._scale, self._free = fitter, scale, free
-        penalty = 0.5 * math.log(max(fitter.worth(), 2.0))
-        self.weighing = Weighing(penalty, limit_nats, inexact_nats, scale)
-        self._play = PlayTest(fitter, close, self.weighing, scale)
+        self._fitter, self._scale, self._free, self._alone = fitter, weighing.scale, free, alone
+        self.weighing = weighing
+        self._play = PlayTest(fitter, close, weighing, weighing.scale)
         self._signals = fitter.sides[1].jobs[0].signals
         self._lacking: set[str] = set()
         self._tried: dict[int, tuple[JointFit, dict[int | str, list[tuple[JointFit, JointFit]]]]] = {}
@@ -91,17 +88,13 @@ class Chooser:
         self._may_be_motor = True
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
-        """Add to `joint` while something earns its place, then take out what no longer does.
-
-        Where one plant predicts both sides within the tolerance, nothing that matters has changed.
-        """
-        best = Chosen(joint, {}, ())
-        if max(joint.check_rms) <= self._fitter.tolerance:
-            return best
+        """Add to `joint` while something earns its place, then take out what no longer does."""
         joint = self._completed(joint)
-        best = self._searched(replace(best, joint=joint), self._steps(joint), progress)
-        if not self._is_finished(best.joint):
-            best = self._searched(best, self._pairs(joint), progress)
+        best = Chosen(joint, {}, ())
+        for beginnings in (self._steps(joint), self._steps(self._as_before(joint)), self._pairs(joint)):
+            best = self._searched(best, beginnings, progress)
+            if self._is_finished(best.joint):
+                break
         if best.joint.model.motor_constants:
             best = self._sparing_the_motor(joint, best, progress)
         if not self.weighing.matters(joint, best.joint):
@@ -134,7 +127,7 @@ class Chooser:
         start = best
         for number, step in enumerate(beginnings):
             found = self._exchanged(self._pruned(self._grown(step, progress)))
-            found = self._plainly(self._loosened(self._plainly(found)))
+            found = self._plainly(self._loosened(self._plainly(found), progress))
             if self.weighing.worth(best.joint, found.joint) > 0.0:
                 best = found
             if (best is not start and self._is_finished(best.joint)) or number + 1 == _BEGINNINGS:
@@ -154,10 +147,13 @@ class Chooser:
         self._may_be_motor = True
         return best
 
+    def _as_before(self, joint: JointFit) -> JointFit:
+        """`joint` with the numbers of the side before alone: a large change draws what both share far off."""
+        return replace(joint, x=joint.model.moved_from(self._alone.model, self._alone.x))
+
     def _is_finished(self, joint: JointFit) -> bool:
-        """Whether the side after is simulated about as well as the side before, and its own plant gains no more."""
-        before, after = joint.check_rms
-        as_well = after <= max(_AS_WELL * before, 2.0 * self._fitter.tolerance)
+        """Whether both sides are simulated about as well as the side before alone, and own plants gain no more."""
+        as_well = max(joint.check_rms) <= _AS_WELL * max(self._alone.check_rms[0], self._fitter.tolerance)
         return as_well and self.weighing.net(joint, self._free) <= self.weighing.limit_nats
 
     def _grown(self, joint: JointFit, progress: Progress) -> JointFit:
@@ -191,14 +187,14 @@ class Chooser:
             joint = self._play.passed(joint) or joint
         return self._under_load(joint)
 
-    def _loosened(self, found: Chosen) -> Chosen:
-        """With a load behind play where close windows show it, else without."""
+    def _loosened(self, found: Chosen, progress: Progress) -> Chosen:
+        """With a load behind play where close windows show it, and what shows beside it then; else without."""
         fixed = self._play.without(found.joint)
         if fixed is not None:
             return self._exchanged(self._pruned(fixed))
         moved = found.joint.model.moves_inertia or not self._is_finished(found.joint)
         loose = self._play.passed(found.joint) if moved else None
-        return self._exchanged(self._pruned(self._under_load(loose))) if loose else found
+        return self._exchanged(self._pruned(self._grown(loose, progress))) if loose else found
 
     def _plainly(self, chosen: Chosen) -> Chosen:
         """`chosen` with what says a law's part with less, unless the readings speak loudly for the law.
@@ -348,9 +344,10 @@ class Chooser:
                 model = self._without(joint.model, each)
                 simpler = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
                 nats[each] = self.weighing.net(simpler, joint)
-                if nats[each] < self.weighing.keeping(joint, each) and (
-                    weakest is None or nats[each] < weakest[0]
-                ):
+                stays = nats[each] >= self.weighing.keeping(joint, each) and is_seen(
+                    self._fitter, simpler, joint
+                )
+                if not stays and (weakest is None or nats[each] < weakest[0]):
                     weakest = (nats[each], simpler)
             if weakest is None:
                 return Chosen(joint, nats, tuple(sorted(self._lacking)))

@@ -72,6 +72,7 @@ class Model:
         effects: ids of effects that act after and not before.
         after: `plant` with these effects, at their starts.
         added: variables of these effects.
+        stand_ins: parameters that cannot differ: all but the main one of an effect that the plant lacked.
     """
 
     plant: Plant
@@ -81,6 +82,7 @@ class Model:
     effects: tuple[str, ...]
     after: Plant
     added: tuple[Variable, ...]
+    stand_ins: frozenset[Slot] = frozenset()
 
     @property
     def size(self) -> int:
@@ -91,6 +93,12 @@ class Model:
     def changes(self) -> int:
         """How many parameters and effects differ."""
         return len(self.differs) + len(self.effects)
+
+    @property
+    def may_differ(self) -> tuple[int, ...]:
+        """Indices of the ways in which the side after may differ and does not yet."""
+        ways = enumerate(self.ways)
+        return tuple(n for n, way in ways if n not in self.differs and way.slot not in self.stand_ins)
 
     @property
     def remembers(self) -> bool:
@@ -129,7 +137,8 @@ class Model:
         for each in self.effects:
             own = {slot.symbol: v for slot, v in self.after.values.items() if slot.owner == each}
             bare = bare.with_effect(each, own, scale)
-        return bare
+        minor = {Slot(effect_id, each.symbol) for each in plant.layout.effect(effect_id).parameters[1:]}
+        return replace(bare, stand_ins=self.stand_ins | minor)
 
     def without_effect(self, effect_id: str, scale: Scale) -> Model:
         """With an effect less after; what it superseded comes back."""

@@ -54,11 +54,10 @@ def _units(compared: Compared) -> Units:
 
 def _verdict(compared: Compared) -> ChangeVerdict:
     """By windows that were not fitted: against a plant of the side's own, and against the side before."""
-    own, found = compared.free.check_rms, compared.chosen.joint.check_rms
+    own, found = compared.free.check_rms, compared.drifted.check_rms
     tolerance = compared.tolerance
-    gains = compared.net_of_free > compared.limit_nats and compared.free.check_cost < (
-        compared.chosen.joint.check_cost
-    )
+    fits_better = compared.free.check_cost < compared.drifted.check_cost
+    gains = fits_better and compared.net_of_free > compared.limit_nats
     if gains and found[1] > _FURTHER_OFF * own[1] and found[1] > own[1] + tolerance:
         return "unexplained"
     limit = max(_MUCH_FURTHER_OFF * found[0], found[0] + 2.0 * tolerance)

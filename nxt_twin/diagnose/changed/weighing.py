@@ -37,7 +37,7 @@ _DRIFTS = 0.05
 
 On seeds 861, 865, 870 and 872 it seems to differ by 2 to 4 % in 4 of 400 unchanged pairs, and gains up to 57 nats."""
 
-_FRICTION = frozenset({"coulomb", "viscous"})
+FRICTION = frozenset({"coulomb", "viscous"})
 _SLIGHT_NATS = 15.0
 _SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
 """A load on a stiff shaft, or behind little play, moves as one that is fixed: more inertia says it with less."""
@@ -77,12 +77,14 @@ class Weighing:
         limit_nats: what a change has to gain beyond all penalties.
         inexact_nats: what more a law or a motor's constant has to gain, since the model is inexact on the side before.
         scale: of the plant.
+        within: whether one plant predicts both sides within the tolerance: what is slight does not matter then.
     """
 
     penalty: float
     limit_nats: float
     inexact_nats: float
     scale: Scale
+    within: bool = False
 
     def net(self, simpler: JointFit, wider: JointFit) -> float:
         """The gain of `wider` beyond all penalties, nats."""
@@ -130,17 +132,16 @@ class Weighing:
         """The worth that a change needs to stay, nats: less where another of one load differs, which comes with it.
 
         More where it is slight, the more so beside another: what a model lacks of a large change looks like that.
-        An effect is slight where it is too small to have a name.
+        An effect too small to have a name is no change: over what a machine does it makes no difference.
         """
         model = joint.model
         if isinstance(each, str):
-            return self.limit_nats if self.has_a_name(joint, each) else self._keeping_slight(model)
+            return self.limit_nats if self.has_a_name(joint, each) else math.inf
         if self.is_companion(joint, each):
             return _COMPANION_NATS
-        moved = abs(joint.x[len(model.shared) + model.differs.index(each)]) / model.ways[each].size
-        if moved < _DRIFTS and model.ways[each].slot.symbol in _FRICTION:
+        if is_drift(joint, each):
             return math.inf
-        return self.limit_nats if moved >= _SLIGHT else self._keeping_slight(model)
+        return self.limit_nats if _moved(joint, each) >= _SLIGHT else self._keeping_slight(model)
 
     def is_companion(self, joint: JointFit, each: int | str) -> bool:
         """Whether a parameter of the load differs beside another part of that load, which brings it."""
@@ -149,6 +150,8 @@ class Weighing:
         return isinstance(each, int) and model.ways[each].slot.symbol in LOAD and len(hung & LOAD) > 1
 
     def _keeping_slight(self, model: Model) -> float:
+        if self.within:
+            return math.inf
         return self.limit_nats + _SLIGHT_NATS if model.changes > 1 else max(self.limit_nats, CLOSE_NATS)
 
     def has_a_name(self, joint: JointFit, each: int | str) -> bool:
@@ -157,6 +160,17 @@ class Weighing:
             return True
         plant = joint.model.plant_at(joint.x, after=True)
         return is_notable(plant, joint.model.plant.layout.effect(each), self.scale)
+
+
+def is_drift(joint: JointFit, n: int) -> bool:
+    """Whether the n-th way to differ is friction, and differs by no more than it may from run to run."""
+    return joint.model.ways[n].slot.symbol in FRICTION and _moved(joint, n) < _DRIFTS
+
+
+def _moved(joint: JointFit, n: int) -> float:
+    """By how much the n-th way differs, in its ordinary size."""
+    model = joint.model
+    return abs(float(joint.x[len(model.shared) + model.differs.index(n)])) / model.ways[n].size
 
 
 def _told(model: Model) -> int:
