@@ -62,6 +62,19 @@ def test_a_load_has_a_name_in_either_direction():
     assert not is_notable(sized(load, -0.9 * load.notable), load, NXT_SCALE)
 
 
+@pytest.mark.parametrize(
+    ("lever_m", "hung_at_s", "named"),
+    [(0.0049, 5.0, False), (0.0051, 5.0, True), (0.3, 0.11, True), (0.3, 0.09, False)],
+)
+def test_a_payload_on_hardly_a_lever_or_from_the_first_reading_on_is_an_arm(lever_m, hung_at_s, named):
+    payload = PLAIN.layout.effect("hanging_payload")
+    values = {p.symbol: p.starts[0] * p.si for p in payload.parameters} | {"hung_at": hung_at_s}
+    values["payload_inertia"] = values["payload_gravity"] / 9.81 * lever_m
+    plant = PLAIN.with_effect(payload.id, values)
+    assert is_notable(plant, payload, NXT_SCALE) is named
+    assert not is_too_small(plant, payload, NXT_SCALE)
+
+
 @pytest.mark.parametrize(("jitter_s", "told"), [(2.9e-3, True), (3.1e-3, False)])
 def test_readings_held_for_less_than_three_times_the_jitter_of_polls_are_jitter(jitter_s, told):
     deviation = np.random.default_rng(1).normal(size=4001)

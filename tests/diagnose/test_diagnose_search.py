@@ -274,3 +274,40 @@ def test_what_brings_a_plain_term_with_it_is_small_only_beside_that_term(active,
 
 def test_a_window_that_errs_by_half_the_tolerance_says_nothing(lacking):
     assert lacking.baseline.slight == 0.5 * lacking.problem.tolerance
+
+
+@pytest.mark.parametrize(
+    ("found", "worth_it", "lasts", "ratio", "added"),
+    [
+        ({"cogging"}, True, True, 0.64, True),
+        ({"cogging"}, True, True, 0.66, False),
+        ({"cogging"}, True, False, 0.3, False),
+        ({"cogging"}, False, True, 0.3, False),
+        (set(), True, True, 0.3, False),
+        ({"command_delay"}, True, True, 0.3, False),
+    ],
+)
+def test_a_small_effect_rounds_off_found_ones_where_a_simulation_gets_much_nearer(
+    found, worth_it, lasts, ratio, added
+):
+    search = object.__new__(_Search)
+    search._baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset()))
+    search._standard = SimpleNamespace(worth_it=lambda *_: worth_it, lasts=lambda *_: lasts)
+    search._unnamed = {"command_delay"}
+    best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(found)))
+    small = (SimpleNamespace(id="presliding"), SimpleNamespace(free_run_ratio=ratio), "with presliding")
+    assert search._rounded_off(best, [small]) == ("with presliding" if added else None)
+    assert ("presliding" in search._unnamed) is added
+    assert search._rounded_off(best, []) is None
+
+
+@pytest.mark.parametrize(
+    ("friction", "there"),
+    [("coulomb_friction", True), ("asymmetric_friction", True), ("viscous_friction", False)],
+)
+def test_stiction_waits_for_the_friction_that_it_comes_on_top_of(lacking, friction, there):
+    bare = lacking.problem.plant.without(["coulomb_friction"])
+    effect = bare.layout.effect(friction)
+    plant = bare.with_effect(friction, {p.symbol: p.starts[0] * p.si for p in effect.parameters})
+    addable = addable_effects(plant, lacking.problem.signals[0])
+    assert ("stiction" in {one.id for one in addable}) is there

@@ -41,6 +41,12 @@ def test_the_usual_law_on_a_bound_is_not():
     assert not is_stretched(PROBLEM, *found(("stiction", {"stribeck_exponent": 2.0})))
 
 
+@pytest.mark.parametrize(("times", "stretched"), [(1.29, True), (1.31, False), (20.0, False)])
+def test_friction_that_is_larger_at_rest_alone_is_no_curve_of_stribeck(times, stretched):
+    speed = next(p for p in PLAIN.layout.effect("stiction").parameters if p.symbol == "stribeck_speed")
+    assert is_stretched(PROBLEM, *found(("stiction", {"stribeck_speed": times * speed.lower}))) is stretched
+
+
 @pytest.mark.parametrize(
     ("cycles", "phase", "one_sided"),
     [

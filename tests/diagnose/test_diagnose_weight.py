@@ -147,6 +147,17 @@ def test_windows_at_rest_do_not_outweigh_those_in_which_a_motor_moves(slight, wo
     assert weigh(simpler, richer).runs_worse is worse
 
 
+@pytest.mark.parametrize(
+    ("growth", "check", "worse"), [(0.09, 41.0, False), (0.11, 41.0, True), (0.09, 39.0, True)]
+)
+def test_free_runs_that_grow_by_next_to_nothing_do_not_outweigh_sure_readings(growth, check, worse):
+    simpler, richer = structure(cost=200.0), structure(cost=150.0, check_cost=100.0 - check)
+    simpler.slight = 0.1
+    simpler.window_errors = (np.array([0.1, 0.1]),) * 2
+    richer.window_errors = (np.array([0.1, 0.1 + 0.2 * growth]),) * 2
+    assert weigh(simpler, richer).runs_worse is worse
+
+
 def test_free_runs_of_a_plant_that_takes_what_it_cannot_explain_for_faults_tell_nothing():
     assert not weighed(runs=(3.0, 3.0), believed=int(0.96 * READINGS)).runs_worse
     for believed in (0.97, 0.98):

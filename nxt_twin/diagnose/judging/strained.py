@@ -21,6 +21,12 @@ SAME_PHASE_RAD: Final = 0.15
 On seed 701 a pawl was named cogging with friction by angle, 0.03 rad apart.
 """
 
+NO_CURVE: Final = 1.3
+"""Multiple of its least value below which Stribeck's speed tells of no curve: friction is larger at rest alone.
+
+So three motors whose friction grows at rest came out (seeds 700 and 721): 1.0 to 1.2. True stiction was at 20 and more.
+"""
+
 _AT_BOUND = 1e-6  # of the bound
 
 
@@ -28,13 +34,15 @@ def is_stretched(problem: Problem, plant: Plant, found: Sequence[Effect]) -> boo
     """Whether a size or a shape of a found effect rests on its upper bound, so that the readings ask for another law.
 
     A phase comes round, and its bound means nothing. Nor does one that is the usual law, such as the exponent 2 of
-    Stribeck's curve: whoever draws that curve draws it so.
+    Stribeck's curve: whoever draws that curve draws it so. The speed of that curve is asked for at its lower bound.
     """
     for effect in found:
         for parameter in effect.parameters:
             scaled = plant.layout.parameters[Slot(effect.id, parameter.symbol)].scaled(problem.scale)
             value = plant.values[Slot(effect.id, parameter.symbol)] / scaled.si
             means_nothing = _comes_round(parameter.name) or scaled.otherwise == scaled.upper
+            if parameter.name.startswith("stribeck_speed") and value < NO_CURVE * scaled.lower:
+                return True
             if not means_nothing and value >= (1.0 - _AT_BOUND) * scaled.upper > 0.0:
                 return True
     return False

@@ -99,7 +99,7 @@ class _Search:
             ranked, smaller = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple((effect, weight) for effect, weight, _ in ranked)
-            added = self._added(best, ranked, smaller) if ranked else None
+            added = self._added(best, ranked, smaller) if ranked else self._rounded_off(best, smaller)
             if (
                 added is None
                 or added.fitted_cost > been.get(added.plant.active, math.inf) - EFFORT.better_nats
@@ -119,7 +119,21 @@ class _Search:
             return self._with_smaller(best, ranked[0], smaller) or self._still_worth_it(
                 self.pruned(trial), effect
             )
-        return next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+        both = next((both for both in map(partial(self._with_another, best), ranked) if both), None)
+        return both or self._rounded_off(best, smaller)
+
+    def _rounded_off(self, best: Structure, smaller: list[_Ranked]) -> Structure | None:
+        """`best` with the first of the `smaller`, where no larger effect helps and it brings a simulation much nearer.
+
+        Effects that were found keep their names then: what they leave has a known cause, if a small one.
+        """
+        found = best.plant.active - self._baseline.plant.active - self._unnamed
+        for effect, weight, trial in smaller[:1]:
+            told = self._standard.worth_it(effect, weight, best) and self._standard.lasts(weight, best, trial)
+            if found and told and weight.free_run_ratio < LIMITS.nearer:
+                self._unnamed.add(effect.id)
+                return trial
+        return None
 
     def _with_smaller(self, best: Structure, leader: _Ranked, smaller: list[_Ranked]) -> Structure | None:
         """`best` with the first of the `smaller`, if that is worth it and clearly likelier than the `leader`.

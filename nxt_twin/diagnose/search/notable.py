@@ -19,6 +19,14 @@ _ABOVE = 1.1
 _PERIODS = 2.0
 _LEAST_SHARE = 0.14  # of the inertia of both bodies
 _CLEAR_OF_JITTER = 3.0
+LEAST_LEVER_M = 0.005
+"""Lever below which a payload that hangs on the axis is none: a motor's own hub is as thick.
+
+A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/τg. On the sets 700 and 721 an arm without any
+added inertia was named a payload on levers of 1.5 and 1.9 mm.
+"""
+_HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
+_G = 9.81
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 
 
@@ -58,7 +66,7 @@ def _nothing(plant: Plant, effect: Effect, scale: Scale) -> float:
 def _stands_for_another(plant: Plant, effect: Effect, scale: Scale) -> bool:
     """Whether its other parameters say that it is no such effect."""
     on_a_bound = any(_on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:])
-    return on_a_bound or _is_light(plant, effect)
+    return on_a_bound or _is_light(plant, effect) or _is_an_arm(plant, effect)
 
 
 def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
@@ -96,6 +104,18 @@ def _is_light(plant: Plant, effect: Effect) -> bool:
     """Whether a second body is too light to be one: friction that yields a little is taken for such."""
     load = plant.values.get(Slot(effect.id, "load_inertia"))
     return load is not None and load < _LEAST_SHARE * (load + plant.values[Slot(BASE_OWNER, "inertia")])
+
+
+def _is_an_arm(plant: Plant, effect: Effect) -> bool:
+    """Whether a payload that hangs adds hardly an inertia, or did from the first reading on.
+
+    It is an arm then, with or without a heavier motor, which have names of their own.
+    """
+    own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect.id}
+    if "payload_gravity" not in own:
+        return False
+    no_lever = own["payload_inertia"] * _G < LEAST_LEVER_M * own["payload_gravity"]
+    return no_lever or own["hung_at"] < _HUNG_ON_S
 
 
 def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale) -> bool:

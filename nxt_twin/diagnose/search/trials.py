@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 from dataclasses import replace
 from typing import final
 
@@ -23,16 +24,26 @@ from nxt_twin.physics.signals import Signals
 
 
 def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
-    """The effects that `plant` lacks and could have, driven as it is."""
+    """The effects that `plant` lacks and could have, driven as it is.
+
+    What comes on top of a plain term, as stiction does on friction, waits for that term: alone it is another law.
+    """
     superseded = {gone for effect in plant.effects for gone in effect.supersedes}
     return [
         effect
         for effect in plant.layout.effects
         if effect.id not in plant.active
         and effect.id not in superseded
+        and _has_its_ground(effect, plant.active | superseded)
         and effect.takes(signals.input_kind)
         and (not effect.counted or signals.quantum > 0.0)
     ]
+
+
+def _has_its_ground(effect: Effect, there: Set[str]) -> bool:
+    """Whether the term that `effect` comes on top of is `there`, if it comes on top of any."""
+    above = effect.parameters[0].above
+    return above is None or above[0] in there
 
 
 @final

@@ -6,12 +6,21 @@ import math
 from dataclasses import dataclass
 from typing import final
 
-from nxt_twin.diagnose.fitting.structure import Structure, free_run_ratios, is_mechanical, shares
+from nxt_twin.diagnose.fitting.structure import (
+    Structure,
+    free_run_growth,
+    free_run_ratios,
+    is_mechanical,
+    shares,
+)
 
 FREE_RUN_RATIO = 1.01
 _DOUBTING_RATIO = 1.1  # doubt in readings moves what is fitted by little, while other physics may still lack
 _SURE_RATIO = 1.05
 _SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
+_HARDLY_MORE = (
+    0.1  # of the error that says nothing: by so much free runs may get worse where checking readings are sure
+)
 _HIDDEN_RATIO = 1.15
 _BORNE_OUT_NATS = 10.0
 _UNKIND_RATIO = 2.5
@@ -84,7 +93,9 @@ def weigh(simpler: Structure, richer: Structure) -> Weight:
         gain - penalty,
         check_gain,
         kind,
-        runs_worse=kind >= max(_most_ratio(simpler, richer), least)
+        runs_worse=(
+            kind >= max(_most_ratio(simpler, richer), least) and not (sure and _is_as_near(simpler, richer))
+        )
         or (unkind >= _UNKIND_RATIO and not unkind_only and not _dodges(simpler, richer)),
         restored_nats=restored,
     )
@@ -97,6 +108,11 @@ def _most_ratio(simpler: Structure, richer: Structure) -> float:
     added = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
     doubting = bool(added) and all("outlier" in effect.terms for effect in added)
     return _DOUBTING_RATIO if doubting else FREE_RUN_RATIO
+
+
+def _is_as_near(simpler: Structure, richer: Structure) -> bool:
+    """Whether the mean error of either kind of free runs grows by next to nothing of what matters."""
+    return free_run_growth(simpler, richer) < _HARDLY_MORE * simpler.slight
 
 
 def _adds_a_second_body(simpler: Structure, richer: Structure) -> bool:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from nxt_twin.diagnose.diagnosis import Confusion
 from nxt_twin.diagnose.judging.evidence import Evidence
+from nxt_twin.diagnose.search.notable import LEAST_LEVER_M
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 
 _ARM, _PAYLOAD = "gravity_load", "hanging_payload"
 _G = 9.81
 _LEAST_RISE = 0.1  # of the given inertia; less is how far off given numbers commonly are
-_LEVERS_M = (0.005, 1.0)
+_LONGEST_LEVER_M = 1.0
 _INERTIA = Slot(BASE_OWNER, "inertia")
 
 
@@ -27,7 +28,7 @@ def as_a_payload(evidence: Evidence, effect: Effect) -> tuple[Confusion, ...]:
     added = refit - given
     gravity = abs(evidence.final.plant.values[Slot(_ARM, "gravity")])
     lever_m = added * _G / gravity if gravity > 0.0 else 0.0
-    if added < _LEAST_RISE * given or not _LEVERS_M[0] < lever_m < _LEVERS_M[1]:
+    if added < _LEAST_RISE * given or not LEAST_LEVER_M < lever_m < _LONGEST_LEVER_M:
         return ()
     why = (
         f"the inertia rose by {100.0 * added / given:.0f} % as well: "
