@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nxt_twin.diagnose.robot import powered_search
+from nxt_twin.diagnose.robot import powered_fit, powered_search
 from nxt_twin.diagnose.robot.choice import WeighedSubsets
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.moved_motors import moved_motors
-from nxt_twin.diagnose.robot.powered_fit import PoweredFit
+from nxt_twin.diagnose.robot.powered_fit import PoweredFit, Ruler, _Point, _Problem
 from nxt_twin.diagnose.robot.powered_search import (
     PLACES,
     _matters,
@@ -24,7 +24,13 @@ JUST_BELOW, JUST_ABOVE = 0.98, 1.02
 EDGES = [(JUST_BELOW, False), (JUST_ABOVE, True)]
 COUNT = len(NAMES)
 FIT = PoweredFit(
-    np.ones(COUNT), np.zeros(COUNT), np.ones(COUNT, dtype=bool), np.zeros((COUNT, COUNT)), 24, 1.0, (1.0,)
+    np.ones(COUNT),
+    np.zeros(COUNT),
+    np.ones(COUNT, dtype=bool),
+    np.zeros((COUNT, COUNT)),
+    24,
+    1.0,
+    Ruler(1.0, 4.0),
 )
 
 
@@ -63,7 +69,32 @@ def test_a_size_has_to_matter_one_and_a_half_standard_deviations_nearer_to_nothi
     (place,) = PLACES["payload_mass"]
     fitted = fit_with(place, 0.05 + 1.5 * share * 0.02, 0.02)
     monkeypatch.setattr(powered_search, "fit_powered", lambda *_: fitted)
-    ids, _ = _that_matter(frozenset({"payload_mass"}), FIT, None, FIT.values)
+    monkeypatch.setattr(powered_search, "_evidence", lambda *_: 1.0)
+    ids, _ = _that_matter(frozenset({"payload_mass"}), FIT, None, FIT.values, {})
+    assert (ids == {"payload_mass"}) == kept
+
+
+@pytest.mark.parametrize(("share", "goes_on"), EDGES)
+def test_a_fit_goes_on_while_a_step_may_gain_a_fiftieth_of_a_nat(share, goes_on, monkeypatch):
+    # Half of the summed squares, of which four rows count as one, is what the step takes away.
+    rows, free = 100, np.arange(COUNT) == NAMES.index("added_mass")
+    error = np.full((rows, 2), np.sqrt(share * 0.02 * 2.0 * 4.0 / (2 * rows)))
+    monkeypatch.setattr(powered_fit, "_projected", lambda *_: (0.0 * error, None))
+    at = _Point(np.zeros(COUNT), error, np.full((rows, 2, 1), 1e3))
+    problem = _Problem(None, np.ones(COUNT), free, np.zeros(rows, dtype=int))
+    assert (problem.lower(at, Ruler(1.0, 4.0), 0) is not None) == goes_on
+
+
+@pytest.mark.parametrize(("share", "kept"), EDGES)
+def test_an_effect_that_is_fitted_by_itself_needs_six_nats_beyond_the_size_that_matters(
+    share, kept, monkeypatch
+):
+    # 24 windows: the nats of a squared distance d are 12 log(1 + d / 23).
+    distance = np.sqrt(23.0 * (np.exp(share * 6.0 / 12.0) - 1.0))
+    (place,) = PLACES["payload_mass"]
+    fitted = fit_with(place, 0.05 + distance * 0.02, 0.02)
+    monkeypatch.setattr(powered_search, "fit_powered", lambda *_: fitted)
+    ids, _ = _that_matter(frozenset({"payload_mass"}), FIT, None, FIT.values, {})
     assert (ids == {"payload_mass"}) == kept
 
 

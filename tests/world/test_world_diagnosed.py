@@ -22,6 +22,8 @@ from nxt_twin.world.trace import Trace
 PROGRAM = Path(__file__).parents[2] / "examples" / "worlds" / "starts_and_turns.py"
 CASTOR_BOT = yaml.safe_load((configs_dir() / "robots" / "castor_bot.yaml").read_text())
 LOAD = {"name": "load", "box_mm": [60, 60, 40], "at_mm": [-38, 0, 130], "mass_g": 400}
+SMALL = {**CASTOR_BOT["wheels"]["right"], "radius_mm": 27.4, "at_mm": [0, -51.5, 27.4]}
+DRAGS = {"castor": {**CASTOR_BOT["glides"]["castor"], "friction": 0.25}}
 LOADED = {"robot": {"like": "castor_bot", "parts": [*CASTOR_BOT["parts"], LOAD]}}
 
 
@@ -31,8 +33,8 @@ def motor(**changes):
 
 @pytest.fixture
 def diagnosed(tmp_path):
-    def diagnose(world):
-        """What a diagnosis says of three drives of a world's castor bot."""
+    def diagnose(world, plant="castor_bot"):
+        """What a diagnosis says of three drives of a world's robot."""
         (tmp_path / "world.yaml").write_text(yaml.safe_dump(world))
         names = [f"drive_{seed}.csv" for seed in (1, 2, 3)]
         for seed, name in enumerate(names, start=1):
@@ -41,7 +43,7 @@ def diagnosed(tmp_path):
             ran = run_program(arena, PROGRAM, (str(seed),), limit_s=60.0)
             assert (ran.ending, ran.said) == ("done", "")
             trace.write(tmp_path / name)
-        case = {"plant": "castor_bot", "recordings": names}
+        case = {"plant": plant, "recordings": names}
         (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
         return diagnose_robot(read_case(tmp_path)).diagnosis
 
@@ -88,6 +90,47 @@ def test_what_battery_and_motors_have_is_named_on_its_side(diagnosed, world, key
     found = diagnosed(world)
     assert (found.verdict, [effect.key for effect in found.effects]) == ("explained", [key])
     assert found.effects[0].params[name].value == pytest.approx(size, rel=0.2)
+
+
+@pytest.mark.slow
+def test_a_payload_of_a_tribot_is_named_within_its_interval(diagnosed):
+    parts = yaml.safe_load((configs_dir() / "robots" / "tribot.yaml").read_text())["parts"]
+    found = diagnosed(
+        {"robot": {"like": "tribot", "parts": [*parts, {**LOAD, "at_mm": [-33, 0, 140]}]}}, "tribot"
+    )
+    assert (found.verdict, [effect.key for effect in found.effects]) == ("explained", ["payload_mass"])
+    low_kg, high_kg = found.effects[0].params["added_mass_kg"].interval_95
+    assert low_kg < 0.4 < high_kg
+
+
+@pytest.mark.slow
+def test_a_caster_that_drags_is_named_alone(diagnosed):
+    found = diagnosed({"robot": {"like": "castor_bot", "glides": DRAGS}})
+    assert (found.verdict, [effect.key for effect in found.effects]) == ("explained", ["caster_drag"])
+    # 0.084 N at a friction of 0.04.
+    assert found.effects[0].params["drag_force_n"].value == pytest.approx(0.084 * 0.25 / 0.04, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_smaller_right_wheel_is_named(diagnosed):
+    found = diagnosed({"robot": {"like": "castor_bot", "wheels": {**CASTOR_BOT["wheels"], "right": SMALL}}})
+    effects = {effect.key: effect.params for effect in found.effects}
+    assert (found.verdict, set(effects)) == ("explained", {"unequal_wheels", "wheel_radius"})
+    ratio = effects["unequal_wheels"]["wheel_radius_ratio"].value
+    assert ratio == pytest.approx(27.4 / 28.0, abs=5e-4)
+    assert effects["wheel_radius"]["mean_wheel_radius_m"].value == pytest.approx(0.0277, abs=2e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("port", "side"), [("b", "left"), ("c", "right")])
+def test_a_voltage_drop_is_told_on_its_side(diagnosed, port, side):
+    world = {"robot": "castor_bot", "motors": {port: motor(effects={"voltage_drop": {"drop_v": 0.6}})}}
+    found = diagnosed(world)
+    assert (found.verdict, [effect.key for effect in found.effects]) == (
+        "explained",
+        [f"{side}_motor.voltage_drop"],
+    )
+    assert found.effects[0].params["drop_v"].value == pytest.approx(0.6, rel=0.25)
 
 
 @pytest.mark.slow

@@ -114,7 +114,7 @@ def weigh(
     for size in range(len(able) + 1):
         for kept in itertools.combinations(able, size):
             dropped = [place for one, places in able.items() if one not in kept for place in places]
-            asked = sum(NEEDED_NATS + len(able[one]) - 1 for one in kept)
+            asked = sum(asked_of(len(able[one])) for one in kept)
             lost = sum(robust_nats(one, clusters) for one in _independent(off, covariance, dropped))
             scores[frozenset(kept)] = -lost - asked
     best = max(scores, key=lambda ids: (scores[ids], -len(ids)))
@@ -124,6 +124,11 @@ def weigh(
     order = sorted(scores, key=lambda ids: -scores[ids])
     second = tuple((ids, scores[best] - scores[ids]) for ids in order if ids - best)
     return WeighedSubsets(best, probability, {one: _rivals(one, best, second) for one in best}, second)
+
+
+def asked_of(parameters: int) -> float:
+    """The gain that an effect needs by the number of its parameters, nats."""
+    return NEEDED_NATS + parameters - 1.0
 
 
 def beyond(off: FloatArray, least: FloatArray) -> FloatArray:

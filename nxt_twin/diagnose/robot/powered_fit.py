@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -13,8 +12,10 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.robot.fit import widest
 from nxt_twin.diagnose.robot.powered_runs import PoweredStack
 from nxt_twin.physics.robot.dynamics import NAMES
+from nxt_twin.physics.robot.slopes import STARTS
 
-LENGTHS_S: Final = (3.0,)
+LENGTH_S: Final = 3.0
+"""Of simulated windows, whose starts are free."""
 _RELATIVE: Final = 12
 """The first so many parameters are positive and move by factors."""
 
@@ -27,25 +28,35 @@ _PRIOR: Final = np.array(
         *(2.0, 0.3, 0.3, 0.1, 0.1, 2.0, _SCRUB_NM, 2.0, 0.01, 0.01, 1e-3, 1e-3, 1.0, 1.0),
     ]
 )
-_STEPS: Final = np.array(
-    [
-        *[1e-4] * _RELATIVE,
-        *(1e-3, 1e-4, 1e-4, 1e-4, 1e-4, 1e-3, 1e-5, 1e-3, 1e-5, 1e-5, 1e-6, 1e-6, 1e-3, 1e-3),
-    ]
-)
+"""By how much motors, body and effects differ from the given ones, ordinarily: standard deviations of a prior."""
 _SOFT: Final = 2.0
 _MOST_STEPS: Final = 10
-_SCALED_STEPS: Final = 5
+_MEASURED_STEPS: Final = 5
 """After so many steps, residuals are measured by what they then were."""
 _DAMPINGS: Final = (0.0, 1e-3, 0.01, 0.1, 1.0, 10.0)
 """Of a step, by the curvature along each parameter: tyres that scrub make the cost rough."""
+SETTLED_NATS: Final = 0.02
+"""A fit ends where a step may gain no more."""
 _LEAST_RAD: Final = 2e-3
 _MAD: Final = 1.4826
-_SMALL: Final = 0.3
 _FOUR_OF_FIVE: Final = 0.8
 _NOISE_S: Final = 0.5
 _ALIKE: Final = 4.0
 """Neighbouring residuals of a simulated window err alike: so many count as one beside the prior."""
+
+
+@final
+@dataclass(frozen=True)
+class Ruler:
+    """By what residuals are measured.
+
+    Attributes:
+        scale_rad: their robust standard deviation.
+        alike: how many neighbours count as one, since they err alike.
+    """
+
+    scale_rad: float
+    alike: float
 
 
 @final
@@ -59,8 +70,8 @@ class PoweredFit:
         free: which were fitted.
         covariance: of `off`.
         clusters: how many independent parts it rests on.
-        left_deg: of the residuals in windows of the first length, the size that four of five stay below.
-        scales: by which residuals were measured at the end, rad, one for each length of windows.
+        left_deg: of the residuals, the size that four of five stay below.
+        ruler: by which residuals were measured at the end.
     """
 
     values: FloatArray
@@ -69,7 +80,7 @@ class PoweredFit:
     covariance: FloatArray
     clusters: int
     left_deg: float
-    scales: tuple[float, ...]
+    ruler: Ruler
 
 
 def fit_powered(
@@ -83,90 +94,111 @@ def fit_powered(
         free: which to fit, shape (26,).
         start: departures from the given values to begin at; None for none.
     """
-    windows = [stack.windows(length) for length in LENGTHS_S]
-    off = np.zeros(len(NAMES)) if start is None else np.where(free, start, 0.0)
-    prior = np.diag(1.0 / _PRIOR[free] ** 2)
-    slopes, errors = _projected(stack, given, off, free, windows)
-    scales = _scales(errors)
+    problem = _Problem(stack, given, free, stack.windows(LENGTH_S))
+    at = problem.at(np.zeros(len(NAMES)) if start is None else np.where(free, start, 0.0))
+    ruler, damped = problem.ruler(at), 0
     for step in range(_MOST_STEPS):
-        rows, left, weight = _weighed(slopes, errors, scales)
-        curvature = (rows * weight[:, None]).T @ rows + prior
-        downhill = -(rows * weight[:, None]).T @ left - prior @ off[free]
-        found = _Tried(stack, given, off, free, windows, scales).lower(downhill, curvature, errors)
+        found = problem.lower(at, ruler, max(damped - 1, 0))
         if found is None:
             break
-        change, off = (found - off)[free], found
-        slopes, errors = _projected(stack, given, off, free, windows)
-        if step < _SCALED_STEPS:
-            scales = _scales(errors)
-        if np.max(np.abs(change) * np.sqrt(np.diag(curvature))) < _SMALL and step >= 2:
-            break
-    rows, left, weight = _weighed(slopes, errors, scales)
-    inverse: FloatArray = np.asarray(
-        np.linalg.inv((rows * weight[:, None]).T @ rows + prior), dtype=np.float64
-    )
-    scores = (rows * (weight * left)[:, None]).T.reshape(len(rows.T), len(windows), -1, 2).sum(axis=(1, 3))
-    inner, clusters = widest(scores, (windows[-1], stack.run), inverse)
+        at, damped = found
+        if step < _MEASURED_STEPS:
+            ruler = problem.ruler(at)
+    curvature, _ = problem.quadratic(at, ruler)
+    inverse: FloatArray = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
+    rows, left, weight = _weighed(at, ruler)
+    scores = (rows * (weight * left)[:, None]).T.reshape(len(rows.T), -1, 2).sum(axis=2)
+    inner, clusters = widest(scores, (problem.window, stack.run), inverse)
     whole = np.zeros((len(NAMES), len(NAMES)))
-    whole[np.ix_(free, free)] = inner + inverse @ prior @ inverse
-    left_deg = float(np.degrees(np.quantile(np.abs(errors[0]), _FOUR_OF_FIVE)))
-    return PoweredFit(values_at(given, off), off, free, whole, clusters, left_deg, tuple(scales))
+    whole[np.ix_(free, free)] = inner + inverse @ np.diag(1.0 / _PRIOR[free] ** 2) @ inverse
+    left_deg = float(np.degrees(np.quantile(np.abs(at.errors), _FOUR_OF_FIVE)))
+    return PoweredFit(values_at(given, at.off), at.off, free, whole, clusters, left_deg, ruler)
 
 
-def cost_of(stack: PoweredStack, given: FloatArray, fitted: PoweredFit, scales: Sequence[float]) -> float:
-    """The cost of a fit in nats, its prior included, where residuals are measured by these scales."""
-    windows = [stack.windows(length) for length in LENGTHS_S]
-    return _Tried(stack, given, fitted.off, fitted.free, windows, list(scales)).cost()
+def cost_of(stack: PoweredStack, fitted: PoweredFit, ruler: Ruler) -> float:
+    """The cost of a fit in nats, its prior included, where residuals are measured by another's ruler."""
+    return _cost(fitted.off, fitted.free, _left(stack, fitted.values, stack.windows(LENGTH_S)), ruler)
 
 
 @final
 @dataclass(frozen=True)
-class _Tried:
-    """Where a step begins, and what its ends are judged by."""
+class _Point:
+    """Departures from the given values, with residuals and slopes there, free starts taken out.
+
+    Attributes:
+        off: the departures, shape (26,).
+        errors: shape (rows, 2), rad.
+        slopes: of the free parameters, shape (rows, 2, free).
+    """
+
+    off: FloatArray
+    errors: FloatArray
+    slopes: FloatArray
+
+
+@final
+@dataclass(frozen=True)
+class _Problem:
+    """What is fitted to what."""
 
     stack: PoweredStack
     given: FloatArray
-    off: FloatArray
     free: BoolArray
-    windows: list[IntArray]
-    scales: list[float]
+    window: IntArray
 
-    def lower(
-        self, downhill: FloatArray, curvature: FloatArray, errors: list[FloatArray]
-    ) -> FloatArray | None:
-        """Where the least damped step leads that lowers the cost (Levenberg and Marquardt); None where none does."""
-        now, most = self._cost(self.off, errors), 0.5 * _PRIOR[self.free]
-        for damping in _DAMPINGS:
-            change = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), downhill)
-            off = self.off.copy()
-            off[self.free] += change / max(1.0, float(np.max(np.abs(change) / most)))
-            if self._cost(off, self._errors(off)) < now:
-                return off
+    @property
+    def least(self) -> FloatArray:
+        """The least departure of each parameter from its given value, shape (26,)."""
+        least = np.full(len(NAMES), -np.inf)
+        least[_NEVER_NEGATIVE] = -self.given[_NEVER_NEGATIVE]
+        return least
+
+    def at(self, off: FloatArray) -> _Point:
+        """Residuals and slopes of the free parameters, nothing below what it can be."""
+        off = np.maximum(off, self.least)
+        return _Point(off, *_projected(self.stack, self.given, off, self.free, self.window))
+
+    def ruler(self, at: _Point) -> Ruler:
+        """By what the residuals here are measured."""
+        scale_rad = max(_MAD * float(np.median(np.abs(at.errors))), _LEAST_RAD)
+        return Ruler(scale_rad, _ALIKE)
+
+    def quadratic(self, at: _Point, ruler: Ruler) -> tuple[FloatArray, FloatArray]:
+        """Curvature of the cost, and its slope downhill, in the free parameters."""
+        rows, left, weight = _weighed(at, ruler)
+        prior = 1.0 / _PRIOR[self.free] ** 2
+        weighted = rows * weight[:, None]
+        return weighted.T @ rows + np.diag(prior), -weighted.T @ left - prior * at.off[self.free]
+
+    def lower(self, at: _Point, ruler: Ruler, easier: int) -> tuple[_Point, int] | None:
+        """Where the least damped step leads that lowers the cost (Levenberg and Marquardt), and how it was damped.
+
+        None where no step does, or where it may gain no more than `SETTLED_NATS`. What is zero, never negative and
+        pushed below zero stays out of the step. `easier` is the first of `_DAMPINGS` to try.
+        """
+        curvature, downhill = self.quadratic(at, ruler)
+        prior = _PRIOR[self.free]
+        moves = (at.off[self.free] > self.least[self.free]) | (downhill > 0.0)
+        curvature, downhill = curvature[np.ix_(moves, moves)], downhill[moves]
+        if 0.5 * float(downhill @ np.linalg.solve(curvature, downhill)) < SETTLED_NATS:
+            return None
+        now = _cost(at.off, self.free, at.errors, ruler)
+        for level in range(easier, len(_DAMPINGS)):
+            damped = curvature + _DAMPINGS[level] * np.diag(np.diag(curvature))
+            change = np.zeros(moves.size)
+            change[moves] = np.linalg.solve(damped, downhill)
+            off = at.off.copy()
+            off[self.free] += change / max(1.0, float(np.max(np.abs(change) / (0.5 * prior))))
+            found = self.at(off)
+            if _cost(found.off, self.free, found.errors, ruler) < now:
+                return found, level
         return None
 
-    def cost(self) -> float:
-        """The cost where the step begins."""
-        return self._cost(self.off, self._errors(self.off))
 
-    def _errors(self, off: FloatArray) -> list[FloatArray]:
-        found = []
-        for window in self.windows:
-            left, answers = self.stack.free_starts(values_at(self.given, off), window)
-            found.append(_without_starts(np.array([left]), answers, window)[0])
-        return found
-
-    def _cost(self, off: FloatArray, errors: list[FloatArray]) -> float:
-        scaled = [
-            np.square(error / (_SOFT * scale)) for error, scale in zip(errors, self.scales, strict=True)
-        ]
-        loss = sum(float(np.sum(np.sqrt(1.0 + one) - 1.0)) for one in scaled)
-        return _SOFT**2 * loss / (_ALIKE * len(scaled)) + 0.5 * float(
-            np.sum(np.square(off / _PRIOR)[self.free])
-        )
-
-
-def _scales(errors: list[FloatArray]) -> list[float]:
-    return [max(_MAD * float(np.median(np.abs(one))), _LEAST_RAD) for one in errors]
+def _cost(off: FloatArray, free: BoolArray, errors: FloatArray, ruler: Ruler) -> float:
+    loss = float(np.sum(np.sqrt(1.0 + np.square(errors / (_SOFT * ruler.scale_rad))) - 1.0))
+    prior = float(np.sum(np.square(off / _PRIOR)[free]))
+    return _SOFT**2 * loss / ruler.alike + 0.5 * prior
 
 
 def values_at(given: FloatArray, off: FloatArray) -> FloatArray:
@@ -179,62 +211,50 @@ def values_at(given: FloatArray, off: FloatArray) -> FloatArray:
 
 
 def rms_of(stack: PoweredStack, values: FloatArray) -> float:
-    """RMS of what is off in windows of the first length with free starts, degrees of the wheels."""
-    window = stack.windows(LENGTHS_S[0])
-    off, answers = stack.free_starts(values, window)
-    left = _without_starts(np.array([off]), answers, window)[0]
-    return float(np.degrees(np.sqrt(np.mean(left**2))))
+    """RMS of what is off in windows with free starts, degrees of the wheels."""
+    return float(np.degrees(np.sqrt(np.mean(_left(stack, values, stack.windows(LENGTH_S)) ** 2))))
 
 
 def noise_deg(stack: PoweredStack, values: FloatArray) -> float:
     """What half a second leaves with free starts: the counts' own noise, the size that four of five stay below."""
-    window = stack.windows(_NOISE_S)
-    off, answers = stack.free_starts(values, window)
-    left = _without_starts(np.array([off]), answers, window)[0]
+    left = _left(stack, values, stack.windows(_NOISE_S))
     return float(np.degrees(np.quantile(np.abs(left), _FOUR_OF_FIVE)))
 
 
+def _left(stack: PoweredStack, values: FloatArray, window: IntArray) -> FloatArray:
+    """What is off with free starts, rad, shape (rows, 2)."""
+    off, by_starts = stack.free_starts(values, window)
+    return _without_starts(off[:, :, None], by_starts, window)[:, :, 0]
+
+
 def _projected(
-    stack: PoweredStack, given: FloatArray, off: FloatArray, free: BoolArray, windows: list[IntArray]
-) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Slopes and residuals by length of window, with what free starts account for taken out."""
-    slopes, errors = [], []
-    for window in windows:
-        begins = np.diff(window, prepend=-1) != 0
-        left, answers = stack.free_starts(values_at(given, off), window)
-        columns = [left]
-        for place in np.flatnonzero(free):
-            nudged = off.copy()
-            nudged[place] += _STEPS[place]
-            columns.append((stack.off(values_at(given, nudged), begins, stack.speeds) - left) / _STEPS[place])
-        freed = _without_starts(np.array(columns), answers, window)
-        errors.append(freed[0])
-        slopes.append(freed[1:])
-    return slopes, errors
+    stack: PoweredStack, given: FloatArray, off: FloatArray, free: BoolArray, window: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Residuals and slopes of the free parameters, with what free starts account for taken out."""
+    values = values_at(given, off)
+    left, slopes = stack.free_starts(values, window, by_values=True)
+    by_off = np.where(np.arange(off.size) < _RELATIVE, values, 1.0)
+    columns = np.concatenate([left[:, :, None], slopes[:, :, STARTS:][:, :, free] * by_off[free]], axis=2)
+    freed = _without_starts(columns, slopes[:, :, :STARTS], window)
+    return freed[:, :, 0], freed[:, :, 1:]
 
 
-def _without_starts(columns: FloatArray, answers: FloatArray, window: IntArray) -> FloatArray:
-    """Columns of shape (count, rows, 2) less their best account by each window's start angles and speeds."""
+def _without_starts(columns: FloatArray, by_starts: FloatArray, window: IntArray) -> FloatArray:
+    """Columns of shape (rows, 2, count) less their best account by each window's start angles and speeds."""
     found = np.empty_like(columns)
     edges = np.flatnonzero(np.diff(window, prepend=-1, append=-1))
     for begin, end in itertools.pairwise(edges):
-        size = 2 * (end - begin)
         starts = np.zeros((end - begin, 2, 4))
         starts[:, 0, 0] = starts[:, 1, 1] = 1.0
-        starts[:, :, 2:] = np.moveaxis(answers[:, begin:end], 0, 2)
-        basis, _ = np.linalg.qr(starts.reshape(size, 4))
-        flat = columns[:, begin:end].reshape(len(columns), size).T
-        found[:, begin:end] = (flat - basis @ (basis.T @ flat)).T.reshape(len(columns), end - begin, 2)
+        starts[:, :, 2:] = by_starts[begin:end]
+        basis, _ = np.linalg.qr(starts.reshape(-1, 4))
+        flat = columns[begin:end].reshape(len(basis), -1)
+        found[begin:end] = (flat - basis @ (basis.T @ flat)).reshape(columns[begin:end].shape)
     return found
 
 
-def _weighed(
-    slopes: list[FloatArray], errors: list[FloatArray], scales: list[float]
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """All lengths together: slopes (readings, free), residuals, and weights of the soft loss."""
-    rows = np.concatenate(
-        [slope.reshape(len(slope), -1) / scale for slope, scale in zip(slopes, scales, strict=True)], axis=1
-    )
-    left = np.concatenate([error.ravel() / scale for error, scale in zip(errors, scales, strict=True)])
-    weight = 1.0 / np.sqrt(1.0 + (left / _SOFT) ** 2) / (_ALIKE * len(scales))
-    return rows.T, left, weight
+def _weighed(at: _Point, ruler: Ruler) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Slopes (readings, free) and residuals in standard deviations, and weights of the soft loss."""
+    rows = at.slopes.reshape(-1, at.slopes.shape[2]) / ruler.scale_rad
+    left = at.errors.ravel() / ruler.scale_rad
+    return rows, left, 1.0 / np.sqrt(1.0 + (left / _SOFT) ** 2) / ruler.alike

@@ -8,18 +8,18 @@ from typing import Final, final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.diagnose.robot.runs import filled_run
 from nxt_twin.diagnose.robot.slip import SlipSpell, gripping
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
-from nxt_twin.physics.robot.dynamics import NAMES, wheel_angles
+from nxt_twin.physics.robot.dynamics import NAMES
 from nxt_twin.physics.robot.powered import PoweredRobot
+from nxt_twin.physics.robot.slopes import COLUMNS, STARTS, wheel_slopes
 from nxt_twin.physics.supply import open_circuit
 from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
 from nxt_twin.recording.recording import Recording
 
 _SMOOTH_S: Final = 0.12
-_NUDGE: Final = np.array([[0.02, 0.0], [0.0, 0.2]])
 _APART_S: Final = 100.0
 _HALF: Final = 0.5
 _DRAG: Final = NAMES.index("drag_force")
@@ -76,28 +76,29 @@ class PoweredStack:
             total += parts
         return number
 
-    def off(self, values: FloatArray, begins: BoolArray, start: FloatArray) -> FloatArray:
-        """Counted minus predicted angles since each window began, rad, shape (rows, 2)."""
-        told = wheel_angles(
+    def free_starts(
+        self, values: FloatArray, window: IntArray, *, by_values: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
+        """Counted minus predicted angles since each window began, rad, and their slopes by its starting speeds.
+
+        Returns:
+            Shapes (rows, 2) and (rows, 2, 2); with `by_values` the latter is (rows, 2, 28), slopes by `NAMES` behind.
+        """
+        begins = np.diff(window, prepend=-1) != 0
+        told, slopes = wheel_slopes(
             values,
             self.shape,
             self.time_s,
             self.volts,
             self.heading_rad,
             begins,
-            start,
+            self.speeds,
             self.open_v,
             self.floats,
+            COLUMNS if by_values else STARTS,
         )
         first = np.maximum.accumulate(np.where(begins, np.arange(begins.size), 0))
-        return np.asarray(self.angles_rad - self.angles_rad[first] - told)
-
-    def free_starts(self, values: FloatArray, window: IntArray) -> tuple[FloatArray, FloatArray]:
-        """The errors, and their slopes by each window's starting speeds, shape (2, rows, 2)."""
-        begins = np.diff(window, prepend=-1) != 0
-        off = self.off(values, begins, self.speeds)
-        answers = [(self.off(values, begins, self.speeds + nudge) - off) / nudge.sum() for nudge in _NUDGE]
-        return off, np.array(answers)
+        return self.angles_rad - self.angles_rad[first] - told, -slopes
 
 
 def powered_stack(

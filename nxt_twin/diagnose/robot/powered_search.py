@@ -11,8 +11,9 @@ from scipy.special import stdtrit
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect, Moved
-from nxt_twin.diagnose.robot.choice import NEEDED_NATS, WeighedSubsets, beyond, weigh
+from nxt_twin.diagnose.robot.choice import WeighedSubsets, asked_of, beyond, weigh
 from nxt_twin.diagnose.robot.effects import POWERED, RobotEffect
+from nxt_twin.diagnose.robot.fit import robust_nats
 from nxt_twin.diagnose.robot.leftover import RobotLeft
 from nxt_twin.diagnose.robot.moved_motors import moved_motors, moved_words
 from nxt_twin.diagnose.robot.powered_fit import PoweredFit, cost_of, fit_powered, noise_deg, rms_of
@@ -142,11 +143,12 @@ def _refitted(
 
     The weighing takes the fit of everything for quadratic, which it is not far from where it ends.
     """
+    fits: dict[frozenset[str], PoweredFit] = {}
     found = []
     for ids in _to_refit(weighed):
-        kept, fitted = _that_matter(ids, full, stack, given)
-        asked = sum(NEEDED_NATS + len(PLACES[one]) - 1 for one in kept)
-        found.append((cost_of(stack, given, fitted, full.scales) + asked, kept, fitted))
+        kept, fitted = _that_matter(ids, full, stack, given, fits)
+        asked = sum(asked_of(len(PLACES[one])) for one in kept)
+        found.append((cost_of(stack, fitted, full.ruler) + asked, kept, fitted))
     _, named, final = min(found, key=lambda one: one[0])
     return named, final
 
@@ -164,18 +166,35 @@ def _surer(probability: float) -> float:
 
 
 def _that_matter(
-    ids: frozenset[str], full: PoweredFit, stack: PoweredStack, given: FloatArray
+    ids: frozenset[str],
+    full: PoweredFit,
+    stack: PoweredStack,
+    given: FloatArray,
+    fits: dict[frozenset[str], PoweredFit],
 ) -> tuple[frozenset[str], PoweredFit]:
-    """A fit of these effects alone, without those that may then be too small to matter."""
+    """A fit of these effects alone, without those that may then be too small to matter.
+
+    `fits` holds earlier ones. The nearest of them is where a fit begins.
+    """
     while True:
-        free = _with(ids)
-        fitted = fit_powered(stack, given, free, np.where(free, full.off, 0.0))
+        if ids not in fits:
+            free = _with(ids)
+            fits[ids] = fit_powered(stack, given, free, np.where(free, full.off, 0.0))
+        fitted = fits[ids]
         std = np.sqrt(np.diag(fitted.covariance))
         surely = np.maximum(np.abs(fitted.off) - _SURELY_SIGMAS * std, 0.0) * np.sign(fitted.off)
-        small = {one for one in ids if not _matters(one, surely[PLACES[one]])}
+        small = {one for one in ids if not _matters(one, surely[PLACES[one]]) or _evidence(one, fitted) < 0.0}
         if not small:
             return ids, fitted
         ids -= small
+
+
+def _evidence(name: str, fitted: PoweredFit) -> float:
+    """What an effect gains in a fit beyond what it has to, nats, by how its evidence spreads over windows and runs."""
+    places = PLACES[name]
+    off = beyond(fitted.off, sizes_that_matter())[places]
+    squared = float(off @ np.linalg.solve(fitted.covariance[np.ix_(places, places)], off))
+    return robust_nats(squared, fitted.clusters) - asked_of(len(places))
 
 
 def fit_body(

@@ -28,22 +28,29 @@ LOAD_GYRATION: Final = 0.15
 """Square of a payload's radius of gyration by the robot's own; of a second brick or a box of cells it is 0.1 to 0.3."""
 _STEP_S: Final = 1e-2
 _SHORTEST_STEP_S: Final = 2e-3
-_STICK_RAD_PER_S: Final = 0.08
+STICK_RAD_PER_S: Final = 0.08
 _STILL_M_PER_S: Final = 4e-3
-_LEAST_BACK_M: Final = 5e-3
-_STILL_RAD_PER_S: Final = 0.1
-_DROPS_V: Final = 0.15
+LEAST_BACK_M: Final = 5e-3
+STILL_RAD_PER_S: Final = 0.1
+_SATURATES: Final = 20.0
+DROPS_V: Final = 0.15
 """A voltage drop acts whole where the voltage across the winding is several times as large."""
 
 
-@njit(cache=True)
-def _sign(x: float) -> float:
+@njit(cache=True, error_model="numpy")
+def smooth_sign(x: float) -> float:
     """A sign that goes smoothly through zero within about one."""
     return x / math.sqrt(1.0 + x * x)
 
 
-@njit(cache=True)
-def _bridge(volts: float, open_v: float, floats: float) -> tuple[float, float]:
+@njit(cache=True, error_model="numpy")
+def tanh_of(x: float) -> float:
+    """The hyperbolic tangent, without its cost where it is one to the last bit."""
+    return math.copysign(1.0, x) if abs(x) > _SATURATES else math.tanh(x)
+
+
+@njit(cache=True, error_model="numpy")
+def driving(volts: float, open_v: float, floats: float) -> tuple[float, float]:
     """The voltage that drives a winding, and for which share of the time.
 
     Where the off phase is open, the whole voltage does, for the duty's share; else its mean does, all the time.
@@ -55,22 +62,22 @@ def _bridge(volts: float, open_v: float, floats: float) -> tuple[float, float]:
     return volts, 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _force(
     rate: float, bridge: tuple[float, float], floats: float, p: FloatArray, k: int, radius: float
 ) -> float:
     """What wheel k would push with if its rotor had no inertia, N; where the off phase is open, no current brakes."""
     across = bridge[0] - p[k] * rate
-    torque = bridge[1] * p[k] * (across - p[24 + k] * math.tanh(across / _DROPS_V)) / p[2 + k]
+    torque = bridge[1] * p[k] * (across - p[24 + k] * tanh_of(across / DROPS_V)) / p[2 + k]
     if floats > 0.5 and across * bridge[0] <= 0.0:
         torque = 0.0
-    way = _sign(rate / _STICK_RAD_PER_S)
+    way = smooth_sign(rate / STICK_RAD_PER_S)
     friction = (p[4 + k] + p[20 + k] * way) * way + (p[6 + k] + p[22 + k] * abs(rate)) * rate
     return float((torque - friction) / radius)
 
 
-@njit(cache=True)
-def _share_left(
+@njit(cache=True, error_model="numpy")
+def share_left(
     rates: tuple[float, float],
     volts: tuple[float, float],
     floats: tuple[float, float],
@@ -85,7 +92,7 @@ def _share_left(
         return 1.0
     drawn_a, grows_per_ohm = 0.0, 0.0
     for k in range(2):
-        source, share = _bridge(volts[k], open_v, floats[k])
+        source, share = driving(volts[k], open_v, floats[k])
         if share > 0.0:
             duty = share * source / open_v
             drawn_a += duty * (source - p[k] * rates[k]) / p[2 + k]
@@ -93,8 +100,62 @@ def _share_left(
     return float(1.0 - p[19] * max(drawn_a, 0.0) / (open_v * (1.0 + p[19] * grows_per_ohm)))
 
 
-@njit(cache=True)
-def _accelerations(
+@njit(cache=True, error_model="numpy")
+def gravity(way: tuple[float, float], p: FloatArray) -> tuple[float, float]:
+    """Gravity's force along the robot and to its left on a floor that rises, N.
+
+    Args:
+        way: cosine and sine of the robot's heading.
+        p: values in the order of `NAMES`.
+    """
+    weight = (p[10] + p[17]) * GRAVITY
+    return -weight * (p[13] * way[0] + p[14] * way[1]), -weight * (p[14] * way[0] - p[13] * way[1])
+
+
+@njit(cache=True, error_model="numpy")
+def crawl(v: float, w: float, shape: FloatArray) -> float:
+    """The caster's speed, with one added at which dry friction goes smoothly through zero, m/s."""
+    across = shape[3] * w
+    return math.sqrt(_STILL_M_PER_S * _STILL_M_PER_S + v * v + across * across)
+
+
+@njit(cache=True, error_model="numpy")
+def drag_per_speed(v: float, w: float, p: FloatArray, shape: FloatArray) -> float:
+    """The caster's dry friction over its speed, N·s/m."""
+    return float((p[12] + shape[5] * p[17] / p[10]) / crawl(v, w, shape))
+
+
+@njit(cache=True, error_model="numpy")
+def caster_share(p: FloatArray, shape: FloatArray) -> float:
+    """By which share of itself the caster's drag grows for each m/s² of speeding up, which loads it."""
+    return float(shape[4] / (GRAVITY * max(-p[16], LEAST_BACK_M)))
+
+
+@njit(cache=True, error_model="numpy")
+def inertias(v: float, w: float, p: FloatArray, shape: FloatArray) -> tuple[float, float, float, float]:
+    """What travel and turn feel of both accelerations: kg, kg·m; kg·m, kg·m²."""
+    half, mass, aside, ahead = 0.5 * shape[2], p[10] + p[17], p[15], p[16]
+    left, right = p[8] / (shape[0] * shape[0]), p[9] / (shape[1] * shape[1])
+    loads = caster_share(p, shape) * drag_per_speed(v, w, p, shape)
+    yaw = p[11] * (1.0 + LOAD_GYRATION * p[17] / p[10]) + mass * (ahead * ahead + aside * aside)
+    mixed = half * (right - left) - mass * aside
+    return (
+        mass + left + right + loads * v,
+        mixed,
+        mixed + loads * shape[3] * shape[3] * w,
+        yaw + half * half * (left + right),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def solved(m: tuple[float, float, float, float], along: float, about: float) -> tuple[float, float]:
+    """The accelerations that a force along and a torque about give."""
+    whole = m[0] * m[3] - m[1] * m[2]
+    return (m[3] * along - m[1] * about) / whole, (m[0] * about - m[2] * along) / whole
+
+
+@njit(cache=True, error_model="numpy")
+def accelerations(
     v: float,
     w: float,
     down: tuple[float, float],
@@ -118,49 +179,33 @@ def _accelerations(
     """
     half, back = 0.5 * shape[2], shape[3]
     rates = ((v - half * w) / shape[0], (v + half * w) / shape[1])
-    held = _share_left(rates, volts, floats, open_v, p)
-    left, right = _bridge(volts[0], open_v, floats[0]), _bridge(volts[1], open_v, floats[1])
+    held = share_left(rates, volts, floats, open_v, p)
+    left, right = driving(volts[0], open_v, floats[0]), driving(volts[1], open_v, floats[1])
     left_n = _force(rates[0], (held * left[0], left[1]), floats[0], p, 0, shape[0])
     right_n = _force(rates[1], (held * right[0], right[1]), floats[1], p, 1, shape[1])
-    left_rotor, right_rotor = p[8] / (shape[0] * shape[0]), p[9] / (shape[1] * shape[1])
     mass, aside, ahead = p[10] + p[17], p[15], p[16]
-    speed = math.sqrt(v * v + back * back * w * w)
-    drag = (p[12] + shape[5] * p[17] / p[10]) * _sign(speed / _STILL_M_PER_S) / max(speed, 1e-9)
-    along = left_n + right_n + down[0] - drag * v + mass * ahead * w * w
+    drag, high = drag_per_speed(v, w, p, shape), caster_share(p, shape)
+    swing = ahead * w * w
+    along = left_n + right_n + down[0] - drag * v + mass * swing + high * drag * v * swing
     about = half * (right_n - left_n) + ahead * down[1] - aside * down[0]
-    about -= (
-        drag * back * back * w + mass * ahead * v * w + p[18] * mass / p[10] * _sign(w / _STILL_RAD_PER_S)
-    )
-    inertia = (
-        p[11] * (1.0 + LOAD_GYRATION * p[17] / p[10])
-        + mass * (ahead * ahead + aside * aside)
-        + half * half * (left_rotor + right_rotor)
-    )
-    heavy = mass + left_rotor + right_rotor
-    mixed = half * (right_rotor - left_rotor) - mass * aside
-    # Speeding up loads the caster, whose drag then grows.
-    high = shape[4] / (GRAVITY * max(-ahead, _LEAST_BACK_M))
-    pulls, turns = high * drag * v, high * drag * back * back * w
-    along, about = along + pulls * ahead * w * w, about + turns * ahead * w * w
-    whole = (heavy + pulls) * inertia - mixed * (mixed + turns)
-    return (inertia * along - mixed * about) / whole, (
-        (heavy + pulls) * about - (mixed + turns) * along
-    ) / whole
+    about -= mass * ahead * v * w + p[18] * mass / p[10] * smooth_sign(w / STILL_RAD_PER_S)
+    about += drag * back * back * w * (high * swing - 1.0)
+    return solved(inertias(v, w, p, shape), along, about)
 
 
-@njit(cache=True)
-def _step_s(p: FloatArray) -> float:
+@njit(cache=True, error_model="numpy")
+def longest_step_s(p: FloatArray) -> float:
     """A step in which neither dry friction nor a voltage drop turns a wheel back, not even a rotor alone."""
     longest = _STEP_S
     for k in range(2):
         most = p[4 + k] + abs(p[20 + k])
-        longest = min(longest, p[8 + k] * _STICK_RAD_PER_S / max(most, 1e-12))
-        kicks = p[k] * p[k] * abs(p[24 + k]) / (p[2 + k] * _DROPS_V)
+        longest = min(longest, p[8 + k] * STICK_RAD_PER_S / max(most, 1e-12))
+        kicks = p[k] * p[k] * abs(p[24 + k]) / (p[2 + k] * DROPS_V)
         longest = min(longest, p[8 + k] / max(kicks, 1e-12))
     return max(longest, _SHORTEST_STEP_S)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wheel_angles(
     p: FloatArray,
     shape: FloatArray,
@@ -192,7 +237,7 @@ def wheel_angles(
     """
     found = np.zeros((time_s.size, 2))
     v, w, travel, turn = 0.0, 0.0, 0.0, 0.0
-    step_s = _step_s(p)
+    step_s = longest_step_s(p)
     for row in range(time_s.size):
         if begins[row]:
             v, w, travel, turn = start[row, 0], start[row, 1], 0.0, 0.0
@@ -204,14 +249,12 @@ def wheel_angles(
         steps = max(1, math.ceil(span / step_s))
         h = span / steps
         both, open_off = (volts[row, 0], volts[row, 1]), (floats[row, 0], floats[row, 1])
-        weight = (p[10] + p[17]) * GRAVITY
         for step in range(steps):
             way = (step + 0.5) / steps
             heading = heading_rad[row] + way * (heading_rad[row + 1] - heading_rad[row])
-            cosine, sine = math.cos(heading), math.sin(heading)
-            down = (-weight * (p[13] * cosine + p[14] * sine), -weight * (p[14] * cosine - p[13] * sine))
-            dv, dw = _accelerations(v, w, down, both, open_off, open_v[row], p, shape)
-            ev, ew = _accelerations(v + h * dv, w + h * dw, down, both, open_off, open_v[row], p, shape)
+            down = gravity((math.cos(heading), math.sin(heading)), p)
+            dv, dw = accelerations(v, w, down, both, open_off, open_v[row], p, shape)
+            ev, ew = accelerations(v + h * dv, w + h * dw, down, both, open_off, open_v[row], p, shape)
             travel += h * (v + 0.5 * h * dv)
             turn += h * (w + 0.5 * h * dw)
             v += 0.5 * h * (dv + ev)
