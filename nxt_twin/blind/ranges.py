@@ -84,6 +84,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "ten minutes; seeds 1 to 999 are for development",
         ),
         SeedRange(
+            "development",
+            (722,),
+            Amounts(None, 6, 6, 0, 6),
+            None,
+            "the mixture of `third`, smaller, of a seed for development",
+            singles=40,
+        ),
+        SeedRange(
             "scored",
             (5001, 5002),
             Amounts(None, 40, 13, 7, 13),

@@ -20,7 +20,8 @@ from nxt_twin.cli.output import JsonOption, emit_json
 def proof(
     folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
     chosen: Annotated[
-        str, typer.Option("--range", help="A named range: sample, scored, silence, second or third.")
+        str,
+        typer.Option("--range", help="A named range: sample, development, scored, silence, second or third."),
     ] = "sample",
     family: Annotated[str, typer.Option(help="Truth families, comma-separated, or all.")] = "all",
     minutes: Annotated[

@@ -190,6 +190,20 @@ def test_a_sample_is_a_fair_beginning_of_development_seeds():
     assert max(sample.seeds) < 1000
 
 
+def test_the_range_for_development_mixes_kinds_as_small_scored_ranges_do():
+    found = RANGES["development"]
+    assert max(found.seeds) < 1000
+    orders = [case.order for case in found.cases(tuple(FAMILIES.values()))]
+    known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
+    assert [sum(len(order.plan.effects) == number for order in known) for number in range(4)] == [
+        24,
+        40,
+        24,
+        0,
+    ]
+    assert len(orders) - len(known) == 24
+
+
 @pytest.mark.parametrize("beginning", [0.1, 0.25, 0.5])
 def test_each_beginning_of_the_scored_range_holds_every_kind_in_proportion(beginning):
     cases = RANGES["scored"].cases(tuple(FAMILIES.values()))

@@ -93,6 +93,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "silent",
         "sure",
         "unheard",
+        "unmistakable",
         "loud",
         "nearly",
         "shaped",
@@ -239,10 +240,13 @@ def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(change
         ({"doubts": True}, False),
         ({"restores": True}, False),
         ({"found": False}, False),
+        ({"least_nats": 1001.0}, False),
     ],
 )
-def test_no_gain_names_what_hardly_changes_a_simulation_that_errs_by_less_than_matters(changes, needless):
-    loud = replace(FOUND, nearer=0.86, at_first=0.99, least_nats=1e4)
+def test_no_ordinary_gain_names_what_hardly_changes_a_simulation_that_errs_by_less_than_matters(
+    changes, needless
+):
+    loud = replace(FOUND, nearer=0.86, at_first=0.99, least_nats=999.0)
     assert is_needless(replace(loud, **changes)) is needless
 
 
