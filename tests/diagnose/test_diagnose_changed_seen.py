@@ -10,7 +10,7 @@ from nxt_twin.diagnose.changed.drift import with_drift
 from nxt_twin.diagnose.changed.engine import ReadyPair
 from nxt_twin.diagnose.changed.joint import JointFit
 from nxt_twin.diagnose.changed.play import may_lose, shown_nats
-from nxt_twin.diagnose.changed.seen import is_seen
+from nxt_twin.diagnose.changed.seen import is_as_well, is_seen
 from nxt_twin.physics.parameter import NXT_SCALE
 
 STEP = 1.0
@@ -52,6 +52,20 @@ def test_rough_readings_hide_no_error_that_grew_and_a_wished_tolerance_does(erro
     joint, _ = fit_with({}, check_rms=errors)
     pair = ReadyPair((problem, problem), None, joint.model, wished)
     assert pair.is_predicted(joint) == predicted
+
+
+@pytest.mark.parametrize(
+    ("errors", "as_well"),
+    [
+        ((0.99, 1.9), True),
+        ((1.2, 2.1), False),
+        ((0.2, 0.39), True),
+        ((0.2, 0.61), False),
+        ((0.05, 0.59), True),
+    ],
+)
+def test_a_search_ends_where_errors_are_as_small_as_those_before_alone_and_alike(errors, as_well):
+    assert is_as_well(errors, alone=0.5, tolerance=1.0, as_read=0.3) == as_well
 
 
 @pytest.mark.parametrize(

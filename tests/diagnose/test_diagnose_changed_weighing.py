@@ -123,6 +123,13 @@ def test_changes_that_bring_no_window_nearer_need_more(gain, rms_after, matters)
     assert WEIGHING.matters(simpler, wider) == matters
 
 
+@pytest.mark.parametrize(("gain", "loud"), [(26.0, False), (28.0, True)])
+def test_one_of_many_numbers_of_cycles_has_to_gain_20_nats_more(gain, loud):
+    simpler, _ = fit_with({})
+    wider, _ = fit_with({"viscous": 1.2}, cost=-gain)
+    assert WEIGHING.is_loud(simpler, wider) == loud
+
+
 @pytest.mark.parametrize(
     ("check_cost", "rms_after", "lasts"),
     [(-1.0, 0.0101, True), (-1.0, 0.0103, False), (80.0, 0.0051, False), (80.0, 0.0049, True)],

@@ -9,11 +9,14 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.diagnose.changed.held import are_held
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, design_of
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.trials import addable_effects as lacking
+from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE
+from nxt_twin.physics.effects.timing import SAMPLE_HOLD
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import Scale
 
@@ -32,6 +35,9 @@ PLAINER: Final = {
 """What says nearly as much as a law with less: a parameter's symbol, or an effect's id."""
 
 _FROM_A_MOMENT_ON = frozenset({"payload_inertia", "hanging_payload"})
+MOST_CYCLES = 40
+"""A turn of the hub: what a search tries at most where nothing else explains the side after."""
+
 _LARGEST_SIGNATURE = 1e3
 _LARGEST_STRETCH = 10.0
 
@@ -73,13 +79,32 @@ def candidates_for(fitter: JointFitter, model: Model, scale: Scale) -> list[Chan
 
 
 def new_effects(fitter: JointFitter, model: Model, scale: Scale) -> list[ChangeCandidate]:
-    """Each effect that `model` does not have, once for each of its starts."""
+    """Each effect that `model` does not have, once for each of its starts.
+
+    Over windows, readings that are held and a late command move alike: only where readings repeat can they be held.
+    """
+    held = are_held([job.signals for job in fitter.sides[-1].jobs])
+    ruled_out = set() if held else {SAMPLE_HOLD.id}
     return [
         ChangeCandidate((), effect.id, tuple(start.items()))
         for effect in lacking(model.after, fitter.sides[-1].jobs[0].signals)
-        if effect.id not in _FROM_A_MOMENT_ON and "outlier" not in effect.terms
+        if effect.id not in {*_FROM_A_MOMENT_ON, *ruled_out} and "outlier" not in effect.terms
         for start in starts_of(effect, scale)
     ]
+
+
+def rhythms(fitter: JointFitter, model: Model, scale: Scale) -> list[ChangeCandidate]:
+    """Commutation ripple that `model` does not have, once for each whole number of cycles a turn.
+
+    A rhythm that is a tenth off promises nothing, so that the starts of the library miss those between them.
+    """
+    every = [each for each in new_effects(fitter, model, scale) if each.effect == COMMUTATION_RIPPLE.id]
+    symbol = COMMUTATION_RIPPLE.parameters[1].symbol
+    starts = [
+        {**dict(each.start), symbol: float(cycles)} for each in every for cycles in range(2, MOST_CYCLES + 1)
+    ]
+    found = dict.fromkeys(tuple(start.items()) for start in starts)
+    return [ChangeCandidate((), COMMUTATION_RIPPLE.id, start) for start in found]
 
 
 def promising(

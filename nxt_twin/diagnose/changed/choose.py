@@ -7,26 +7,37 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import final
 
-from nxt_twin.diagnose.changed.candidates import PLAINER, ChangeCandidate, candidates_for, plainer, promising
+from nxt_twin.diagnose.changed.candidates import (
+    PLAINER,
+    ChangeCandidate,
+    candidates_for,
+    new_effects,
+    plainer,
+    promises,
+    promising,
+    rhythms,
+)
+from nxt_twin.diagnose.changed.held import hold_came_in
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
-from nxt_twin.diagnose.changed.seen import is_seen
+from nxt_twin.diagnose.changed.seen import is_as_well, is_seen
 from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, WORSE, Weighing
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.trials import addable_effects as lacking
+from nxt_twin.physics.effects.timing import SAMPLE_HOLD
 from nxt_twin.physics.effects.transmission import BACKLASH
 
 MOST_CHANGES = 3
 _TRIED = 5
 _SECONDS = 3
 _RIVALS = 3
+_RHYTHMS = 12
 _EXCHANGES = 2
 _BETTER_NATS = 1.0
 _BEGINNINGS = 3
 _MOST_LACKING = 2
-_AS_WELL = 2.0
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
 
 
@@ -82,6 +93,8 @@ class Chooser:
         self.weighing = weighing
         self._play = PlayTest(fitter, close, weighing, weighing.scale)
         self._signals = fitter.sides[1].jobs[0].signals
+        before, after = ([job.signals for job in side.jobs] for side in fitter.sides)
+        self._certain = {SAMPLE_HOLD.id} if hold_came_in(before, after) else set[str]()
         self._lacking: set[str] = set()
         self._tried: dict[int, tuple[JointFit, dict[int | str, list[tuple[JointFit, JointFit]]]]] = {}
         self._widened: dict[tuple[int, int, bool], tuple[JointFit, list[JointFit]]] = {}
@@ -89,22 +102,42 @@ class Chooser:
 
     def chosen(self, joint: JointFit, progress: Progress) -> Chosen:
         """Add to `joint` while something earns its place, then take out what no longer does."""
-        joint = self._completed(joint)
-        best = Chosen(joint, {}, ())
-        for beginnings in (self._steps(joint), self._steps(self._as_before(joint)), self._pairs(joint)):
+        joint = self._completed(self._held(joint))
+        best = self._pruned(joint)
+        from_before = self._as_before(joint)
+        for beginnings in (
+            self._steps(joint),
+            self._steps(from_before),
+            self._rhythms(from_before),
+            self._pairs(joint),
+        ):
             best = self._searched(best, beginnings, progress)
             if self._is_finished(best.joint):
                 break
         if best.joint.model.motor_constants:
             best = self._sparing_the_motor(joint, best, progress)
-        if not self.weighing.matters(joint, best.joint):
+        if not self._certain and not self.weighing.matters(joint, best.joint):
             return Chosen(joint, {}, tuple(sorted(self._lacking)))
         return replace(best, lacking=tuple(sorted(self._lacking)), rivals=tuple(self._not_told(best)))
+
+    def _held(self, joint: JointFit) -> JointFit:
+        """`joint` with readings that are held after, where they repeat as none did before."""
+        if not self._certain:
+            return joint
+        holds = [
+            each
+            for each in new_effects(self._fitter, joint.model, self._scale)
+            if each.effect in self._certain
+        ]
+        models = [each.put(joint.model, self._scale) for each in holds]
+        fits = [self._fitter.fit(model, model.moved_from(joint.model, joint.x)) for model in models]
+        return min(fits, key=lambda each: each.cost)
 
     def _not_told(self, chosen: Chosen) -> list[RivalChange]:
         """What may stand in the place of one change: the readings, priors apart, favour neither clearly."""
         joint, found = chosen.joint, []
-        for each in (one for one in chosen.nats if not self.weighing.is_companion(joint, one)):
+        doubtful = [one for one in chosen.nats if not self.weighing.is_companion(joint, one)]
+        for each in (one for one in doubtful if one not in self._certain):
             for _, rival in self._rivals(joint, each):
                 new = (set(rival.model.differs) | set(rival.model.effects)) - set(chosen.nats)
                 if len(new) != 1 or rival.model.changes != joint.model.changes:
@@ -153,7 +186,8 @@ class Chooser:
 
     def _is_finished(self, joint: JointFit) -> bool:
         """Whether both sides are simulated about as well as the side before alone, and own plants gain no more."""
-        as_well = max(joint.check_rms) <= _AS_WELL * max(self._alone.check_rms[0], self._fitter.tolerance)
+        fitter, alone = self._fitter, self._alone.check_rms[0]
+        as_well = is_as_well(joint.check_rms, alone, fitter.tolerance, fitter.as_read)
         return as_well and self.weighing.net(joint, self._free) <= self.weighing.limit_nats
 
     def _grown(self, joint: JointFit, progress: Progress) -> JointFit:
@@ -202,7 +236,7 @@ class Chooser:
         What the model lacks grows with a change: where friction is a little larger one way, and all of it
         triples, a law of unequal friction gains some nats beyond the friction that tripled.
         """
-        for each in [one for one in chosen.nats if isinstance(one, str)]:
+        for each in [one for one in chosen.nats if isinstance(one, str) and one not in self._certain]:
             for _, rival in self._rivals(chosen.joint, each):
                 if _symbols(rival.model) - _symbols(chosen.joint.model) != {PLAINER.get(each)}:
                     continue
@@ -229,7 +263,8 @@ class Chooser:
         """Put another in the place of each change where that is likelier: the first that helps may be the wrong one."""
         for _ in range(_EXCHANGES):
             joint = chosen.joint
-            exchangeable = [each for each in chosen.nats if each != BACKLASH.id]  # closer windows showed it
+            shown = {*self._certain, BACKLASH.id}  # closer windows showed play
+            exchangeable = [each for each in chosen.nats if each not in shown]
             rivals = [rival for each in exchangeable for rival in self._rivals(joint, each)]
             as_near = [pair for pair in rivals if sum(pair[1].check_rms) < WORSE * sum(joint.check_rms)]
             better = [(self.weighing.worth(joint, rival), bare, rival) for bare, rival in as_near]
@@ -297,6 +332,15 @@ class Chooser:
         found = self._earned(joint, self._wider(joint, _TRIED))
         yield from (tried for tried in found if self._on_both(joint, tried) is None)
 
+    def _rhythms(self, joint: JointFit) -> Iterator[JointFit]:
+        """`joint` with commutation ripple, from the likeliest numbers of cycles a turn: one of many fits by chance."""
+        every = rhythms(self._fitter, joint.model, self._scale)
+        promised = sorted(promises(self._fitter, joint, every, self._scale), key=lambda item: -item[0])
+        models = [each.put(joint.model, self._scale) for _, each in promised[:_RHYTHMS]]
+        fits = [self._fitter.fit(model, model.moved_from(joint.model, joint.x)) for model in models]
+        loud = [tried for tried in self._earned(joint, fits) if self.weighing.is_loud(joint, tried)]
+        yield from (tried for tried in loud if self._on_both(joint, tried) is None)
+
     def _pairs(self, joint: JointFit) -> Iterator[JointFit]:
         """`joint` with two changes more, which earn their place together: alone, one may look worse than none."""
         firsts = self._wider(joint, _TRIED)
@@ -344,9 +388,8 @@ class Chooser:
                 model = self._without(joint.model, each)
                 simpler = self._fitter.fit(model, model.moved_from(joint.model, joint.x))
                 nats[each] = self.weighing.net(simpler, joint)
-                stays = nats[each] >= self.weighing.keeping(joint, each) and is_seen(
-                    self._fitter, simpler, joint
-                )
+                earned = nats[each] >= self.weighing.keeping(joint, each)
+                stays = each in self._certain or (earned and is_seen(self._fitter, simpler, joint))
                 if not stays and (weakest is None or nats[each] < weakest[0]):
                     weakest = (nats[each], simpler)
             if weakest is None:

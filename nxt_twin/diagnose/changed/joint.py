@@ -83,7 +83,7 @@ class JointFitter:
         self.simulator = simulator
         self.sides = tuple(sides)
         self.tolerance = tolerance
-        self._as_read = tolerance if as_read is None else as_read
+        self.as_read = tolerance if as_read is None else as_read
 
     def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> JointFit:
         """Move the numbers of `model` from `x` to the likeliest ones, given the readings of one use."""
@@ -203,7 +203,7 @@ class JointFitter:
         ]
         square = np.concatenate([part for part, _ in parts]) ** 2
         weight = np.concatenate([np.full(part.size, w) for part, w in parts])
-        least = self._as_read**2
+        least = self.as_read**2
         found = max(float(np.median(square)), least)
         for _ in range(_ERROR_ROUNDS):
             scaled = square / found

@@ -128,6 +128,10 @@ class Weighing:
         nearer = sum(wider.check_rms) < _NEARER * sum(simpler.check_rms)
         return nearer or self._gain(simpler, wider) > CLOSE_NATS
 
+    def is_loud(self, simpler: JointFit, wider: JointFit) -> bool:
+        """Whether `wider` gains what one of many numbers hardly gains by chance."""
+        return self.net(simpler, wider) > self.limit_nats + CLOSE_NATS
+
     def keeping(self, joint: JointFit, each: int | str) -> float:
         """The worth that a change needs to stay, nats: less where another of one load differs, which comes with it.
 
