@@ -5,7 +5,7 @@ import pytest
 
 from nxt_twin.errors import PlantError
 from nxt_twin.physics.robot.drive import drive_from_config
-from nxt_twin.physics.robot.dynamics import GRAVITY, LOAD_GYRATION, NAMES, wheel_angles
+from nxt_twin.physics.robot.dynamics import GRAVITY, LOAD_GYRATION, NAMES, dropped, wheel_angles
 from nxt_twin.physics.robot.powered import body_effects, dynamics_config, powered_robot
 
 BACK_EMF, RESISTANCE, ROTOR, MASS, YAW = 0.49, 7.6, 1.2e-3, 1.0, 0.005
@@ -93,6 +93,26 @@ def test_what_one_motor_has_slows_its_wheel_on_the_spot(change, lost_rad_s):
     # The body rolls on both wheels: on the spot each has half of the loss.
     left, right = steady((6.0, -6.0), **change)
     assert 6.0 / BACK_EMF - 0.5 * (left - right) == pytest.approx(0.5 * lost_rad_s, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("across_v", "taken_v"), [(4.0, 0.6), (-4.0, -0.6), (0.2, 0.2), (-0.2, -0.2), (0.0, 0.0)]
+)
+def test_brushes_take_their_drop_or_all_that_there_is(across_v, taken_v):
+    assert dropped(across_v, 0.6) == pytest.approx(taken_v, abs=0.02)
+
+
+def test_brushes_never_drive_a_motor_that_coasts_under_a_shorted_bridge():
+    # Below its drop next to no current flows: the wheels nearly keep the speed with which they start.
+    still = np.zeros((TIME_S.size, 2))
+    values = np.array([BACK_EMF] * 2 + [RESISTANCE] * 2 + [1e-9] * 4 + [ROTOR] * 2 + [MASS, YAW] + [0.0] * 14)
+    values[[NAMES.index("left_drop"), NAMES.index("right_drop")]] = 1.0
+    start = np.tile([0.5 * RADIUS / BACK_EMF, 0.0], (TIME_S.size, 1))
+    angles = wheel_angles(
+        values, SHAPE, TIME_S, still, still[:, 0], TIME_S == 0.0, start, np.full(TIME_S.size, OPEN_V), still
+    )
+    kept = 0.5 / BACK_EMF * TIME_S[-1]
+    assert np.all((angles[-1] > 0.8 * kept) & (angles[-1] < kept))
 
 
 def test_with_an_open_off_phase_the_whole_voltage_drives_for_the_dutys_share():

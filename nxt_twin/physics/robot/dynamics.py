@@ -32,9 +32,8 @@ STICK_RAD_PER_S: Final = 0.08
 _STILL_M_PER_S: Final = 4e-3
 LEAST_BACK_M: Final = 5e-3
 STILL_RAD_PER_S: Final = 0.1
-_SATURATES: Final = 20.0
 DROPS_V: Final = 0.15
-"""A voltage drop acts whole where the voltage across the winding is several times as large."""
+"""Where the voltage across a winding comes so near to its drop, current sets in."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -44,9 +43,11 @@ def smooth_sign(x: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def tanh_of(x: float) -> float:
-    """The hyperbolic tangent, without its cost where it is one to the last bit."""
-    return math.copysign(1.0, x) if abs(x) > _SATURATES else math.tanh(x)
+def dropped(across: float, drop: float) -> float:
+    """The voltage that brushes take: the whole drop, or all that there is where that is less; so smoothly."""
+    above, below = across + drop, across - drop
+    soft = DROPS_V * DROPS_V
+    return 0.5 * (math.sqrt(above * above + soft) - math.sqrt(below * below + soft))
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,7 +69,7 @@ def _force(
 ) -> float:
     """What wheel k would push with if its rotor had no inertia, N; where the off phase is open, no current brakes."""
     across = bridge[0] - p[k] * rate
-    torque = bridge[1] * p[k] * (across - p[24 + k] * tanh_of(across / DROPS_V)) / p[2 + k]
+    torque = bridge[1] * p[k] * (across - dropped(across, p[24 + k])) / p[2 + k]
     if floats > 0.5 and across * bridge[0] <= 0.0:
         torque = 0.0
     way = smooth_sign(rate / STICK_RAD_PER_S)
@@ -195,13 +196,11 @@ def accelerations(
 
 @njit(cache=True, error_model="numpy")
 def longest_step_s(p: FloatArray) -> float:
-    """A step in which neither dry friction nor a voltage drop turns a wheel back, not even a rotor alone."""
+    """A step in which dry friction turns no wheel back, not even a rotor alone."""
     longest = _STEP_S
     for k in range(2):
         most = p[4 + k] + abs(p[20 + k])
         longest = min(longest, p[8 + k] * STICK_RAD_PER_S / max(most, 1e-12))
-        kicks = p[k] * p[k] * abs(p[24 + k]) / (p[2 + k] * DROPS_V)
-        longest = min(longest, p[8 + k] / max(kicks, 1e-12))
     return max(longest, _SHORTEST_STEP_S)
 
 

@@ -22,13 +22,13 @@ from nxt_twin.physics.robot.dynamics import (
     crawl,
     drag_per_speed,
     driving,
+    dropped,
     gravity,
     inertias,
     longest_step_s,
     share_left,
     smooth_sign,
     solved,
-    tanh_of,
 )
 
 STARTS: Final = 2
@@ -59,12 +59,13 @@ def _of_force(
 ) -> tuple[float, float]:
     """Slopes of a wheel's torque by its motor's numbers into `out`; returned by its rate and by the share held."""
     across = held * source[0] - p[k] * rate
-    bends = tanh_of(across / DROPS_V)
+    above, below = (across + p[24 + k]) / DROPS_V, (across - p[24 + k]) / DROPS_V
+    rises, falls = smooth_sign(above), smooth_sign(below)
     per_v = source[1] * p[k] / p[2 + k]
     if floats > 0.5 and across * held * source[0] <= 0.0:
         per_v = 0.0
-    torque = per_v * (across - p[24 + k] * bends)
-    by_across = per_v * (1.0 - p[24 + k] / DROPS_V * (1.0 - bends * bends))
+    torque = per_v * (across - dropped(across, p[24 + k]))
+    by_across = per_v * (1.0 - 0.5 * (rises - falls))
     way = smooth_sign(rate / STICK_RAD_PER_S)
     turns = _bend(rate / STICK_RAD_PER_S) / STICK_RAD_PER_S
     out[_FORCES + k, 0] = torque / p[k] - by_across * rate
@@ -73,7 +74,7 @@ def _of_force(
     out[_FORCES + k, 3] = -rate
     out[_FORCES + k, 4] = -way * way
     out[_FORCES + k, 5] = -abs(rate) * rate
-    out[_FORCES + k, 6] = -per_v * bends
+    out[_FORCES + k, 6] = -0.5 * per_v * (rises + falls)
     friction = (p[4 + k] + 2.0 * p[20 + k] * way) * turns + p[6 + k] + 2.0 * p[22 + k] * abs(rate)
     return -by_across * p[k] - friction, by_across * source[0]
 

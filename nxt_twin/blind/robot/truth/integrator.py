@@ -20,15 +20,14 @@ _GRIP = 0.8
 _CREEP_M_PER_S = 2e-3
 _STICK_RAD_PER_S = 0.04
 _STILL_M_PER_S = 4e-3
-_BRUSH_V = 0.05
 _ROUNDS = 4
 
 
 @njit(cache=True)
 def winding_current(volts: float, rate: float, p: FloatArray, k: int) -> float:
-    """The current of motor k, whose brushes take a part of the voltage."""
+    """The current of motor k, whose brushes take a part of the voltage, and pass none below it."""
     across = volts - p[13 + k] * rate
-    return float((across - p[30 + k] * np.tanh(across / _BRUSH_V)) / p[11 + k])
+    return float(np.sign(across) * max(abs(across) - p[30 + k], 0.0) / p[11 + k])
 
 
 @njit(cache=True)
