@@ -130,7 +130,7 @@ def test_a_voltage_drop_is_told_on_its_side(diagnosed, port, side):
         "explained",
         [f"{side}_motor.voltage_drop"],
     )
-    assert found.effects[0].params["drop_v"].value == pytest.approx(0.6, rel=0.1)
+    assert found.effects[0].params["drop_v"].value == pytest.approx(0.6, rel=0.03)
 
 
 @pytest.mark.slow

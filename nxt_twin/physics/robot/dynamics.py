@@ -32,7 +32,7 @@ STICK_RAD_PER_S: Final = 0.08
 _STILL_M_PER_S: Final = 4e-3
 LEAST_BACK_M: Final = 5e-3
 STILL_RAD_PER_S: Final = 0.1
-DROPS_V: Final = 0.15
+DROPS_V: Final = 0.05
 """Where the voltage across a winding comes so near to its drop, current sets in."""
 
 

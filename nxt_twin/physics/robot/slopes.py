@@ -1,4 +1,7 @@
-"""How the wheels' angles answer to each number of motors and body: exact slopes along one simulation."""
+"""How the wheels' angles answer to each number of motors and body: exact slopes along one simulation.
+
+Numba's cache looks at this file alone. After a change of `dynamics`, delete the room's compiled files.
+"""
 
 from __future__ import annotations
 
