@@ -17,7 +17,13 @@ from nxt_twin.blind.truth.motor import Motor
 
 DRIVE, FLOAT, COAST, BRAKE = range(4)
 TRUTH_FOLDER = Path(nxt_twin.blind.truth.__file__).parent
-MAY_IMPORT = ("nxt_twin.blind.truth", "nxt_twin.recording", "nxt_twin.errors", "nxt_twin.arrays")
+MAY_IMPORT = (
+    "nxt_twin.blind.truth",
+    "nxt_twin.recording",
+    "nxt_twin.errors",
+    "nxt_twin.arrays",
+    "nxt_twin.machine_code",
+)
 
 
 def steady_speed(motor: Motor, volts: float) -> float:

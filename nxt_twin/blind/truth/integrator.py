@@ -10,6 +10,7 @@ from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.blind.truth import friction, load, surprises, winding
 from nxt_twin.blind.truth.compiled import compiled
 from nxt_twin.blind.truth.motor import Motor
+from nxt_twin.machine_code import forget_outdated
 
 LONGEST_STEP_S = 25e-6
 THETA, OMEGA, CURRENT, BEND, THETA_LOAD, OMEGA_LOAD, HEAT, MISCOUNT, MEMORY = range(9)
@@ -110,3 +111,6 @@ def integrate(
             _rates(motor, t + h, y, duty[event], mode[event], push_nm[event], k[3])
             for j in range(STATES):
                 x[j] += h * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j]) / 6.0
+
+
+forget_outdated(integrate, friction, load, surprises, winding)

@@ -15,6 +15,8 @@ from numba import njit
 from numpy.random import Generator
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.machine_code import forget_outdated
+from nxt_twin.physics import observer
 from nxt_twin.physics.observer import Noise, carried, corrected
 from nxt_twin.physics.simulate import Job
 
@@ -227,3 +229,6 @@ def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba i
         found[k] = innovation / std[k]
         for i in range(3):
             guess[i] += gains[k, i] * innovation
+
+
+forget_outdated(_cost, observer)

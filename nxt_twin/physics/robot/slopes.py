@@ -1,7 +1,4 @@
-"""How the wheels' angles answer to each number of motors and body: exact slopes along one simulation.
-
-Numba's cache looks at this file alone. After a change of `dynamics`, delete the room's compiled files.
-"""
+"""How the wheels' angles answer to each number of motors and body: exact slopes along one simulation."""
 
 from __future__ import annotations
 
@@ -12,6 +9,8 @@ import numpy as np
 from numba import njit
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.machine_code import forget_outdated
+from nxt_twin.physics.robot import dynamics
 from nxt_twin.physics.robot.dynamics import (
     DROPS_V,
     GRAVITY,
@@ -351,3 +350,6 @@ def wheel_slopes(
             )
             travel, turn = travel + went, turn + turned
     return angles, slopes
+
+
+forget_outdated(wheel_slopes, dynamics)

@@ -11,6 +11,7 @@ from nxt_twin.blind.families.compiled import compiled
 from nxt_twin.blind.families.numbers import Numbers
 from nxt_twin.blind.families.workshop import torques, winding
 from nxt_twin.blind.families.workshop.base import Flaws
+from nxt_twin.machine_code import forget_outdated
 
 LONGEST_STEP_S = 40e-6
 STILL_RAD_S = 1e-3
@@ -127,3 +128,6 @@ def advance(
         out[stop, 0], out[stop, 1] = x[THETA], x[MISCOUNT]
         out[stop, 2] = winding.volts(m, now, winding.drawn_a(x[CURRENT], duty, mode), x[DIP])
     return out
+
+
+forget_outdated(advance, torques, winding)
