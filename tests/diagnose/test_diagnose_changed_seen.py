@@ -76,6 +76,9 @@ def test_a_search_ends_where_errors_are_as_small_as_those_before_alone_and_alike
         (6.0, 19.0, 50.0, 0.0),
         (2.9, 60.0, 60.0, 0.0),
         (3.1, 60.0, 50.0, 50.0),
+        (3.9, 60.0, 31.0, 31.0),
+        (3.9, 60.0, 29.0, 0.0),
+        (4.1, 60.0, 29.0, 29.0),
     ],
 )
 def test_play_has_to_beat_inertia_and_a_second_body_without_play(gap_deg, over_inertia, over_tied, shown):
