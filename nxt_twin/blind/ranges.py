@@ -121,6 +121,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the engine after the work of 25 November 2026, in half an hour, looked at by nobody before",
             singles=60,
         ),
+        SeedRange(
+            "fourth",
+            (5006,),
+            Amounts(None, 25, 6, 0, 25),
+            None,
+            "the engine after decision 31, in half an hour, looked at by nobody before",
+            singles=60,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

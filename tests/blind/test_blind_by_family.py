@@ -165,7 +165,7 @@ def test_the_range_of_silence_holds_clean_motors_and_unknown_effects_of_a_seed_o
     assert (len(clean), len(strangers), len(orders)) == (100, 100, 200)
 
 
-@pytest.mark.parametrize("own", ["second", "third"])
+@pytest.mark.parametrize("own", ["second", "third", "fourth"])
 def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own):
     found = RANGES[own]
     others = [seed for name, one in RANGES.items() if name != own for seed in one.seeds]
