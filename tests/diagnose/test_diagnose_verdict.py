@@ -29,14 +29,17 @@ EDGES = {
     "structured_torque": (replace(STRUCTURED, torque_after=6e-3, remaining=2.0), "torque_after"),
     "large_torque": (replace(QUIET, torque_after=3e-2, remaining=2.0), "torque_after"),
     "excused": (replace(QUIET, torque_after=4e-3, remaining=2.01), "torque_after"),
-    "rested": (replace(FOUND, rested_nats=40.0, remaining=0.1, matters=False), "rested_nats"),
+    "rested": (replace(FOUND, rested_nats=60.0, remaining=0.1, matters=False), "rested_nats"),
     "far_off": (replace(QUIET, off=4.0), "off"),
     "moved": (replace(FOUND, moved=3.0), "moved"),
     "most_left": (
-        replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.1 - 100.0),
+        replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.14 - 100.0),
         "left_nats",
     ),
-    "unsettled": (replace(FOUND, run_ratio=0.5, torque_after=2.0 * 6e-3, remaining=2.0), "torque_after"),
+    "unsettled": (
+        replace(FOUND, run_ratio=0.5, torque_after=2.0 * 6e-3, torque_before=0.1, remaining=2.0),
+        "torque_after",
+    ),
     "hardly": (
         replace(FOUND, run_ratio=0.15, torque_after=5e-2, torque_before=1.0, remaining=2.0),
         "run_ratio",
@@ -51,13 +54,13 @@ EDGES = {
         replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=5e-3, run_ratio=0.4999),
         "run_ratio",
     ),
-    "sober": (replace(FOUND, sober_nats=50.0, gained_nats=400.0, remaining=0.6, matters=False), "sober_nats"),
+    "sober": (replace(FOUND, sober_nats=60.0, gained_nats=360.0, remaining=0.6, matters=False), "sober_nats"),
     "surprising": (replace(FOUND, surprise=4.0, run_ratio=0.5), "surprise"),
-    "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.25), "surprise"),
+    "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.0), "surprise"),
     "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
     "forgiven": (replace(FORGIVEN, torque_after=1.5e-2, torque_before=2.9e-2), "torque_after"),
     "untouched": (replace(FORGIVEN, torque_after=8.0e-3, torque_before=1e-2), "torque_after"),
-    "large_by_windows": (replace(QUIET, by_windows=True, torque_after=4e-2), "torque_after"),
+    "large_by_windows": (replace(QUIET, by_windows=True, torque_after=2.8e-2), "torque_after"),
 }
 
 
@@ -94,6 +97,8 @@ def test_each_limit_has_a_case_at_its_edge():
         "sure",
         "unheard",
         "unmistakable",
+        "heard",
+        "astray",
         "loud",
         "nearly",
         "shaped",
@@ -101,7 +106,7 @@ def test_each_limit_has_a_case_at_its_edge():
     }
 
 
-ANOTHER_LAW = replace(FOUND, remaining=2.01, shape_nats=25.1, gained_nats=200.0)
+ANOTHER_LAW = replace(FOUND, remaining=2.01, shape_nats=25.1, gained_nats=150.0)
 
 
 @pytest.mark.parametrize(
@@ -110,13 +115,15 @@ ANOTHER_LAW = replace(FOUND, remaining=2.01, shape_nats=25.1, gained_nats=200.0)
         ({}, True),
         ({"remaining": 2.0}, False),
         ({"shape_nats": 25.0}, False),
-        ({"gained_nats": 230.0}, False),
+        ({"gained_nats": 155.0}, False),
         ({"gained_nats": 230.0, "shape_left": 0.49}, True),
         ({"gained_nats": 230.0, "shape_left": 0.5}, False),
         ({"gained_nats": 2480.0, "shape_left": 0.49}, True),
         ({"gained_nats": 2490.0, "shape_left": 0.49}, False),
         ({"found": False}, False),
         ({"matters": False}, True),
+        ({"shape_left": 1.25}, True),
+        ({"shape_left": 1.26}, False),
     ],
 )
 def test_effects_stand_for_another_law_where_a_free_function_explains_much_beside_them(changes, another):
@@ -127,7 +134,7 @@ def test_effects_stand_for_another_law_where_a_free_function_explains_much_besid
 
 @pytest.mark.parametrize("changes", [{"remaining": 2.0}, {"by_windows": True}, {"matters": False}])
 def test_an_unknown_torque_excuses_a_small_error_and_what_windows_of_coloured_readings_leave(changes):
-    pushed = replace(QUIET, torque_after=2.9e-2, remaining=2.01)
+    pushed = replace(QUIET, torque_after=2.7e-2, remaining=2.01)
     assert verdict_of(pushed) == "unexplained"
     assert verdict_of(replace(pushed, **changes)) == "adequate"
 
@@ -153,7 +160,7 @@ def test_windows_alone_name_nothing_where_single_steps_are_evidence_too(changes,
 
 
 def test_an_unknown_torque_excuses_no_error_by_windows_where_single_steps_are_evidence_too():
-    pushed = replace(QUIET, by_windows=True, torque_after=2.9e-2, remaining=2.01)
+    pushed = replace(QUIET, by_windows=True, torque_after=2.7e-2, remaining=2.01)
     assert verdict_of(replace(pushed, colour=1.4)) == "adequate"
     assert verdict_of(replace(pushed, colour=1.39)) == "unexplained"
 
@@ -215,9 +222,6 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
         ({"nearer": 0.99 * 0.98}, False),
         ({"least_nats": 40.0}, False),
         ({"found": False}, False),
-        ({"nearer": 0.9, "longer": ABOVE * 1.1}, True),
-        ({"nearer": 0.9, "longer": 1.1}, False),
-        ({"nearer": 0.85, "longer": ABOVE * 1.1}, False),
         ({"nearer": 0.3, "at_first": 0.49}, True),
         ({"nearer": 0.3, "at_first": 0.5}, False),
         ({"nearer": 0.3, "at_first": 0.49, "least_nats": 40.0}, False),
@@ -225,7 +229,7 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
     ],
 )
 def test_an_effect_without_which_a_simulation_errs_by_no_more_is_needless(changes, needless):
-    quiet = replace(FOUND, nearer=0.98, least_nats=0.99 * 40.0)
+    quiet = replace(FOUND, nearer=0.98, longer=0.84, least_nats=0.99 * 40.0)
     assert is_needless(replace(quiet, **changes)) is needless
 
 
@@ -251,6 +255,22 @@ def test_no_ordinary_gain_names_what_hardly_changes_a_simulation_that_errs_by_le
 
 
 @pytest.mark.parametrize(
+    ("changes", "needless"),
+    [
+        ({}, True),
+        ({"least_nats": 100.0}, False),
+        ({"nearer": 0.85}, False),
+        ({"longer": 0.84}, False),
+        ({"doubts": True}, False),
+        ({"restores": True}, False),
+    ],
+)
+def test_only_a_clear_gain_names_what_hardly_brings_a_simulation_nearer(changes, needless):
+    quiet = replace(FOUND, nearer=0.86, longer=1.0, at_first=5.0, least_nats=99.9)
+    assert is_needless(replace(quiet, **changes)) is needless
+
+
+@pytest.mark.parametrize(
     ("changes", "superfluous"),
     [
         ({}, True),
@@ -263,7 +283,7 @@ def test_no_ordinary_gain_names_what_hardly_changes_a_simulation_that_errs_by_le
     ],
 )
 def test_the_weakest_of_several_effects_is_weighed_beside_the_others(changes, superfluous):
-    beside = replace(FOUND, named=2, nearer=0.86, worst_ratio=1.06, least_nats=39.9)
+    beside = replace(FOUND, named=2, nearer=0.86, longer=0.84, worst_ratio=1.06, least_nats=39.9)
     assert is_superfluous(replace(beside, **changes)) is superfluous
 
 
@@ -291,8 +311,8 @@ def test_effects_that_do_not_halve_the_error_and_lead_long_simulations_astray_ar
         ({"torque_after": 1.5e-2}, False),
         ({"torque_before": 3.03e-2}, False),
         ({"by_windows": True}, False),
-        ({"by_windows": True, "torque_after": 4e-2}, False),
-        ({"by_windows": True, "torque_after": 4.01e-2}, True),
+        ({"by_windows": True, "torque_after": 2.8e-2}, False),
+        ({"by_windows": True, "torque_after": 2.81e-2}, True),
         ({"found": False}, False),
     ],
 )
@@ -363,8 +383,8 @@ def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_e
     ("changes", "swallowed"),
     [
         ({}, True),
-        ({"sober_nats": 50.0}, False),
-        ({"gained_nats": 460.0}, False),
+        ({"sober_nats": 60.0}, False),
+        ({"gained_nats": 375.0}, False),
         ({"gained_nats": -100.0}, True),
         ({"by_windows": True, "colour": 1.39}, True),
         ({"by_windows": True, "colour": 1.4}, False),
@@ -376,7 +396,7 @@ def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_e
     ],
 )
 def test_an_unknown_torque_may_not_stand_for_a_law_that_readings_call_for(changes, swallowed):
-    record = replace(replace(FOUND, sober_nats=50.1, gained_nats=450.0), **changes)
+    record = replace(replace(FOUND, sober_nats=60.1, gained_nats=360.0), **changes)
     assert is_swallowed(record) is swallowed
     assert is_another_law(record) is swallowed
 
