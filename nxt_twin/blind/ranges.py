@@ -129,6 +129,13 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the engine after decision 31, in half an hour, looked at by nobody before",
             singles=60,
         ),
+        SeedRange(
+            "release",
+            (5007, 5008),
+            Amounts(None, 40, 13, 7, 13),
+            None,
+            "the mixture of `scored` for the engine after decision 32, looked at by nobody before",
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -28,6 +28,8 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 
+_LIKELIER_NATS = 1.0
+
 
 def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
     """Fit the true structure to a case; None where the library does not hold all that is hidden."""
@@ -38,7 +40,7 @@ def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
     with Simulator(problem.plant.layout) as simulator:
         fitter = Fitter(simulator, problem)
         baseline = settled_baseline(fitter)
-        true = _with_effects(fitter, baseline, effects)
+        true = likelier(_with_effects(fitter, baseline, effects), _from_the_truth(fitter, baseline, answer))
         weight = weigh(baseline, true)
         final = fit_everything(fitter, true.plant, true.noise)
         factor = units_of(problem.plant.layout.frame, problem.signals[0]).reading_factor
@@ -49,6 +51,11 @@ def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:
         return Reach(weight.gain, weight.check_gain, overall(runs) * factor, horizons, each)
 
 
+def likelier(usual: Structure, other: Structure) -> Structure:
+    """`other` if it is likelier on what was fitted, by more than chance."""
+    return other if other.fitted_cost < usual.fitted_cost - _LIKELIER_NATS else usual
+
+
 def _with_effects(fitter: Fitter, baseline: Structure, effects: Sequence[Mapping[str, Any]]) -> Structure:
     """`baseline` with the hidden effects, one after the other, each settled from its true size."""
     true = baseline
@@ -57,6 +64,21 @@ def _with_effects(fitter: Fitter, baseline: Structure, effects: Sequence[Mapping
         fitted, _ = fitter.fit(started, true.noise, replace(SETTLED, iterations=25))
         true = settled(fitter, fitted.plant, true.noise)
     return true
+
+
+def _from_the_truth(fitter: Fitter, baseline: Structure, answer: Mapping[str, Any]) -> Structure:
+    """The true structure settled from its true numbers: from those of a re-fitted baseline it may not find there."""
+    parameters = baseline.plant.layout.parameters
+    fitted = [slot for variable in baseline.fitted.variables for slot in variable.slots]
+    known = {
+        slot: answer["base"][parameters[slot].name] * parameters[slot].si
+        for slot in fitted
+        if parameters[slot].name in answer["base"]
+    }
+    plant = baseline.plant.with_values(known)
+    for effect in answer["effects"]:
+        plant = _started(fitter, plant, effect, baseline.noise)
+    return settled(fitter, plant, baseline.noise)
 
 
 def _each_gain(

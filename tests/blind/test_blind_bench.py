@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from nxt_twin.blind.aims import DETECTABLE_NATS, Aim, aims_of, as_text, is_detectable, shows_each
 from nxt_twin.blind.effects.library import UNKNOWN_EFFECTS
 from nxt_twin.blind.make import make_case, write_case
-from nxt_twin.blind.reach import reach
+from nxt_twin.blind.reach import likelier, reach
 from nxt_twin.blind.reached import Reach, reached
 from nxt_twin.blind.solve import reach_all, solve_all
 from nxt_twin.blind.verdict import Judged
@@ -88,6 +89,12 @@ def test_the_true_structure_beats_the_baseline_where_something_is_hidden(tmp_pat
     assert found is not None
     assert found.gain_nats > DETECTABLE_NATS
     assert 0.0 < found.held_out_rmse < 20.0
+
+
+@pytest.mark.parametrize(("other_cost", "counts"), [(98.9, "other"), (99.1, "usual"), (101.0, "usual")])
+def test_of_two_fits_of_the_true_structure_the_likelier_counts(other_cost, counts):
+    fits = {"usual": SimpleNamespace(fitted_cost=100.0), "other": SimpleNamespace(fitted_cost=other_cost)}
+    assert likelier(**fits) is fits[counts]
 
 
 def test_a_pair_tells_the_effect_that_its_data_do_not_show(tmp_path):

@@ -140,8 +140,10 @@ def test_deletions_are_counted_by_verdict():
     assert as_text(rows).splitlines()[0].startswith("taken out")
 
 
-def test_the_scored_range_holds_what_it_must_and_no_development_seed():
-    scored = RANGES["scored"]
+@pytest.mark.parametrize("own", ["scored", "release"])
+def test_the_scored_range_holds_what_it_must_and_no_seed_of_another(own):
+    scored = RANGES[own]
+    assert not set(scored.seeds) & {seed for name, one in RANGES.items() if name != own for seed in one.seeds}
     assert min(scored.seeds) >= 5000
     orders = [case.order for case in scored.cases(tuple(FAMILIES.values()))]
     known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
