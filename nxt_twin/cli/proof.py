@@ -21,7 +21,7 @@ def proof(
     folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
     chosen: Annotated[
         str,
-        typer.Option("--range", help="A named range: sample, development, scored, silence, second or third."),
+        typer.Option("--range", help="A named range, such as sample or development; docs/proof.md lists all."),
     ] = "sample",
     family: Annotated[str, typer.Option(help="Truth families, comma-separated, or all.")] = "all",
     minutes: Annotated[
