@@ -21,7 +21,9 @@ def proof(
     folder: Annotated[Path, typer.Argument(help="Folder for all files; a second run continues.")],
     chosen: Annotated[
         str,
-        typer.Option("--range", help="A named range, such as sample or development; docs/proof.md lists all."),
+        typer.Option(
+            "--range", help="A named range, such as sample or development; docs/proof.md lists all."
+        ),
     ] = "sample",
     family: Annotated[str, typer.Option(help="Truth families, comma-separated, or all.")] = "all",
     minutes: Annotated[

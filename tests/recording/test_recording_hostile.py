@@ -263,3 +263,8 @@ def test_no_name_at_all_is_a_folder():
 def test_a_table_of_one_row_is_told_as_such(put):
     with pytest.raises(RecordingError, match=r"holds only one row .record at least two"):
         guess_mapping(put("one.csv", "t,pwm,deg\n0,50,0\n"))
+
+
+def test_a_table_of_nothing_but_a_header_is_told_as_such(put):
+    with pytest.raises(RecordingError, match=r"holds no rows .record at least two"):
+        guess_mapping(put("none.csv", "t,pwm,deg\n"))

@@ -137,7 +137,8 @@ def profile_of(path: Path) -> TableProfile:
     numbers = {name: values for name, values in cells.items() if values is not None}
     longest = max((values.size for values in numbers.values()), default=_FEWEST_ROWS)
     if longest < _FEWEST_ROWS:
-        raise RecordingError("holds only one row", where=str(file), mend="record at least two")
+        held = "only one row" if longest else "no rows"
+        raise RecordingError(f"holds {held}", where=str(file), mend="record at least two")
     if not numbers:
         mend = "write `table: {delimiter: …, header: …}` in a mapping"
         raise RecordingError("holds no column of numbers", where=str(file), mend=mend)
