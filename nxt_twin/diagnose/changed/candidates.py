@@ -38,8 +38,8 @@ _FROM_A_MOMENT_ON = frozenset({"payload_inertia", "hanging_payload"})
 MOST_CYCLES = 40
 """A turn of the hub: what a search tries at most where nothing else explains the side after."""
 
-_LARGEST_SIGNATURE = 1e3
-_LARGEST_STRETCH = 10.0
+_LARGEST_SIGNATURE = 1e3  # in errors of the fit, either way; a run that blew up is no better than that
+_LARGEST_STRETCH = 10.0  # prior standard deviation of the factor that stretches an effect's signature
 
 
 @final

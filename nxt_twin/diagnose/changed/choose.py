@@ -29,15 +29,15 @@ from nxt_twin.diagnose.search.trials import addable_effects as lacking
 from nxt_twin.physics.effects.timing import SAMPLE_HOLD
 from nxt_twin.physics.effects.transmission import BACKLASH
 
-MOST_CHANGES = 3
-_TRIED = 5
-_SECONDS = 3
-_RIVALS = 3
-_RHYTHMS = 12
-_EXCHANGES = 2
-_BETTER_NATS = 1.0
-_BEGINNINGS = 3
-_MOST_LACKING = 2
+MOST_CHANGES = 3  # differing parameters and effects from which on a search adds no more
+_TRIED = 5  # most promising candidates that each step of a search fits
+_SECONDS = 3  # most promising candidates that are fitted beside each first one of a pair
+_RIVALS = 3  # most promising candidates tried in a change's place; also exchanges pruned in a round, at most
+_RHYTHMS = 12  # most promising ripples, by cycles a turn, that are fitted
+_EXCHANGES = 2  # rounds of exchanges, at most
+_BETTER_NATS = 1.0  # by which a rival has to be likelier in all readings before it is exchanged for a change
+_BEGINNINGS = 3  # first steps from which one search grows, at most
+_MOST_LACKING = 2  # effects in a row that both sides take in before the next change is tried, at most
 _UNDER_LOAD = frozenset({"load_dependent_friction", "torque_saturation"})
 
 

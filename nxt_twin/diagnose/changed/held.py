@@ -11,7 +11,7 @@ from nxt_twin.physics.signals import Signals
 _JUMP_STEPS = (
     2.5  # of the encoder: a motor that turns at this or less may well repeat a reading between two steps
 )
-_FEWEST_JUMPS = 30
+_FEWEST_JUMPS = 30  # of a side: fewer do not tell whether readings are held
 HELD_SHARE = 0.5
 """Of jumps by three steps or more: how many follow a repeated reading where readings are held.
 

@@ -16,18 +16,18 @@ from nxt_twin.diagnose.fitting.batch import batch_predictions
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.simulate import Simulator
 
-_DIFFERENCE = 2e-3
+_DIFFERENCE = 2e-3  # step of a slope, in ordinary sizes of a number
 _WIDE_DIFFERENCE = (
     0.05  # a load behind play strikes now or a moment later: small steps do not show where it goes
 )
 _DAMPINGS = (0.0, 1e-2, 1.0, 30.0)
-_LONGEST_STEP = 1.0
-_ROUNDS = 3
-_ITERATIONS = 8
-_PATIENCE_NATS = 0.1
-_SAME_ERROR = 0.02
-_ERROR_ROUNDS = 20
-_LARGEST_ERROR = 1e6
+_LONGEST_STEP = 1.0  # of one Gauss-Newton step, in ordinary sizes of a number
+_ROUNDS = 3  # of numbers and error in turn, at most
+_ITERATIONS = 8  # Gauss-Newton steps of one round, at most
+_PATIENCE_NATS = 0.1  # numbers rest where a step gains less
+_SAME_ERROR = 0.02  # change of the error, as a logarithm, below which rounds end
+_ERROR_ROUNDS = 20  # of the fixed point that the likeliest error is
+_LARGEST_ERROR = 1e6  # SI: what a reading is predicted to be where a simulation gives no number
 
 
 @final

@@ -16,13 +16,13 @@ from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 
 _LEAST_SHARE = 1e-3  # of its scale: the least value of a positive variable
-_LARGEST_FACTOR = 30.0
+_LARGEST_FACTOR = 30.0  # by which a positive parameter may differ after, either way
 _MOTOR = frozenset({"resistance", "torque_constant"})
 _MOTOR_SPREAD = 0.2  # of the logarithm: a motor's constants hardly change while somebody works at the load
-_SPREAD = 1.0
+_SPREAD = 1.0  # of the logarithm: one standard deviation by which any other positive parameter differs
 _WEIGHED = frozenset({"gravity", "inertia"})
 _WEIGHED_SPREAD = 0.25  # of the logarithm, before: a load can be weighed, and it moved as its model predicts
-_SUPPLY_SPREAD = 0.3
+_SUPPLY_SPREAD = 0.3  # of the logarithm: one standard deviation by which an unread supply differs
 _SUPPLY_REACH = float(np.log(3.0))
 _SUPPLY = Slot(BASE_OWNER, "supply_v")
 

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.parameter import Scale
 
 _PATTERNS = ((0, 1), (0, 1, 1, 0))
-_FEWEST = 2
+_FEWEST = 2  # recordings of a side: one alone has no repeat
 
 
 def alarm_nats(fitter: JointFitter, joint: JointFit) -> float | None:

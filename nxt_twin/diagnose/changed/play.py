@@ -19,7 +19,7 @@ CLOSE_WINDOW_S = 0.3
 
 _GAP = BACKLASH.parameters[0]
 _GAP_SLOT = Slot(BACKLASH.id, _GAP.symbol)
-_PLAY_NATS = 20.0
+_PLAY_NATS = 20.0  # what play has to gain in close windows over more inertia on a fixed load
 _OPENS_NATS = 12.0
 """What an open gap has to gain over a second body without play.
 

@@ -22,12 +22,12 @@ from nxt_twin.recording.recording import Recording
 
 Which = Literal["fitted", "check", "everything"]
 
-LONGEST_WINDOW_S = 1.0
+LONGEST_WINDOW_S = 1.0  # of simulation; short recordings have shorter windows
 READINGS_A_WINDOW = 4.0
 """Independent readings in a window of simulation, whose errors go together from its beginning to its end."""
 
 _NEEDS_NO_SUPPLY = ("voltage_v", "current_a", "torque_nm", "force_n")
-_FEWEST_WINDOWS = 6
+_FEWEST_WINDOWS = 6  # into which the shortest recording is cut
 _CYCLE = 3  # windows: fit, fit, check
 
 

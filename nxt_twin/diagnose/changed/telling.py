@@ -15,7 +15,7 @@ from nxt_twin.physics.effect import Equation
 from nxt_twin.physics.layout import BASE_OWNER
 from nxt_twin.physics.parameter import Parameter
 
-_Z = 1.96
+_Z = 1.96  # standard deviations from a value to either end of its 95 % interval
 _SURE_NATS = 50.0  # more is as good as sure, and no exponential overflows
 _FURTHER_OFF = 1.5  # than a plant of its own: what few changes do not account for
 _MUCH_FURTHER_OFF = 6.0  # than the side before: what no parameter accounts for

@@ -12,11 +12,11 @@ from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.physics.parameter import Scale
 
 LOAD = frozenset({"gravity", "inertia", "gravity_load"})
-_LAW_NATS = 6.0
-_MAKE_NATS = 12.0
-_BODY_NATS = 12.0
+_LAW_NATS = 6.0  # asked of each new effect beyond its penalty
+_MAKE_NATS = 12.0  # asked beyond that of an effect of how a motor is made
+_BODY_NATS = 12.0  # asked beyond `_LAW_NATS` of a second body on the shaft
 _MOTOR_NATS = _LAW_NATS + _MAKE_NATS  # a motor's constants are how it is made
-_COMPANION_NATS = 1.0
+_COMPANION_NATS = 1.0  # asked of a parameter of the load beside another of that load: one load brings both
 CLOSE_NATS = 20.0
 """What a change has to gain in close windows, where it is slight, or brings no window nearer.
 
@@ -38,7 +38,7 @@ _DRIFTS = 0.05
 On seeds 861, 865, 870 and 872 it seems to differ by 2 to 4 % in 4 of 400 unchanged pairs, and gains up to 57 nats."""
 
 FRICTION = frozenset({"coulomb", "viscous"})
-_SLIGHT_NATS = 15.0
+_SLIGHT_NATS = 15.0  # asked beyond the limit of a slight change beside another, which it needs to stay
 _SECOND_BODIES = frozenset({"backlash", "shaft_compliance"})
 """A load on a stiff shaft, or behind little play, moves as one that is fixed: more inertia says it with less."""
 
