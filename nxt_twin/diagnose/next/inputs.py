@@ -11,7 +11,7 @@ from typing import final
 from nxt_twin.recording.columns import DriveMode
 from nxt_twin.recording.program import Segment
 
-_CHIRP_STEP_S = 0.05
+_CHIRP_STEP_S = 0.05  # for which each power of a rising sine is held
 
 
 @final

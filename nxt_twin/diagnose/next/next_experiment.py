@@ -30,19 +30,19 @@ from nxt_twin.physics.start import at_rest
 from nxt_twin.recording.columns import DRIVE_MODES
 from nxt_twin.recording.program import Run, Segment, commands
 
-WANTED_NATS = 10.0
-LONGEST_S = 600.0
+WANTED_NATS = 10.0  # expected evidence at which two rivals count as told apart
+LONGEST_S = 600.0  # asked of a proposed input with its repeats, at most
 
-_TRIED_S = 12.0
-_STEP_S = 2e-3
-_SHORTEST_POLL_S = 0.005
-_SHORT_LIST = 4
-_DRAWS = 3
-_LARGEST_MOVE = 0.01
-_STALLED_S = 0.7
-_STALL_SHARE = 0.4
-_STALL_SPEED = 0.02
-_BOUND_TURNS = 3.0
+_TRIED_S = 12.0  # of each input that is weighed, from its beginning
+_STEP_S = 2e-3  # of a simulation that only weighs inputs
+_SHORTEST_POLL_S = 0.005  # between readings of a simulated experiment
+_SHORT_LIST = 4  # inputs that soonest tell the best fits apart: draws weigh them again
+_DRAWS = 3  # plants of each rival, from what its recordings leave open
+_LARGEST_MOVE = 0.01  # standard deviation of a draw along one direction, in the variables' scales, at most
+_STALLED_S = 0.7  # an input that stalls the motor for as long, or longer, is not safe
+_STALL_SHARE = 0.4  # of the largest recorded command: under more, a motor that stands is stalled
+_STALL_SPEED = 0.02  # of the ordinary speed, below which a motor stands
+_BOUND_TURNS = 3.0  # turns from its beginning; what has turned further turns freely
 
 
 @final

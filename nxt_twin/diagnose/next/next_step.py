@@ -19,8 +19,8 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.columns import PORTS
 from nxt_twin.recording.program import MotorProgram, Run, Segment
 
-_SETTLING_S = 0.3
-_RUN_OUT_S = 1.0
+_SETTLING_S = 0.3  # without power before a proposed input
+_RUN_OUT_S = 1.0  # without power after it
 
 
 def next_experiment(
