@@ -21,10 +21,10 @@ from nxt_twin.physics.parameter import Parameter
 
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)
-_NORMAL_95 = 1.959964
-_KNOWN = 0.5
-_SEVERAL = 2
-_VAGUE = 0.75
+_NORMAL_95 = 1.959964  # standard deviations from a value to either end of its 95 % interval
+_KNOWN = 0.5  # of a positive value: the interval is the logarithm's where the standard deviation is less
+_SEVERAL = 2  # found effects, from which on one of vague size stands for something else
+_VAGUE = 0.75  # of an effect's size: a larger standard deviation leaves the size hardly clear of zero
 
 
 def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:

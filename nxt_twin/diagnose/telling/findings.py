@@ -20,7 +20,7 @@ from nxt_twin.diagnose.where.moment import with_bounds
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 
-_SHOWN_ALTERNATIVES = 3
+_SHOWN_ALTERNATIVES = 3  # structures that are listed, at most
 
 
 def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect, ...]:

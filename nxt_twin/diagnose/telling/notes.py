@@ -16,12 +16,12 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.plant import Plant
 
-_BAD_RUN_RATIO = 2.5
+_BAD_RUN_RATIO = 2.5  # times the median error of held-out runs, above which a run is told as bad
 _GRAVITY = "gravity_torque_nm"
 _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
-_ANOTHER = 0.1
-_SURE_STDS = 2.0
+_ANOTHER = 0.1  # of the given gravity torque: a load that is off by less is not told as another
+_SURE_STDS = 2.0  # standard deviations of the gravity torque by which it has to be off as well
 _BRIEF_S = 6.0
 """Fitted time below which an answer is told to rest on little: the shortest that the splits are tested for."""
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}

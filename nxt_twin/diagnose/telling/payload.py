@@ -9,9 +9,9 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 
 _ARM, _PAYLOAD = "gravity_load", "hanging_payload"
-_G = 9.81
+_G = 9.81  # m/s²
 _LEAST_RISE = 0.1  # of the given inertia; less is how far off given numbers commonly are
-_LONGEST_LEVER_M = 1.0
+_LONGEST_LEVER_M = 1.0  # longer than a motor carries a payload on
 _INERTIA = Slot(BASE_OWNER, "inertia")
 
 

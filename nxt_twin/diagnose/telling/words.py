@@ -13,10 +13,10 @@ from nxt_twin.physics.library import library
 
 FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 
-_MOST_NAMED = 4
-_HELPS = 0.95
-_ALIKE = 0.6
-_LITTLE_NATS = 5.0
+_MOST_NAMED = 4  # effects that a sentence names as unseen; it counts further ones
+_HELPS = 0.95  # of the baseline's error: from there on a sentence claims no smaller error
+_ALIKE = 0.6  # cosine of two traces from which their likeness is told
+_LITTLE_NATS = 5.0  # expected evidence below which a proposed recording is said to tell little
 
 
 def sentence(
