@@ -27,9 +27,9 @@ from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.physics.robot.dynamics import NAMES
 from nxt_twin.physics.robot.powered import powered_robot
 
-_SUSPECT_SIGMAS: Final = 3.0
-_MOST_SUSPECTS: Final = 6
-_DAILY_SHARE: Final = 0.015
+_SUSPECT_SIGMAS: Final = 3.0  # standard deviations by which a motor's number has to differ to be weighed
+_MOST_SUSPECTS: Final = 6  # numbers of motors that are weighed among the candidates, the clearest ones
+_DAILY_SHARE: Final = 0.015  # of a motor's number: how far it varies from day to day, one standard deviation
 _LEAST_SHARE: Final = 0.03
 """A motor's number that differs by less is not named."""
 
@@ -109,7 +109,7 @@ def _suspects(before: FittedSide, after: FittedSide) -> list[int]:
 
 
 def _side(fit: PoweredFit) -> FittedSide:
-    """A fit's numbers; those of motors and mass also vary a little from day to day."""
+    """A fit's numbers; those of motors also vary a little from day to day."""
     daily = np.zeros(len(NAMES))
     daily[: len(MOTORS)] = _DAILY_SHARE
     return FittedSide(fit.off, fit.covariance + np.diag(daily**2), fit.clusters)

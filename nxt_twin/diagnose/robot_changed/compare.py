@@ -25,7 +25,7 @@ from nxt_twin.diagnose.robot_changed.telling import RobotSides, told
 from nxt_twin.physics.robot.drive import DifferentialDrive, Geometry
 from nxt_twin.recording.case import Case
 
-_FOLDS: Final = 4
+_FOLDS: Final = 4  # of the runs after, at most, where none is held out: each is predicted by a fit without it
 _RELATIVE: Final = 3
 """Of a side's numbers, how many are compared relative to the given ones."""
 

@@ -19,7 +19,7 @@ from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.physics.robot.powered import is_powered
 from nxt_twin.recording.case import Case
 
-_PARTS = 4
+_PARTS = 4  # of equal time, into which each run of a side with few runs is cut
 
 
 @final

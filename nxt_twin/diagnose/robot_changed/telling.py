@@ -26,8 +26,8 @@ from nxt_twin.physics.robot.drive import DifferentialDrive
 from nxt_twin.physics.robot.powered import dynamics_config, powered_robot
 
 _METRIC: Final = "position RMSE over whole runs after, from the wheels and the first pose"
-_SURE: Final = 0.999
-_WAS_THERE: Final = 2.0
+_SURE: Final = 0.999  # told probability of slip on one side only: it is located, not weighed
+_WAS_THERE: Final = 2.0  # standard deviations from zero beyond which an effect was there before
 _OFFSET: Final = (3, 4, 5)
 
 
