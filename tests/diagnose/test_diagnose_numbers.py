@@ -10,7 +10,7 @@ import nxt_twin.diagnose
 ROOMS = Path(nxt_twin.diagnose.__file__).parent
 SILENT = {
     "fitting": 0,
-    "judging": 40,
+    "judging": 0,
     "search": 28,
     "where": 36,
     "telling": 0,

@@ -17,10 +17,10 @@ from nxt_twin.diagnose.fitting.linear import Linear, Trial, signatures
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.physics.simulate import Simulator
 
-_REPLICATES = 200
-_FEWEST = 20
-_MOST_CELLS = 4_000_000
-_SIGMAS = 3.0
+_REPLICATES = 200  # synthetic clean cases at most
+_FEWEST = 20  # synthetic clean cases at least, however long the recordings are
+_MOST_CELLS = 4_000_000  # cases times readings, which bounds the memory of an hour's recording
+_SIGMAS = 3.0  # standard deviations by which the limit of a leftover exceeds the mean of clean cases
 
 
 @final

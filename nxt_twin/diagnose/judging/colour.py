@@ -14,7 +14,7 @@ clock than it was read by it is 1.5 to 3.3: which, the rounding of the linear al
 each of the seeds 721 and 722, a limit of 1.4 in place of 1.6 names none; a small one becomes adequate.
 """
 
-_LAGS = 20
+_LAGS = 20  # readings: the longest lag of an autocorrelation that counts
 
 
 def colour(innovations: FloatArray, run: IntArray) -> FloatArray:

@@ -16,7 +16,7 @@ from nxt_twin.physics.parameter import Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
-_RIDGE = 1e-6
+_RIDGE = 1e-6  # of a trace's squared length: keeps the solution finite where two starts leave one trace
 
 
 @final

@@ -48,8 +48,8 @@ STRUCTURED_NATS = 15.0
 _CLEARLY_LESS = (
     0.9  # of the baseline's error: a noise that explains as much without the effects proves nothing
 )
-_CLEAN_LEFTOVERS = 40
-_FEWEST_LEFTOVERS = 8
+_CLEAN_LEFTOVERS = 40  # synthetic clean cases at most, whose leftovers set the limit
+_FEWEST_LEFTOVERS = 8  # synthetic clean cases at least, however long the recordings are
 _MOST_CELLS = 4_000_000  # synthetic readings held at a time, which bounds the memory of an hour's recording
 
 

@@ -24,7 +24,7 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator
 from nxt_twin.physics.start import moving_start, restarts
 
-REPLICATES: Final = 8
+REPLICATES: Final = 8  # synthetic recordings of each real one, every set of which is re-fitted once
 MOSTLY: Final = 0.9
 """The share of synthetic recordings on which the re-fitted model errs by less than the floor."""
 DRY_FRICTION_OFF: Final = 0.1
@@ -33,8 +33,8 @@ DRY_FRICTION_OFF: Final = 0.1
 Learnt over the four truth families, seed 901: with it the true structure stays below the floor nine times of ten.
 """
 _DRY: Final = Slot("coulomb_friction", "coulomb")
-_HUGE: Final = 1e12
-_TINY: Final = 1e-15
+_HUGE: Final = 1e12  # SI unit of the readings: stands for the error of a re-fit that ran away
+_TINY: Final = 1e-15  # SI unit of the readings: keeps a ratio of errors finite
 _FAINT: Final = 1e-9  # gain under which a reading that is this much larger gives the unknown torque its step
 
 

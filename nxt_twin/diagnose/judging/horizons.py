@@ -19,7 +19,7 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Simulator, free_job
 from nxt_twin.physics.start import Start, moving_start, restarts
 
-_SLACK = 1.02
+_SLACK = 1.02  # ratio of errors of windows up to 2 s, below which a difference is chance
 _SLACK_OF_DRIFT = 1.1  # a whole run is one number, in which much is luck
 _LONG_S = 1e6  # stands for a whole recording
 HORIZONS_S = (0.5, 2.0, 10.0, np.inf)

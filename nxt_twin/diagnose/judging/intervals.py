@@ -12,12 +12,12 @@ from nxt_twin.diagnose.fitting.linear import Linear, deviations, linearise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.physics.simulate import Simulator
 
-BLOCK_S = 1.0
-_FEWEST_BLOCKS = 12
+BLOCK_S = 1.0  # s: the longest block of readings whose scores are summed before they are squared
+_FEWEST_BLOCKS = 12  # blocks in all recordings together: short recordings are cut finer
 _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV, each with its own load
-_SUPPLY_MOVE = 1e-3
+_SUPPLY_MOVE = 1e-3  # of the supply: the step that measures what a higher one does to the readings
 FROZEN_DOUBT = 0.15  # of a given inductance
-_FROZEN_MOVE = 0.05
+_FROZEN_MOVE = 0.05  # of a frozen parameter: the step that measures what a larger one does to the readings
 _MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
 _ZERO_DOUBT = 1.0 / math.sqrt(
     3.0

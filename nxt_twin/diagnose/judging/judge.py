@@ -18,11 +18,11 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start
 
-_RIDGE = 3.0
-_FOLDS = 6
-_SPEED_BINS = 8
-_BLOCK_S = 1.0
-_RECENT_S = 0.05
+_RIDGE = 3.0  # inverse prior variance of each weight, for innovations of variance 1
+_FOLDS = 6  # of the cross-validation: each is predicted from all others
+_SPEED_BINS = 8  # bins with equal numbers of readings
+_BLOCK_S = 1.0  # s: readings of one block go into one fold
+_RECENT_S = 0.05  # s: time constant with which the change of a command fades
 _MOST_STALE = 0.5  # of the readings
 
 

@@ -16,14 +16,14 @@ from nxt_twin.physics.modes import MODE_DRIVE
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.physics.smooth import smoothed
 
-_ORDINARY_TIMES = 2.0
-_MOVING_SHARE = 0.1
-_RARE = 0.01
-_FEW_COMMANDS = 6
-_FEW_READINGS = 400
-_SAME_SPEED = 0.1
-_MOSTLY = 0.8
-_POOR_SHARE = 0.25
+_ORDINARY_TIMES = 2.0  # times a typical size: an effect that shows only beyond it counts as unseen
+_MOVING_SHARE = 0.1  # of the plant's ordinary speed, or of the largest command: less is next to none
+_RARE = 0.01  # of the samples: a motion that is rarer is missing
+_FEW_COMMANDS = 6  # changes of the command in all recordings: fewer are few
+_FEW_READINGS = 400  # readings in all recordings: fewer are few
+_SAME_SPEED = 0.1  # of the median speed: speeds within that distance of it count as one steady speed
+_MOSTLY = 0.8  # of the moving samples: with more at one speed, there is hardly another
+_POOR_SHARE = 0.25  # of the effects that could be added: with more unseen, the inputs show too little
 
 
 def in_sight(
