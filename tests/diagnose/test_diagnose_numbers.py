@@ -11,7 +11,7 @@ ROOMS = Path(nxt_twin.diagnose.__file__).parent
 SILENT = {
     "fitting": 0,
     "judging": 0,
-    "search": 28,
+    "search": 0,
     "where": 36,
     "telling": 0,
     "next": 0,

@@ -14,15 +14,15 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 
-STARTS_FOLLOWED = 3
-SLOW_ITERATIONS = 10
+STARTS_FOLLOWED = 3  # starts of one effect that are fitted, those that promise most
+SLOW_ITERATIONS = 10  # steps of a rough fit of an effect with states of its own
 
-_LEAST_PROMISE_NATS = 2.0
+_LEAST_PROMISE_NATS = 2.0  # nats: a start that promises no more, by a score test, is left out
 _STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
-_START_ITERATIONS = 2
-_ALIKE_NATS = 0.1
-_MANY_ALIKE = 2
-_QUICK_ITERATIONS = 4
+_START_ITERATIONS = 2  # steps of a rough fit from each start, to find the best one
+_ALIKE_NATS = 0.1  # nats: starts within this distance of the best promise are alike to fitted readings
+_MANY_ALIKE = 2  # starts alike, the best among them, from which checking readings order them
+_QUICK_ITERATIONS = 4  # steps of a rough fit of an effect without states
 
 
 @final

@@ -14,11 +14,15 @@ from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
-_CLEAR = 1.3
-_ABOVE = 1.1
-_PERIODS = 2.0
+_CLEAR = 1.3  # times a parameter's lower bound: a value below it rests on the bound
+_ABOVE = 1.1  # times the size at which an effect does nothing: a smaller one makes no difference
+_PERIODS = 2.0  # periods of an effect by angle that one recording has to go through
 _LEAST_SHARE = 0.14  # of the inertia of both bodies
 _CLEAR_OF_JITTER = 3.0
+"""Standard deviations of the time between readings that a reading has to be held for.
+
+A clean mock over Bluetooth, polled every 48 ms with 7 ms of jitter, was said to hold readings for 10 ms.
+"""
 LEAST_LEVER_M = 0.005
 """Lever below which a payload that hangs on the axis is none: a motor's own hub is as thick.
 
@@ -26,7 +30,7 @@ A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/�
 added inertia was named a payload on levers of 1.5 and 1.9 mm.
 """
 _HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
-_G = 9.81
+_G = 9.81  # m/s²: standard gravity
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 
 

@@ -15,7 +15,7 @@ from nxt_twin.physics.plant import Plant
 _ONSET: Final = "onset_s"
 _SHARE: Final = 0.125
 """Of all recordings laid end to end, to either side: the starts of a search lie so far apart."""
-_TRIED: Final = 48
+_TRIED: Final = 48  # shifts of an onset, spread evenly over both sides
 
 
 def has_onset(effect: Effect) -> bool:

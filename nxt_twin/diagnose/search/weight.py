@@ -14,20 +14,20 @@ from nxt_twin.diagnose.fitting.structure import (
     shares,
 )
 
-FREE_RUN_RATIO = 1.01
+FREE_RUN_RATIO = 1.01  # ratio of errors in free runs from which a structure has learnt noise
 _DOUBTING_RATIO = 1.1  # doubt in readings moves what is fitted by little, while other physics may still lack
-_SURE_RATIO = 1.05
+_SURE_RATIO = 1.05  # as `FREE_RUN_RATIO`, where checking readings are sure or given numbers come back
 _SURE_NATS = 40.0  # so much likelier readings that were not fitted are no learnt noise
 _HARDLY_MORE = (
     0.1  # of the error that says nothing: by so much free runs may get worse where checking readings are sure
 )
-_HIDDEN_RATIO = 1.15
-_BORNE_OUT_NATS = 10.0
-_UNKIND_RATIO = 2.5
-_MUCH_NEARER = 0.5
-_DENIED_NATS = 3.0
+_HIDDEN_RATIO = 1.15  # as `FREE_RUN_RATIO`, for a load behind play or a shaft, whose state a start lacks
+_BORNE_OUT_NATS = 10.0  # nats on checking readings above which `_HIDDEN_RATIO` holds
+_UNKIND_RATIO = 2.5  # as `FREE_RUN_RATIO`, in the less kind of two ways to run
+_MUCH_NEARER = 0.5  # ratio of errors in free runs below which these outweigh a few readings
+_DENIED_NATS = 3.0  # nats that checking readings may lose, where nearer runs or restored numbers bear it out
 _DENIED_SHARE = 0.1  # of the gain: where more is missing, few readings may deny what all others call for
-_AS_MANY = 0.97
+_AS_MANY = 0.97  # of the readings that the richer one believes: the simpler one dodges if it believes fewer
 RESTORED_NATS = 10.0
 """What the priors of given numbers have to gain so that no unseen reading need bear it out.
 
