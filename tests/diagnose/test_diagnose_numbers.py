@@ -12,7 +12,7 @@ SILENT = {
     "fitting": 0,
     "judging": 0,
     "search": 0,
-    "where": 36,
+    "where": 0,
     "telling": 0,
     "next": 0,
     "changed": 0,

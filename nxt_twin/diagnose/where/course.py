@@ -11,7 +11,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Simulator
 
-_STANDING_SHARE = 1e-3
+_STANDING_SHARE = 1e-3  # of the largest speed between two stamps, below which the plant stands
 
 
 @final

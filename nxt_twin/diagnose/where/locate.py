@@ -11,12 +11,12 @@ from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.fitting.residuals import Residuals
 from nxt_twin.physics.effect import Regime
 
-_WINDOW_S = 0.5
-_SPELL_SIGMAS = 5.0
-_MOST_SPELLS = 8
-_SHIFTS = 400
-_SIGNIFICANT = 0.02
-_JUST_AFTER_S = 0.15
+_WINDOW_S = 0.5  # s: length of the windows in which squared innovations are averaged
+_SPELL_SIGMAS = 5.0  # standard deviations by which a window's mean square has to exceed that of noise
+_MOST_SPELLS = 8  # stretches that are listed, the strongest ones
+_SHIFTS = 400  # random shifts of the innovations, with which each regime is compared
+_SIGNIFICANT = 0.02  # largest p-value of a regime that is listed
+_JUST_AFTER_S = 0.15  # s after a reversal or a command, within which readings belong to it
 
 
 def spells(found: Residuals, names: Sequence[str]) -> tuple[Spell, ...]:

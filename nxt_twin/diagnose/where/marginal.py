@@ -12,7 +12,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.linear import Linear
 
 _SIZES = np.geomspace(1e-2, 1e8, 25)
-_TOLD = 1e-7
+_TOLD = 1e-7  # of the largest eigenvalue of the rows' products: weaker sums of rows are dropped
 
 
 @final

@@ -18,12 +18,12 @@ from nxt_twin.physics.simulate import Simulator
 
 _SYMBOL = "onset"  # of such a parameter, s since the session began
 _WITHIN_NATS = 4.0  # twice what a likelihood without flaw would ask for
-_MARGIN_S = 0.5
-_NORMAL_95 = 1.959964
+_MARGIN_S = 0.5  # s: a moment so near an end of a recording may lie outside it as well
+_NORMAL_95 = 1.959964  # standard deviations to either side that hold 95 % of a normal distribution
 _COARSE_S, _FINE_S = 0.25, 0.02
 _FEWEST, _MOST = 20, 200
 _MOST_CELLS = 2_000_000  # moments times readings
-_ZOOM = 4
+_ZOOM = 4  # times finer spacing of the moments in each round
 
 
 @final

@@ -16,10 +16,9 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.simulate import Simulator
 
-_COMPLETE_TORQUE = 3e-3
+_COMPLETE_TORQUE = 3e-3  # of an ordinary torque: the unknown torque that a complete model leaves at most
 _ABOVE_FLOOR = 1.5
-"""What a complete model leaves at most: an unknown torque as a share of an ordinary one, and a reading noise over that
-of the readings' quantum."""
+"""The reading noise that a complete model leaves at most, over that of the readings' quantum."""
 
 
 def noises(simulator: Simulator, problem: Problem, structure: Structure) -> tuple[Noise, Noise]:

@@ -12,17 +12,17 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.diagnosis import Onset
 from nxt_twin.diagnose.fitting.linear import Linear
 
-_LEAST_NATS = 8.0
-_SURE = 0.02
-_WITHIN_NATS = 2.0
-_MARGIN_S = 0.5
-_LONGEST_INTERVAL_S = 2.0
+_LEAST_NATS = 8.0  # nats that the best moment has to gain
+_SURE = 0.02  # largest p-value of an onset
+_WITHIN_NATS = 2.0  # nats: moments that are less likely than the best by less lie within its bounds
+_MARGIN_S = 0.5  # s from either end of a recording in which no moment is tried
+_LONGEST_INTERVAL_S = 2.0  # s between the bounds: a moment that is less sure is no onset
 _ENDS_S, _ENDS_SHARE = (
     1.5,
     0.125,
 )  # a best moment so near an end tells of a beginning or an end, not of a change
-_GRID = 400
-_SHIFTS = 60
+_GRID = 400  # moments tried in a recording at most
+_SHIFTS = 60  # shifts of the innovations in time, for the second p-value
 _ABSENT = (-2.5, -0.4)
 
 

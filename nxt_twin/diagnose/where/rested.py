@@ -9,11 +9,11 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.where.course import Course
 from nxt_twin.diagnose.where.shapes import ShapeFamily, Yardstick, hats
 
-_SLOW_SHARE = 0.03
+_SLOW_SHARE = 0.03  # of the root mean square speed, below which the plant is slow
 _RESTS_S = (0.03, 0.1, 0.3, 1.0, 3.0)
-_SHORTEST_S = 1e-3
+_SHORTEST_S = 1e-3  # s added to the time at rest, so that its logarithm is finite
 _SLIDING_ON_DEG = (2.0, 8.0)
-_FORGETTING_DEG = 8.0
+_FORGETTING_DEG = 8.0  # deg of motion that leave 1/e of an earlier time at rest
 
 
 def _holding(course: Course, unit: Yardstick) -> FloatArray:

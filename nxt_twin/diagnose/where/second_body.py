@@ -13,8 +13,8 @@ from numba import njit
 
 from nxt_twin.arrays import FloatArray
 
-_STEPS_PER_RADIAN = 4.0
-_RUBBING_STEP_S = 2e-3
+_STEPS_PER_RADIAN = 4.0  # steps of integration while a body on a spring goes through a radian of its phase
+_RUBBING_STEP_S = 2e-3  # s: longest step of integration of a body that rubs
 
 
 def on_a_spring(
