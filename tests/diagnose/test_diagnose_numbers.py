@@ -17,6 +17,7 @@ SILENT = {
     "next": 0,
     "changed": 0,
     "robot_changed": 0,
+    "robot": 0,
 }
 """How many numbers of a room may say nothing: these counts may only fall."""
 

@@ -46,7 +46,7 @@ from nxt_twin.physics.robot.powered import body_effects, dynamics_config, is_pow
 from nxt_twin.recording.case import ROBOT_KIND, Case
 from nxt_twin.recording.configs import load_plant_config
 
-_PARTS: Final = 4
+_PARTS: Final = 4  # into which each run is cut where there are fewer than three runs
 _FARTHEST: Final = 3.0
 """No wear and no mistaken part makes a wheel three times as large; a column's unit, gain or sign does."""
 _METRIC: Final = "position RMSE over whole runs from the wheels and the first pose, held-out"

@@ -20,8 +20,8 @@ from nxt_twin.diagnose.robot.windows import PARAMETERS
 from nxt_twin.diagnose.robot.words import why_confusable
 from nxt_twin.physics.robot.drive import Geometry
 
-_NINE_OF_TEN: Final = 1.2816
-_SURE: Final = 0.999
+_NINE_OF_TEN: Final = 1.2816  # standard deviations above the mean that nine of ten normal values stay below
+_SURE: Final = 0.999  # probability told of a clock, of slip and of compared markers, once found
 _MOST_LAGS: Final = (0.05, 0.95)
 
 

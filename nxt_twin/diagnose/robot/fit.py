@@ -15,13 +15,13 @@ _STEPS: Final = np.array([1e-6, 1e-5, 1e-5, 1e-5, 1e-5, 1e-3])
 _PRIOR: Final = np.array([0.1, 0.05, 0.15, 0.05, 0.05, 10.0])
 """Standard deviations of a weak prior round the given values: radius and track relative, others as they are."""
 
-_LAG_STEP_S: Final = 1e-3
-_RATE_STEP: Final = 1e-4
+_LAG_STEP_S: Final = 1e-3  # of a difference quotient by a lag, s
+_RATE_STEP: Final = 1e-4  # of a difference quotient by a lag's growth, s/s
 _LAG_PRIOR: Final = np.array([0.2, 0.02])
-_SOFT: Final = 2.0
-_MOST_STEPS: Final = 12
+_SOFT: Final = 2.0  # standard deviations at which the loss turns from squares to straight lines
+_MOST_STEPS: Final = 12  # of Gauss and Newton, at most
 _SMALL: Final = 0.2  # of a parameter's own standard deviation
-_RESCALED: Final = 3
+_RESCALED: Final = 3  # first steps, which measure the residuals' scales anew; no fit ends in them
 
 
 @final
@@ -235,7 +235,7 @@ def sandwich(scores: FloatArray, cluster: IntArray, inverse: FloatArray) -> tupl
 _WIDER: Final = 1.5
 """A coarser kind of cluster counts where its variance is so many times that of a finer one."""
 
-_FEWEST_CLUSTERS: Final = 7
+_FEWEST_CLUSTERS: Final = 7  # of a coarser kind, below which their covariance is passed over
 
 
 def widest(scores: FloatArray, clusters: tuple[IntArray, ...], inverse: FloatArray) -> tuple[FloatArray, int]:

@@ -17,8 +17,8 @@ GOES_ON_NATS: Final = 3.0
 """The gain from letting an error go on. Bent pictures have 4.0 or more (seeds 821 to 828), known effects less than 0
 (seeds 700 to 776)."""
 
-_FEWEST_PAIRS: Final = 20
-_MOVES_M: Final = 0.02
+_FEWEST_PAIRS: Final = 20  # of neighbouring seconds, below which no error is said to go on
+_MOVES_M: Final = 0.02  # travel in a second from which a robot goes ahead or back
 _PLACE: Final = (0, 1)
 """Errors along and sideways; a turn's are those of the pose's heading."""
 

@@ -20,15 +20,15 @@ from nxt_twin.physics.robot.drive import Geometry
 
 _HALF_S: Final = 0.04
 """Rates are differences over twice that."""
-_SLOWEST_ROWS_S: Final = 0.05
-_HARD_M_S2: Final = 1.5
+_SLOWEST_ROWS_S: Final = 0.05  # median time between poses above which no start is located in a run
+_HARD_M_S2: Final = 1.5  # gain or loss of a wheel's speed from which slip is looked for
 _AFTER_S: Final = 0.35
 """The body goes on gaining speed for so long after the wheel has."""
-_RATIO: Final = 0.2
-_LEAST_M_S: Final = 0.03
-_LEAST_LOST_M: Final = 2e-3
-_SIGMAS: Final = 6.0
-_MAD: Final = 1.4826
+_RATIO: Final = 0.2  # least share of its speed that a wheel loses at some moment of slip
+_LEAST_M_S: Final = 0.03  # least speed that a wheel loses at some moment of slip
+_LEAST_LOST_M: Final = 2e-3  # least travel lost at a located start; an unseen start may lose it too
+_SIGMAS: Final = 6.0  # standard deviations of noise that the travel lost at a start has to exceed
+_MAD: Final = 1.4826  # standard deviation of normal values over their median absolute deviation
 _LATE: Final = 0.85
 """The share of the losses from which on they are those of a late clock; of slip that a lag mimics it was up to 0.77."""
 _LAGS_S: Final = np.arange(-0.3, 0.3005, 0.005)

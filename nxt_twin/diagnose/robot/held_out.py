@@ -31,11 +31,11 @@ from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import PosePath
 
-FEWEST_RUNS: Final = 3
-_FOLDS: Final = 4
-_COMMON_SIGMAS: Final = 3.0
-_OWN_CLOCK_S: Final = 0.05
-_RUNS_OUT: Final = 2.0
+FEWEST_RUNS: Final = 3  # recordings below which each is cut into parts
+_FOLDS: Final = 4  # of the fitted runs, at most, that take turns where none is held out
+_COMMON_SIGMAS: Final = 3.0  # standard deviations from zero above which a mean lag belongs to the model
+_OWN_CLOCK_S: Final = 0.05  # shift of a run's own clock above which the clock may be at fault
+_RUNS_OUT: Final = 2.0  # factor by which a clock of its own has to lower a run's RMSE to be at fault
 
 
 @final

@@ -13,9 +13,9 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import PosePath, axle_path, measured_path
 
-SECONDS: Final = 2.0
-METRES: Final = 1.0
-MM: Final = 1e3
+SECONDS: Final = 2.0  # length of the windows that tell the error after seconds
+METRES: Final = 1.0  # travel of the windows that tell the error after metres
+MM: Final = 1e3  # in a metre
 
 
 @final

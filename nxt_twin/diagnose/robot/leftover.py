@@ -15,21 +15,21 @@ from nxt_twin.diagnose.robot.rolled import body_motion
 from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 
-LENGTH_S: Final = 1.0
-STRUCTURED_NATS: Final = 6.0
+LENGTH_S: Final = 1.0  # of each window whose errors are examined
+STRUCTURED_NATS: Final = 6.0  # least gain from letting an error go with a covariate
 STRUCTURED_SHARE: Final = 0.1
 """What is left is more than noise where letting it go with something gains so much and accounts for such a share."""
-LEAST_M: Final = 1e-4
+LEAST_M: Final = 1e-4  # least error of place in a window of a second
 LEAST_RAD: Final = 5e-4
 """Less in a second is nobody's physics. A simulated pose without noise shows a tyre that creeps by 15 µm."""
 _CHANNELS: Final = ("along", "sideways", "turn")
-_CLIP: Final = 5.0
-_MAD: Final = 1.4826
-_FEWEST: Final = 30
-_SPELL_SIGMA: Final = 6.0
-_MOST_SPELLS: Final = 12
-_TURNS_RAD_S: Final = 0.25
-_FAST_SHARE: Final = 0.7
+_CLIP: Final = 5.0  # standard deviations to which scores farther out are drawn in
+_MAD: Final = 1.4826  # standard deviation of normal values over their median absolute deviation
+_FEWEST: Final = 30  # windows below which no residual is examined
+_SPELL_SIGMA: Final = 6.0  # standard deviations above which a window's error belongs to a spell
+_MOST_SPELLS: Final = 12  # that are told, the strongest
+_TURNS_RAD_S: Final = 0.25  # rate above which a window turns; below a fifth of it, a window is straight
+_FAST_SHARE: Final = 0.7  # of the highest speed, above which a window is fast
 
 
 @final

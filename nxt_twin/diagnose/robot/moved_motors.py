@@ -25,7 +25,7 @@ _KEYS: Final = {
 }
 """The motors' keys by the names of `dynamics.NAMES`, with unit and words."""
 
-CLEARLY_SIGMAS: Final = 3.0
+CLEARLY_SIGMAS: Final = 3.0  # standard deviations that a motor's number has to move by to be told as moved
 LEAST_MOVED: Final = 0.3
 """A number is told as moved from such a factor (as a logarithm) on; NXT motors differ by 0.15 (seeds 400 to 725)."""
 

@@ -29,18 +29,18 @@ _PRIOR: Final = np.array(
     ]
 )
 """By how much motors, body and effects differ from the given ones, ordinarily: standard deviations of a prior."""
-_SOFT: Final = 2.0
-_MOST_STEPS: Final = 10
+_SOFT: Final = 2.0  # standard deviations at which the loss turns from squares to straight lines
+_MOST_STEPS: Final = 10  # of Levenberg and Marquardt, at most
 _MEASURED_STEPS: Final = 5
 """After so many steps, residuals are measured by what they then were."""
 _DAMPINGS: Final = (0.0, 1e-3, 0.01, 0.1, 1.0, 10.0)
 """Of a step, by the curvature along each parameter: tyres that scrub make the cost rough."""
 SETTLED_NATS: Final = 0.02
 """A fit ends where a step may gain no more."""
-_LEAST_RAD: Final = 2e-3
-_MAD: Final = 1.4826
-_FOUR_OF_FIVE: Final = 0.8
-_NOISE_S: Final = 0.5
+_LEAST_RAD: Final = 2e-3  # least standard deviation by which angles are measured
+_MAD: Final = 1.4826  # standard deviation of normal values over their median absolute deviation
+_FOUR_OF_FIVE: Final = 0.8  # share of the residuals that stay below the size that is told of them
+_NOISE_S: Final = 0.5  # length of the windows whose residuals count as noise
 _ALIKE: Final = 4.0
 """Neighbouring residuals of a simulated window err alike: so many count as one beside the prior."""
 

@@ -19,11 +19,11 @@ from nxt_twin.physics.supply import open_circuit
 from nxt_twin.recording.columns import BATTERY, DRIVE_MODES, Port, mode_column, power_column
 from nxt_twin.recording.recording import Recording
 
-_SMOOTH_S: Final = 0.12
-_APART_S: Final = 100.0
-_HALF: Final = 0.5
+_SMOOTH_S: Final = 0.12  # to either side of a row, over which a wheel's speed is a difference of angles
+_APART_S: Final = 100.0  # between the beginnings of two runs on their common axis of time
+_HALF: Final = 0.5  # share of the time between two rows above which a motor counts as let go
 _DRAG: Final = NAMES.index("drag_force")
-_FEWEST_READINGS: Final = 4
+_FEWEST_READINGS: Final = 4  # of the battery, below which the supply is their median and no line of time
 
 
 @final

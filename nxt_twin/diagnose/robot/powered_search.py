@@ -59,14 +59,14 @@ _EITHER_WAY: Final = (
 _OF_BODY: Final = ("caster_drag", "floor_slope", "centre_of_mass_offset", "payload_mass", "battery_sag")
 _NEAR_NATS: Final = 10.0
 """Rivals that are behind by less are fitted by themselves."""
-_MOST_RIVALS: Final = 2
+_MOST_RIVALS: Final = 2  # that are fitted by themselves, the nearest first
 _SURELY_SIGMAS: Final = 1.5
 """An effect matters if it does so after its size is taken down by so many standard deviations."""
 _SURER: Final = 0.5
 """Of what the refits chose, the least probability."""
 _LATE_S: Final = (0.02, 0.04, 0.06, 0.09, 0.12)
-_CLOSER_S: Final = 0.01
-_CLEARLY: Final = 0.7
+_CLOSER_S: Final = 0.01  # to either side of the best of these delays, where two more are tried
+_CLEARLY: Final = 0.7  # share of the residuals' size below which a delay has to bring it to be kept
 STRUCTURED_TIMES: Final = 2.5
 """What three seconds leave is more than noise where it is so many times what half a second leaves."""
 

@@ -18,11 +18,11 @@ from nxt_twin.physics.robot.odometry import PosePath
 from nxt_twin.recording.columns import POSE_HEADING, POSE_X, POSE_Y, Port, power_column, tacho_column
 from nxt_twin.recording.recording import Recording
 
-_FEWEST_ROWS: Final = 20
+_FEWEST_ROWS: Final = 20  # with a pose, or with a wheel's count, below which a recording is refused
 _LEAST_TRAVEL_RAD: Final = pi
-_PIECES: Final = 200
+_PIECES: Final = 200  # turns by wheels and by pose that are compared, at least, given enough rows
 _TURNED_RAD: Final = pi / 3.0
-_AGAINST: Final = -0.7
+_AGAINST: Final = -0.7  # correlation of turns by wheels and by pose below which a recording is refused
 _POSE: Final = (POSE_X, POSE_Y, POSE_HEADING)
 
 

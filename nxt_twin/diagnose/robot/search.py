@@ -26,11 +26,11 @@ CLOCK_NATS: Final = 12.0
 """The gain that the recordings' own clocks need beyond their penalty, together or one alone."""
 
 _SHARE_NATS: Final = 4.0  # of each recording's two numbers
-_LEAST_LAG_S: Final = 8e-3
+_LEAST_LAG_S: Final = 8e-3  # that some recording's lag has to exceed; no clock is fitted otherwise
 _BASE: Final = np.array([True, True, True, False, False, False])
-_ROUNDS: Final = 2
-_ROUNDS_STARTS: Final = 4
-_MOVED_SIGMAS: Final = 2.0
+_ROUNDS: Final = 2  # of fitting all and locating slip, at most
+_ROUNDS_STARTS: Final = 4  # of fitting wheels and locating hard starts anew, where any is located
+_MOVED_SIGMAS: Final = 2.0  # standard deviations that wheels or track have to move by to be fitted at the end
 
 
 @final

@@ -15,23 +15,27 @@ from nxt_twin.diagnose.robot.runs import RobotRun
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import PosePath
 
-_WINDOW_S: Final = 1.0
-_FINE_S: Final = 0.4
-_SIGMAS: Final = 7.0
-_LEAST_RATIO: Final = 0.06
+_WINDOW_S: Final = 1.0  # length of the windows in which slip is looked for
+_FINE_S: Final = 0.4  # length of the windows that sharpen where a spell begins and ends
+_SIGMAS: Final = 7.0  # standard deviations of a second's lost travel that a spell's loss has to exceed
+_LEAST_RATIO: Final = 0.06  # share of its travel that a slipping wheel loses, at least
 _MOST_RATIO: Final = 1.2
 """A wheel loses at most all that it turned, errors of measurement apart."""
-_LEAST_LOST_M: Final = 2e-3
+_LEAST_LOST_M: Final = 2e-3  # least travel that a window of slip loses, and that a wheel turns in a spell
 _KEPT: Final = 0.6
-_MARGIN_S: Final = 0.2
+"""Share of a spell's loss that remains once the wheel turns as before; what a lag displaces comes back.
+
+Where a spell holds a smaller share of the loss between those moments, travel is lost all along.
+"""
+_MARGIN_S: Final = 0.2  # before and after a spell that is counted with it
 _ONE_WAY: Final = 0.4
 """Of a spell's travel, what has to be left after turning back: about a reversal, a lag looks like slip."""
-_REACH_S: Final = 4.0
-_ALIKE: Final = 0.15
-_MAD: Final = 1.4826
+_REACH_S: Final = 4.0  # before and after a spell in which moments of like turning are looked for
+_ALIKE: Final = 0.15  # share of the fastest turning by which two moments of like turning may differ
+_MAD: Final = 1.4826  # standard deviation of normal values over their median absolute deviation
 SIDES: Final = (0, 1)
 _PART: Final = " (part "
-_LEAST_PART_S: Final = 1.5
+_LEAST_PART_S: Final = 1.5  # length of a part between spells, at or below which it is left out
 _NAMES: Final[tuple[WheelSide, WheelSide]] = ("left", "right")
 
 

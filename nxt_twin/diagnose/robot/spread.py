@@ -15,8 +15,8 @@ from nxt_twin.diagnose.robot.stack import stacked
 from nxt_twin.diagnose.robot.tellable import tellable
 from nxt_twin.diagnose.robot.windows import PARAMETERS, DriveState
 
-_FEWEST_GROUPS: Final = 3
-_DISAGREES: Final = 0.01
+_FEWEST_GROUPS: Final = 3  # sessions, else recordings, below which no spread is told
+_DISAGREES: Final = 0.01  # probability by chance above which groups agree
 _TELLS: Final = 5.0  # a group counts where its doubt is within so many times the best group's
 
 

@@ -14,7 +14,7 @@ from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.physics.robot.odometry import integrated
 
 _APART_S: Final = 1e5  # between runs, on one common axis of time
-_MOST_ROWS: Final = 24_000
+_MOST_ROWS: Final = 24_000  # that a fit needs; from twice this number on, rows are thinned
 
 
 @final

@@ -15,7 +15,7 @@ from nxt_twin.diagnose.robot.windows import PARAMETERS
 _NEED_TRAVEL: Final = ("mean_wheel_radius_m", "wheel_radius_ratio", "heading_offset_deg")
 """On the spot, only the ratio of radius to track shows, and unequal wheels look like a marker aside."""
 
-_WINDOW_S: Final = 1.0
+_WINDOW_S: Final = 1.0  # length of the windows in which a robot travels or turns on the spot
 _TRAVELS: Final = 0.25
 """The robot travels in a window where the mean of both wheels' angles is such a share of what they turn."""
 _LEAST_TRAVEL_RAD: Final = pi

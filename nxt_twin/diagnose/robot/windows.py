@@ -28,10 +28,10 @@ PARAMETERS: Final = (
 )
 """Of a geometry, in the order of a fit's vector."""
 
-_PLACE_M: Final = 1.5e-3
+_PLACE_M: Final = 1.5e-3  # standard deviation of a measured place, by which places and headings are weighed
 _HEADING_RAD: Final = np.radians(0.5)
 _LEAST_SCALE: Final = (1e-5, 1e-5, 1e-5)
-_MAD: Final = 1.4826
+_MAD: Final = 1.4826  # standard deviation of normal values over their median absolute deviation
 
 
 @final

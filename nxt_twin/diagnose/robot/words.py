@@ -19,9 +19,9 @@ from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.robot.drive import Geometry
 from nxt_twin.recording.robot_path import squares_and_lines
 
-_ONE_WAY: Final = 0.1
-_HARDLY_TURNS_RAD: Final = 2.0
-_MOST_NAMED: Final = 4
+_ONE_WAY: Final = 0.1  # share that the turns to one side must have of those to the other to tell the track
+_HARDLY_TURNS_RAD: Final = 2.0  # turning in all below which the track does not show
+_MOST_NAMED: Final = 4  # runs or spells that a note tells one by one
 ONE_FACTOR: Final = 0.1
 """Radius and track that moved alike but for such a share are off by one factor (cameras 3 % too wide: 0.04, 0.06)."""
 _SQUARES: Final = (
