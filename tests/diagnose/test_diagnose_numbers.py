@@ -18,6 +18,7 @@ SILENT = {
     "changed": 0,
     "robot_changed": 0,
     "robot": 0,
+    "sensor": 0,
 }
 """How many numbers of a room may say nothing: these counts may only fall."""
 

@@ -41,11 +41,11 @@ from nxt_twin.sensors.light import LightParameters
 from nxt_twin.sensors.touch import TouchParameters
 from nxt_twin.sensors.ultrasonic import UltrasonicParameters
 
-STRUCTURED_NATS = 10.0
-STRUCTURED_SIZE = 0.15
-MOST_LEFT = 0.3
-LARGE_SIZE = 0.5
-MOST_LEFT_IF_LARGE = 0.1
+STRUCTURED_NATS = 10.0  # least gain of bins along a covariate
+STRUCTURED_SIZE = 0.15  # standard deviations of the noise, at least
+MOST_LEFT = 0.3  # share of the nats of residual and effects together
+LARGE_SIZE = 0.5  # standard deviations of the noise above which the residual is large
+MOST_LEFT_IF_LARGE = 0.1  # share of the nats of residual and effects together
 BY_CHANCE = 1e-5
 """When what is left is more than noise: bins along something predict it by so many nats, it is so large beside the
 noise, and chance would do it so rarely. Where effects were found and it goes with what some effect acts along, it must

@@ -18,13 +18,13 @@ NEEDED_NATS = 6.0
 RIVAL_NATS = 6.0
 """Another effect in its place that is behind by less cannot be told from it."""
 
-_CHECK_NATS = 1.0
+_CHECK_NATS = 1.0  # gain on the items that check, or, where the whole gain is obvious, loss
 _OBVIOUS_NATS = 20.0
 """An effect must do better on the items that check it by the first; where they hardly show it, for it lives in a
 narrow range, it must not do worse by as much, and gain the second."""
 
-_MOST_EFFECTS = 4
-_PROMISING_NATS = 2.0
+_MOST_EFFECTS = 4  # that a search may add
+_PROMISING_NATS = 2.0  # gain on the fitted items from which a candidate is fitted to the end
 _FAR_BEHIND_NATS = 60.0
 """What gradient steps alone must reach for a candidate, or a rival, to be fitted to the end."""
 

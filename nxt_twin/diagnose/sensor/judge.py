@@ -12,8 +12,8 @@ from nxt_twin.diagnose.diagnosis import HeldOutRun
 from nxt_twin.diagnose.sensor.problem import Mask, Values
 from nxt_twin.diagnose.sensor.structure import SensorFitter, SensorStructure
 
-_LEARNT_SHARE: Final = 0.2
-_DRAWS: Final = 8
+_LEARNT_SHARE: Final = 0.2  # first part of a held-out recording, which tells its room light and mains phase
+_DRAWS: Final = 8  # sets of readings that are drawn from the model for each recording's noise floor
 
 
 def held_out_runs(

@@ -16,14 +16,14 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import RegimeFinding, Spell
 from nxt_twin.diagnose.sensor.problem import SensorProblem
 
-_BINS = 12
-_LEAST_IN_BIN = 5
-_PER_BIN = 8
-_CLIP = 4.0
-_MOST_SPELLS = 12
-_SPELL_SIGMA = 5.0
-_WINDOWS = 60
-_FEWEST_WITH_SPREAD = 40
+_BINS = 12  # along a covariate, at most
+_LEAST_IN_BIN = 5  # scores in a bin, a regime or a window of time, at least
+_PER_BIN = 8  # scores to each bin on average, at least
+_CLIP = 4.0  # standard deviations to which scores are drawn in, and from which they count as far out
+_MOST_SPELLS = 12  # that are told, the strongest
+_SPELL_SIGMA = 5.0  # standard deviations beyond noise above which a window's squares belong to a spell
+_WINDOWS = 60  # of time in each recording, at most, in which spells are located
+_FEWEST_WITH_SPREAD = 40  # scores below which their scatter is not examined
 
 
 @final

@@ -31,7 +31,7 @@ from nxt_twin.sensors.light import (
 )
 
 _POSITION = "rig_position_mm"
-_NOISE_FLOOR_RAW = 0.3
+_NOISE_FLOOR_RAW = 0.3  # least standard deviation of noise that a fit may find
 _MAINS_WIDTH_HZ, _ODD_FREQUENCY_NATS = 1.0, 4.0
 _FIELDS = tuple(field.name for field in fields(LightParameters))
 _AMBIENT, _PHASE = "ambient@", "phase@"

@@ -12,13 +12,13 @@ from nxt_twin.arrays import FloatArray
 
 MAINS_HZ: Final = (100.0, 120.0, 50.0, 60.0)
 
-_HIGHEST_HZ = 130.0
-_STEPS_PER_RESOLUTION = 4.0
-_LOWEST_HZ = 3.0
-_MOST_READINGS = 1500
-_CHUNK = 2000
-_PEAKS = 3
-_MAINS_WIDTH_HZ = 0.6
+_HIGHEST_HZ = 130.0  # up to which frequencies are tried
+_STEPS_PER_RESOLUTION = 4.0  # of the grid of frequencies, to one over the longest run's length
+_LOWEST_HZ = 3.0  # from which frequencies are tried: slower changes go with the motion along the gradient
+_MOST_READINGS = 1500  # of each run, its first ones
+_CHUNK = 2000  # frequencies whose power is computed at once
+_PEAKS = 3  # highest peaks that are kept wherever they lie
+_MAINS_WIDTH_HZ = 0.6  # to either side of a mains frequency, where the strongest peak is kept too
 
 
 @final

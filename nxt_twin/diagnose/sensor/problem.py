@@ -23,11 +23,11 @@ from nxt_twin.sensors.fitting import Free
 Values = Mapping[str, float]
 Mask = BoolArray
 
-_BLOCKS = 40
-_LONGEST_BLOCK = 2
-_PERIOD = 5
-_HELD_OUT_BLOCK = 2
-_CHECK_BLOCK = 4
+_BLOCKS = 40  # to a recording, at least, before blocks hold more than one item
+_LONGEST_BLOCK = 2  # items
+_PERIOD = 5  # blocks after which the pattern of fit, check and held-out begins anew
+_HELD_OUT_BLOCK = 2  # place in the pattern, from 0, of the block that is held out
+_CHECK_BLOCK = 4  # place in the pattern, from 0, of the block that checks
 
 
 class SensorProblem(Protocol):

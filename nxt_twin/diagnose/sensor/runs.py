@@ -31,7 +31,7 @@ TRUTHS: Final[Mapping[str, tuple[str, ...]]] = {
 """By kind of sensor, the rig's columns that it is held against, the better one first."""
 
 _BESIDE: Final = ("rig_angle_deg",)
-_FEWEST_READINGS: Final = 12
+_FEWEST_READINGS: Final = 12  # not held out, below which a case is refused
 
 
 @final

@@ -15,9 +15,9 @@ from nxt_twin.diagnose.sensor.problem import ItemSplit, Mask, SensorProblem, Val
 from nxt_twin.sensors.fitting import Free, climb, covariance_at, maximise
 from nxt_twin.sensors.walk import walked
 
-_STARTS_FOLLOWED = 3
-_STEPS_TO_COMPARE = 15
-_MOST_CORRELATED = 0.9
+_STARTS_FOLLOWED = 3  # the likeliest, by gradient steps
+_STEPS_TO_COMPARE = 15  # by gradient from each start, before the best is fitted to the end
+_MOST_CORRELATED = 0.9  # correlation of neighbouring items, at most; larger ones count as this
 _WALKERS, _STEPS = 24, 400
 _BEGIN = 2.0  # times a change that matters: narrower crowds have not spread by the end, wider ones get lost
 

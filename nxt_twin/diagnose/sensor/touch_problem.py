@@ -29,7 +29,7 @@ from nxt_twin.sensors.touch import (
     strokes_of,
 )
 
-_RARE = 1e-3
+_RARE = 1e-3  # probability of a wrong reading at which a fit begins
 _FIELDS = tuple(field.name for field in fields(TouchParameters))
 
 

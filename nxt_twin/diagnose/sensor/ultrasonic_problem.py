@@ -32,13 +32,13 @@ from nxt_twin.sensors.ultrasonic import (
 )
 
 _DISTANCE, _ANGLE = "rig_distance_mm", "rig_angle_deg"
-_ZERO_STD_MM = 4.0
+_ZERO_STD_MM = 4.0  # standard deviation of the prior of where a whole centimetre ends
 _USUAL_BEND, _BEND_STD = 1.3, 0.7
-_RARE = 1e-3
-_MOST_THRESHOLDS = 100
-_OBLIQUE_DEG = 10.0
-_LEAST_ANGLES_DEG = 3.0
-_NEAR_MM = 250.0
+_RARE = 1e-3  # least probability of a missed and of a stray echo in a fit: keeps the likelihood robust
+_MOST_THRESHOLDS = 100  # distances at which a threshold is tried, at most
+_OBLIQUE_DEG = 10.0  # incidence above which a reading is oblique
+_LEAST_ANGLES_DEG = 3.0  # range of incidence that has to be exceeded for angles to be examined
+_NEAR_MM = 250.0  # distance below which a reading is near
 _FIELDS = tuple(field.name for field in fields(UltrasonicParameters))
 
 
