@@ -114,11 +114,14 @@ def _misled(evidence: Evidence) -> bool:
     """Whether single steps are no evidence, so that windows of simulation alone have to decide.
 
     They go on in one another, or took more effects than can be missing, or showed a timing fault beside others,
-    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer.
+    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer. Readings
+    that are held go on in one another by themselves: beside that effect no such fault is taken for misleading.
     """
     if is_idle(evidence.record):
         return True
     if verdict_of(evidence.record) != "unexplained":
+        return False
+    if any("scatter" in effect.terms for effect, _ in evidence.explanation.found):
         return False
     late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
     several = evidence.record.named > 1

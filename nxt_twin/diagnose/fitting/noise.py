@@ -141,7 +141,7 @@ def estimate(
             start_cost = float(costs[0])
         if costs[nearest] < cost:
             best, cost = points[nearest], float(costs[nearest])
-        step, promised = _to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
+        step, promised = to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
         if promised < _RESTING_NATS and (reach < _FINEST_STAR or step.any()):
             break
         centre = np.maximum(centre + reach * step if costs[0] <= cost + promised else best, lowest)
@@ -166,19 +166,21 @@ def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, 
     return (own if costs[0] < costs[1] + _WORSE_NATS else start).damping_per_s
 
 
-def _to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:
+def to_the_lowest(costs: FloatArray, held: BoolArray) -> tuple[FloatArray, float]:
     """The step, in arms of the star, to the lowest point of the paraboloid through it, and the fall to there.
 
-    What is `held` stays: it lies at its least value and would go further down.
+    A deviation that is `held` stays: it lies at its least value and would go further down.
     """
+    if not (np.abs(costs) < _WILD_NATS).all():  # nor where one is no number
+        finite = np.where(np.isnan(costs), math.inf, costs)
+        nearest = int(np.argmin(finite))
+        fall = float(finite[0] - finite[nearest]) if np.isfinite(finite[nearest]) else 0.0
+        return _LONGEST_STEP * _STAR[nearest], fall
     middle, right, left, up, down, corner = costs
     slope = np.where(held, 0.0, 0.5 * np.array([right - left, up - down]))
     twist = 0.0 if held.any() else corner - right - up + middle
     bends = np.where(held, 1.0, [right + left - 2.0 * middle, up + down - 2.0 * middle])
     curve = np.array([[bends[0], twist], [twist, bends[1]]])
-    if not (np.abs(costs) < _WILD_NATS).all():  # nor where one is no number
-        nearest = int(np.nanargmin(costs))
-        return _LONGEST_STEP * _STAR[nearest], float(middle - costs[nearest])
     # Where the surface bends down or hardly at all, the slope still says which way, and the clipping how far.
     bend, axes = np.linalg.eigh(curve)
     stiffness = np.maximum(np.abs(bend), _FLAT_NATS)

@@ -15,9 +15,6 @@ from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 
-_OF_READINGS = frozenset(("outlier", "scatter"))
-"""Stages in which a fault of readings makes them count for less."""
-
 _OUR_OWN = "our own"
 """Begins the source of a law that nobody published."""
 
@@ -134,10 +131,10 @@ class Standard:
         return best.free_run_rms[0] <= self._fits.problem.tolerance
 
     def _doubting(self, best: Structure) -> Structure:
-        """The baseline with just those of `best`'s effects that make readings count for less."""
+        """The baseline with just those of `best`'s effects that doubt readings."""
         plant = self._baseline.plant
         for effect in best.plant.effects:
-            if effect.terms.keys() & _OF_READINGS and effect.id not in plant.active:
+            if "outlier" in effect.terms and effect.id not in plant.active:
                 shares = {p.symbol: best.plant.values[Slot(effect.id, p.symbol)] for p in effect.parameters}
                 plant = plant.with_effect(effect.id, shares)
         if plant.active == self._baseline.plant.active:
