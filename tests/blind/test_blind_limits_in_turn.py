@@ -26,7 +26,7 @@ def test_a_limit_that_is_too_low_elsewhere_is_moved_there_and_the_change_is_trie
     moved = best_limits(elsewhere)
     assert moved == replace(LIMITS, surprising=1.4 * LIMITS.surprising)
     row = row_of(limits_in_turn_rows([*elsewhere, *here]), "stiff")
-    assert row["limits moved elsewhere"] == "surprising 5.6"
+    assert row["limits moved elsewhere"] == f"surprising {1.4 * LIMITS.surprising:g}"
     assert row["right as they are"].startswith("1/2")
     assert row["right with those"].startswith("2/2")
 
