@@ -28,7 +28,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 
-_LIKELIER_NATS = 1.0
+_LIKELIER_NATS = 1.0  # by which another start has to be likelier to count
 
 
 def reach(case: Case, answer: Mapping[str, Any]) -> Reach | None:

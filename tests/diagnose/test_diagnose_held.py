@@ -1,0 +1,54 @@
+"""Readings that a device holds: free runs judge them, and their coloured steps mislead nobody."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnose_motors import clean_case, settled
+from diagnose_records import FOUND
+
+from nxt_twin.diagnose.engine import _misled, diagnose, problem_for
+from nxt_twin.diagnose.fitting.baselines import standing
+from nxt_twin.physics.simulate import Simulator
+
+HELD_S = 0.08
+
+
+def held(recording):
+    """The recording with its count refreshed every `HELD_S` seconds alone."""
+    refreshed_s = np.floor(recording.time_s / HELD_S) * HELD_S
+    rows = np.searchsorted(recording.time_s, refreshed_s + 1e-9, side="right") - 1
+    count = recording.columns["a_tacho_deg"][np.maximum(rows, 0)]
+    return replace(recording, columns={**recording.columns, "a_tacho_deg": count})
+
+
+@pytest.fixture(scope="module")
+def case():
+    whole = clean_case(41)
+    return replace(
+        whole, recordings=tuple(map(held, whole.recordings)), holdout=tuple(map(held, whole.holdout))
+    )
+
+
+def test_free_runs_leave_out_no_reading_because_it_is_held(case):
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        _, fitter, final = settled(simulator, case)
+        noise = replace(final.noise, reading_std=1e-3)
+        plain = standing(fitter, final.plant, noise)
+        holding = standing(fitter, final.plant.with_effect("sample_hold", {"refresh_period": HELD_S}), noise)
+    assert holding.believed == plain.believed
+
+
+def test_readings_held_for_eighty_milliseconds_are_named(case):
+    found = diagnose(case).diagnosis
+    assert [effect.id for effect in found.effects] == ["sample_hold"]
+    assert found.effects[0].params["refresh_period_s"].value == pytest.approx(HELD_S, rel=0.15)
+
+
+@pytest.mark.parametrize(("terms", "misled"), [({"outlier": None}, True), ({"scatter": None}, False)])
+def test_coloured_steps_mislead_but_for_those_of_held_readings(terms, misled):
+    record = replace(FOUND, moved=9.0, colour=9.0)
+    effect = SimpleNamespace(terms=terms, equation_of="timing")
+    evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
+    assert _misled(evidence) is misled
