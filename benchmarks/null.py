@@ -56,7 +56,7 @@ def null_of(family: str, seed: int) -> Null:
         clean = clean_cases(evidence.linear, rng)
         gains = null_gains(simulator, evidence.linear, trials, clean)
     explanation = evidence.explanation
-    near = [weight.gain for _, weight in (*explanation.found, *explanation.refused)]
+    near = [one[1].gain for one in (*explanation.found, *explanation.refused)]
     return Null(gains, max(near, default=-np.inf), len(explanation.found))
 
 

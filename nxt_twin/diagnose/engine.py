@@ -46,7 +46,7 @@ from nxt_twin.diagnose.judging.verdict import (
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.searched import lessened, searched
+from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
@@ -106,6 +106,7 @@ def diagnose(
         if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
+        evidence = _reconsidered(simulator, evidence, rng)
         evidence = _with_moves(with_shapes(simulator, evidence))
         return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
@@ -136,6 +137,29 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     while (vague := vague_effect(evidence)) is not None:
         evidence = _less(simulator, evidence, vague, rng)
     return _without_needless(simulator, _unspoiled(simulator, evidence, rng), rng)
+
+
+def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
+    """`evidence` with a refused effect that explains what is missing, or that helps where nothing was found.
+
+    A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
+    have to be explained, and most of what was left.
+    """
+    if verdict_of(evidence.record) != "unexplained":
+        return evidence
+    helps: Evidence | None = None
+    for found in with_refused(simulator, evidence.problem, evidence.explanation):
+        more = gather(simulator, evidence.problem, found, rng)
+        if verdict_of(more.record) == "explained" and _halves(evidence, more):
+            return replace(more, needless=evidence.needless)
+        helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
+    return helps if helps and not evidence.record.found else evidence
+
+
+def _halves(before: Evidence, after: Evidence) -> bool:
+    """Whether simulated windows of unseen readings err by less than half of what they did."""
+    window = nearest_horizon(after.final_errors, after.problem.window_s)
+    return after.final_errors.rms[window] < LIMITS.confirmed * before.final_errors.rms[window]
 
 
 def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:

@@ -168,6 +168,7 @@ class Record:
         strained: whether a parameter of a found effect rests on its upper bound, or two effects together are one law
             that acts one way only.
         moved: the largest factor by which a positive number of the given model surely changed, at 95 %.
+        helps: whether the search refused what was found, which helps without explaining.
     """
 
     named: int
@@ -200,6 +201,7 @@ class Record:
     sober_nats: float = 0.0
     strained: bool = False
     moved: float = 1.0
+    helps: bool = False
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -207,6 +209,8 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
     missing = record.matters and _lacks_more(record, limits)
     if not record.found:
         return "unexplained" if missing else "adequate"
+    if record.helps:
+        return "unexplained"
     doubtful = is_patchwork(record, limits) or is_worse(record, limits) or is_stalled(record, limits)
     forgiven = is_forgiven(record, limits) or is_contradicted(record, limits)
     other = is_another_law(record, limits) or is_moved(record, limits)

@@ -22,7 +22,7 @@ from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.plant import Plant
 
-_Ranked = tuple[Effect, Weight, Structure]
+Ranked = tuple[Effect, Weight, Structure]
 """An effect, what speaks for it, and the structure with it."""
 
 
@@ -36,7 +36,8 @@ class Explanation:
         best: the structure with every effect that earned its place.
         found: those effects, the weightiest first, each with what speaks for keeping it.
         rivals: for each found effect, others tried in its place, best first.
-        refused: effects that came nearest to being added at the end, best first, with their weight.
+        refused: effects that came nearest to being added at the end, best first, each with its weight and the structure
+            with it.
         unnamed: effects in `best` that are too small for a name, and explain more than a larger one would.
     """
 
@@ -44,7 +45,7 @@ class Explanation:
     best: Structure
     found: tuple[tuple[Effect, Weight], ...]
     rivals: dict[str, tuple[Rival, ...]]
-    refused: tuple[tuple[Effect, Weight], ...]
+    refused: tuple[Ranked, ...]
     unnamed: tuple[Effect, ...] = ()
 
 
@@ -88,17 +89,15 @@ class _Search:
         self._unnamed.update(begun.plant.active - self._baseline.plant.active)
         return begun
 
-    def grown(
-        self, best: Structure, progress: Progress
-    ) -> tuple[Structure, tuple[tuple[Effect, Weight], ...]]:
+    def grown(self, best: Structure, progress: Progress) -> tuple[Structure, tuple[Ranked, ...]]:
         """Add effects to `best` while one earns its place; what came near is noted."""
         been = {best.plant.active: best.fitted_cost}
-        refused: tuple[tuple[Effect, Weight], ...] = ()
+        refused: tuple[Ranked, ...] = ()
         while len(best.plant.active - self._baseline.plant.active) < LIMITS.most_effects:
             progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
             ranked, smaller = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
-            refused = tuple((effect, weight) for effect, weight, _ in ranked)
+            refused = tuple(ranked)
             added = self._added(best, ranked, smaller) if ranked else self._rounded_off(best, smaller)
             if (
                 added is None
@@ -109,7 +108,7 @@ class _Search:
             best = added
         return best, tuple(one for one in refused if one[0].id not in best.plant.active)
 
-    def _added(self, best: Structure, ranked: list[_Ranked], smaller: list[_Ranked]) -> Structure | None:
+    def _added(self, best: Structure, ranked: list[Ranked], smaller: list[Ranked]) -> Structure | None:
         """`best` with the leader of `ranked`, if that earns its place, or with two that do together.
 
         Where one of the `smaller` explains more, that one comes first: what it explains names no other.
@@ -122,7 +121,7 @@ class _Search:
         both = next((both for both in map(partial(self._with_another, best), ranked) if both), None)
         return both or self._rounded_off(best, smaller)
 
-    def _rounded_off(self, best: Structure, smaller: list[_Ranked]) -> Structure | None:
+    def _rounded_off(self, best: Structure, smaller: list[Ranked]) -> Structure | None:
         """`best` with the first of the `smaller`, where no larger effect helps and it brings a simulation much nearer.
 
         Effects that were found keep their names then: what they leave has a known cause, if a small one.
@@ -135,7 +134,7 @@ class _Search:
                 return trial
         return None
 
-    def _with_smaller(self, best: Structure, leader: _Ranked, smaller: list[_Ranked]) -> Structure | None:
+    def _with_smaller(self, best: Structure, leader: Ranked, smaller: list[Ranked]) -> Structure | None:
         """`best` with the first of the `smaller`, if that is worth it and clearly likelier than the `leader`.
 
         A name is withheld only for as much as an effect needs to be found at all.
@@ -254,7 +253,7 @@ class _Search:
         twins = are_twins(best.plant, effect, other) or are_twins(trial.plant, other, effect)
         return Rival(other, behind, trial, worse, twins)
 
-    def _forward(self, best: Structure) -> tuple[list[_Ranked], list[_Ranked]]:
+    def _forward(self, best: Structure) -> tuple[list[Ranked], list[Ranked]]:
         """Every candidate added to `best`, ranked; apart from these those that are too small for a name.
 
         What brings a plain term with it that `best` lacks is not small: that term would lose its name to it.
@@ -269,7 +268,7 @@ class _Search:
         ]
         return self._ranked(best, named), self._ranked(best, smaller)
 
-    def _ranked(self, best: Structure, settled: list[tuple[Effect, Structure]]) -> list[_Ranked]:
+    def _ranked(self, best: Structure, settled: list[tuple[Effect, Structure]]) -> list[Ranked]:
         """What was `settled` beside `best`, the likeliest first."""
         ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
         ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -10,6 +11,7 @@ from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.explain import Explanation, explain
+from nxt_twin.diagnose.search.helping import helping
 from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.physics.effect import Effect
@@ -50,6 +52,15 @@ def lessened(simulator: Simulator, problem: Problem, explanation: Explanation, e
     """`explanation` less one effect, with all that was found besides fitted again."""
     fits = Fits(simulator, problem)
     return _fitted(fits, _without(fits, explanation, effect))
+
+
+def with_refused(simulator: Simulator, problem: Problem, explanation: Explanation) -> Iterator[Searched]:
+    """`explanation` with each effect that was refused and helps, the most helpful first, unless it proves too small."""
+    fits = Fits(simulator, problem)
+    for more in helping(explanation, problem.plant):
+        found = _fitted(fits, more)
+        if len(found.explanation.found) == len(more.found):
+            yield found
 
 
 def _fitted(fits: Fits, explanation: Explanation) -> Searched:

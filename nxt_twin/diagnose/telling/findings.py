@@ -99,7 +99,7 @@ def nearest_effect(evidence: Evidence, verdict: Verdict) -> Nearest | None:
         return None
     if not refused:
         return Nearest(found[0][0].id, found[0][0].name, _why_not_enough(evidence.record))
-    effect, weight = max(refused, key=lambda pair: pair[1].total)
+    effect, weight, _ = max(refused, key=lambda one: one[1].total)
     return Nearest(effect.id, effect.name, _why_refused(weight))
 
 
