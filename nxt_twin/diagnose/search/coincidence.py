@@ -9,7 +9,7 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
-_HIDDEN_BY: Final = {"constant_load": Slot("coulomb_friction", "coulomb")}
+HIDDEN_BY: Final = {"constant_load": Slot("coulomb_friction", "coulomb")}
 """By effect: what a size has to exceed so that a motor at rest shows it."""
 _TWINS: Final = {"constant_load": "asymmetric_friction"}
 """By effect: the one that moves a motor just as it does where its size is hidden."""
@@ -21,7 +21,7 @@ def coincidence_nats(plant: Plant, effect: Effect) -> float:
     A steady load may have any size. Below friction it moves a motor as friction by direction does, which is always so.
     Of two laws that do alike, the one that could have done otherwise is the less likely.
     """
-    hiding = _HIDDEN_BY.get(effect.id)
+    hiding = HIDDEN_BY.get(effect.id)
     if hiding is None or hiding not in plant.values:
         return 0.0
     size = abs(plant.values[Slot(effect.id, effect.parameters[0].symbol)])

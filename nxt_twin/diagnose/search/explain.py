@@ -248,9 +248,11 @@ class _Search:
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
         weight = weigh(trial, best)
-        behind = weight.total + self._favour(best, effect) - self._favour(trial, other)
-        worse = weight.restores or simulates_worse(best, trial, other)
         twins = are_twins(best.plant, effect, other) or are_twins(trial.plant, other, effect)
+        alike = twins and abs(weight.total) < LIMITS.twin_nats
+        told = 0.0 if alike else weight.total
+        behind = told + self._favour(best, effect) - self._favour(trial, other)
+        worse = weight.restores or (not alike and simulates_worse(best, trial, other))
         return Rival(other, behind, trial, worse, twins)
 
     def _forward(self, best: Structure) -> tuple[list[Ranked], list[Ranked]]:

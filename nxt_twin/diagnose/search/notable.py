@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from nxt_twin.diagnose.search.coincidence import HIDDEN_BY
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter, Scale
@@ -32,6 +33,7 @@ added inertia was named a payload on levers of 1.5 and 1.9 mm.
 _HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
 _G = 9.81  # m/s²: standard gravity
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
+_LEAST_APART = 0.05  # of their sum, or a load's size of friction: less is the plain term, as motors have it
 
 
 def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
@@ -133,8 +135,11 @@ def _size(plant: Plant, effect: Effect, value: float, nothing: float) -> float:
     """What of the main parameter is the effect's own, SI."""
     if effect.supersedes and len(effect.parameters) == _BOTH_WAYS:
         other = plant.values[Slot(effect.id, effect.parameters[1].symbol)]
-        return 0.5 * abs(value - other)
-    return abs(value - effect.neutral * effect.parameters[0].si) - nothing
+        apart = abs(value - other)
+        return 0.5 * apart if apart > _LEAST_APART * (value + other) else 0.0
+    size = abs(value - effect.neutral * effect.parameters[0].si) - nothing
+    friction = plant.values.get(HIDDEN_BY[effect.id], 0.0) if effect.id in HIDDEN_BY else 0.0
+    return size if size > _LEAST_APART * friction else 0.0
 
 
 def _carried(parameter: Parameter, value: float, plant: Plant, scale: Scale) -> float:

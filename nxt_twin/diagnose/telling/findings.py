@@ -28,23 +28,16 @@ def found_effects(simulator: Simulator, evidence: Evidence) -> tuple[FoundEffect
     listed = []
     for effect, _ in evidence.explanation.found:
         rivals = evidence.explanation.rivals.get(effect.id, ())
-        listed.append(
-            FoundEffect(
-                id=effect.id,
-                name=effect.name,
-                equation=effect.equation,
-                params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
-                probability=told_probability(share_of_belief(0.0, [rival.doubt_nats for rival in rivals])),
-                confusable_with=_named_once(
-                    (*_confusions(simulator, evidence, effect, rivals), *as_a_payload(evidence, effect))
-                ),
-            )
+        found = FoundEffect(
+            id=effect.id,
+            name=effect.name,
+            equation=effect.equation,
+            params=with_bounds(simulator, evidence.linear, effect, estimates(evidence, effect)),
+            probability=told_probability(share_of_belief(0.0, [rival.doubt_nats for rival in rivals])),
+            confusable_with=_confusions(simulator, evidence, effect, rivals),
         )
+        listed.append(as_a_payload(evidence, found))
     return tuple(listed)
-
-
-def _named_once(confusions: Sequence[Confusion]) -> tuple[Confusion, ...]:
-    return tuple({one.id: one for one in reversed(confusions)}.values())[::-1]
 
 
 def near_rivals(evidence: Evidence) -> list[tuple[Effect, Rival]]:
