@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 from nxt_twin.physics.parameter import FRAMES, Frame, Parameter
 from nxt_twin.recording.recording import GOALS, InputKind
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
 
 Equation = Literal["torque_balance", "electrical", "kinematic", "measurement", "timing"]
 Regime = Literal[
@@ -84,6 +87,7 @@ class Effect:
             make differ by smaller sizes. Of two parameters that replace one, half their difference; of one that has
             to exceed another, the excess.
         notable_most: the size above which the effect has no name, where a larger parameter does less.
+        further_starts: SI values by symbol that recordings suggest together, beside every combination of starts.
     """
 
     id: str
@@ -109,6 +113,7 @@ class Effect:
     neutral: float = 0.0
     notable: float = 0.0
     notable_most: float = math.inf
+    further_starts: Callable[[Sequence[Signals]], Sequence[Mapping[str, float]]] | None = None
 
     def __repr__(self) -> str:
         """Short: id and name."""

@@ -86,6 +86,7 @@ class Parameter:
         least: SI value up to which it is within what the recordings themselves leave open.
         lowest: SI value below which recordings rule it out, where that is above `lower`.
         above: owner and symbol of the parameter that it has to exceed to make a difference.
+        tried: it acts in steps, so that a search tries values and a fit leaves it alone.
     """
 
     name: str
@@ -107,6 +108,7 @@ class Parameter:
     least: Callable[[Sequence[Signals]], float] | None = None
     lowest: Callable[[Sequence[Signals]], float] | None = None
     above: tuple[str, str] | None = None
+    tried: bool = False
 
     def __repr__(self) -> str:
         """Short: name and unit."""

@@ -55,7 +55,7 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     alike = plant.layout.frame == "motor" and driven in VOLTAGES
     found = []
     for slot, parameter in plant.layout.parameters.items():
-        if slot not in plant.values or slot.owner in shares or parameter.tied_to:
+        if slot not in plant.values or slot.owner in shares or parameter.tied_to or parameter.tried:
             continue
         if slot.owner == BASE_OWNER and plant.values[slot] == 0.0:  # a servo's loop without that part
             continue
@@ -67,10 +67,12 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
 def starts_of(effect: Effect, scale: Scale) -> list[dict[str, float]]:
     """Every combination of starting values of `effect`, SI by symbol; the typical one first."""
     scaled = [parameter.scaled(scale) for parameter in effect.parameters]
-    return [
+    starts = [
         {p.symbol: value * p.si for p, value in zip(scaled, values, strict=True)}
         for values in itertools.product(*(p.starts for p in scaled))
     ]
+    further = effect.further_starts(scale.recordings) if effect.further_starts and scale.recordings else ()
+    return [*starts, *({**starts[0], **one} for one in further)]
 
 
 def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool) -> Variable:

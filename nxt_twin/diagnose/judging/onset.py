@@ -11,7 +11,7 @@ from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.horizons import errors_of, least_wrong
-from nxt_twin.diagnose.search.onset import at_onset, has_onset
+from nxt_twin.diagnose.search.onset import at_onset, has_onset, removed_at
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
@@ -40,7 +40,11 @@ def placed(simulator: Simulator, problem: Problem, final: Structure) -> tuple[St
 
 def _likelier(simulator: Simulator, problem: Problem, final: Structure, effect: Effect) -> Plant | None:
     """The plant with an open onset under which what was held out is simulated clearly better, if there is one."""
-    every = [final.plant, *(at_onset(final.plant, effect, moment_s) for moment_s in _moments(problem))]
+    every = [
+        final.plant,
+        *(removed_at(final.plant, effect, ends_s) for ends_s in _ends(problem)),
+        *(at_onset(final.plant, effect, moment_s) for moment_s in _moments(problem)),
+    ]
     tuned = Fitter(simulator, problem).tuned(final.noise, SETTLED.step_for(final.plant)).everything()
     costs = tuned.costs_of(simulator, every)
     opened = [plant for plant, cost in zip(every, costs, strict=True) if cost - costs[0] <= _OPEN_NATS]
@@ -48,6 +52,14 @@ def _likelier(simulator: Simulator, problem: Problem, final: Structure, effect: 
     best = least_wrong(errors, problem.tolerance)
     before, after = (float(np.mean(one.rms)) for one in (errors[0], errors[best]))
     return opened[best] if max(after, problem.tolerance) < _CLEARLY * before else None
+
+
+def _ends(problem: Problem) -> Iterator[float]:
+    """Beginning and end of each recording that is held out as a whole or in part, s of the session."""
+    for part in problem.held_out:
+        began_s = part.signals.session_s
+        yield began_s
+        yield began_s + float(np.ptp(part.signals.time_s))
 
 
 def _moments(problem: Problem) -> Iterator[float]:

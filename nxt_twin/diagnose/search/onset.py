@@ -13,6 +13,7 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 
 _ONSET: Final = "onset_s"
+_REMOVED: Final = "removed_s"
 _SHARE: Final = 0.125
 """Of all recordings laid end to end, to either side: the starts of a search lie so far apart."""
 _TRIED: Final = 48  # shifts of an onset, spread evenly over both sides
@@ -40,6 +41,11 @@ def at_likeliest_onset(fits: Fits, plant: Plant, effect: Effect, noise: Noise) -
     reach_s = _SHARE * length_s
     shifts_s = np.linspace(-reach_s, reach_s, _TRIED)
     tried = [plant, *(at_onset(plant, effect, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
+    tried += [
+        removed_at(plant, effect, signals.session_s)
+        for signals in fits.problem.signals
+        if signals.session_s > plant.values[slot]
+    ]
     return tried[int(np.argmin(fits.costs_everywhere(tried, noise)))]
 
 
@@ -50,6 +56,11 @@ def at_onset(plant: Plant, effect: Effect, onset_s: float) -> Plant:
     return plant.with_effect(slot.owner, {**others, slot.symbol: max(onset_s, 0.0)})
 
 
-def _slot(effect: Effect) -> Slot:
-    symbol = next(parameter.symbol for parameter in effect.parameters if parameter.name == _ONSET)
+def removed_at(plant: Plant, effect: Effect, removed_s: float) -> Plant:
+    """`plant` whose `effect` ends at `removed_s` (s of the session), all else as it is."""
+    return plant.with_values({_slot(effect, _REMOVED): removed_s})
+
+
+def _slot(effect: Effect, name: str = _ONSET) -> Slot:
+    symbol = next(parameter.symbol for parameter in effect.parameters if parameter.name == name)
     return Slot(effect.id, symbol)

@@ -69,10 +69,45 @@ GRAVITY_LOAD = Effect(
 )
 
 
+_NEVER_S = 1e6  # a session ends before
+
+
 def _begun(elapsed_s: float, session_s: float, step_s: float, onset: float) -> float:
     """The share of a step that comes after the onset."""
     late = (session_s + elapsed_s + step_s - onset) / step_s
     return min(max(late, 0.0), 1.0)
+
+
+def _there(elapsed_s: float, session_s: float, step_s: float, onset: float, removed: float) -> float:
+    """The share of a step between the onset and the removal."""
+    gone = _begun(elapsed_s, session_s, step_s, removed)
+    return max(_begun(elapsed_s, session_s, step_s, onset) - gone, 0.0)
+
+
+def _some_recordings(recordings: Sequence[Signals]) -> list[tuple[float, float]]:
+    """Beginning and end, s of the session, of each row of recordings but those that last to the end."""
+    begins = [signals.session_s for signals in recordings]
+    return [
+        (first, after)
+        for number, first in enumerate(begins)
+        for after in begins[number + 1 :]
+        if after > first
+    ]
+
+
+def _carried_in_some(recordings: Sequence[Signals]) -> list[dict[str, float]]:
+    return [{"onset": first, "removed": after} for first, after in _some_recordings(recordings)]
+
+
+def _hung_in_some(recordings: Sequence[Signals]) -> list[dict[str, float]]:
+    return [{"hung_at": first, "taken_off_at": after} for first, after in _some_recordings(recordings)]
+
+
+def _removed(symbol: str) -> Parameter:
+    """When a payload is taken off again, s of the session; by default never. A search tries ends of recordings."""
+    return Parameter(
+        "removed_s", symbol, "s", NUMBER, (_NEVER_S,), 0.0, _NEVER_S, otherwise=_NEVER_S, tried=True
+    )
 
 
 def _hanging(
@@ -83,15 +118,21 @@ def _hanging(
     payload_gravity: float,
     payload_phase: float,
     hung_at: float,
+    taken_off_at: float,
 ) -> float:
-    share = _begun(elapsed_s, session_s, step_s, hung_at)
+    share = _there(elapsed_s, session_s, step_s, hung_at, taken_off_at)
     return -payload_gravity * share * sine(angle + payload_phase) if share > 0.0 else 0.0
 
 
 def _carried(
-    elapsed_s: float, session_s: float, step_s: float, payload_inertia: float, hung_at: float
+    elapsed_s: float,
+    session_s: float,
+    step_s: float,
+    payload_inertia: float,
+    hung_at: float,
+    taken_off_at: float,
 ) -> float:
-    return payload_inertia * _begun(elapsed_s, session_s, step_s, hung_at)
+    return payload_inertia * _there(elapsed_s, session_s, step_s, hung_at, taken_off_at)
 
 
 def _hung_on(recordings: Sequence[Signals]) -> list[float]:
@@ -107,7 +148,7 @@ def _hung_on(recordings: Sequence[Signals]) -> list[float]:
 HANGING_PAYLOAD = Effect(
     id="hanging_payload",
     name="hanging payload",
-    equation="τ = -τg·sin(θ + φ), J = J0 + Ja, from t0 on; t0 as of a payload's onset",
+    equation="τ = -τg·sin(θ + φ), J = J0 + Ja, from t0 to t1; both as of a payload",
     source="the physical pendulum: m·g·l·sin, and m·l² with what the payload has about its own middle",
     equation_of="torque_balance",
     shows=("angle", "after_command"),
@@ -137,8 +178,10 @@ HANGING_PAYLOAD = Effect(
             otherwise=0.0,
             hints=_hung_on,
         ),
+        _removed("taken_off_at"),
     ),
     terms={"inertia": _carried, "torque": _hanging},
+    further_starts=_hung_in_some,
     confusable_with={
         "gravity_load": "quick reversals tell: a payload adds inertia, an arm that was there all along does not",
         "payload_inertia": "slow turns tell: a payload on an arm pulls it down, a disc does not",
@@ -232,8 +275,10 @@ COGGING = Effect(
 )
 
 
-def _added(elapsed_s: float, session_s: float, step_s: float, added_inertia: float, onset: float) -> float:
-    return added_inertia * _begun(elapsed_s, session_s, step_s, onset)
+def _added(
+    elapsed_s: float, session_s: float, step_s: float, added_inertia: float, onset: float, removed: float
+) -> float:
+    return added_inertia * _there(elapsed_s, session_s, step_s, onset, removed)
 
 
 def _onsets(recordings: Sequence[Signals]) -> list[float]:
@@ -250,7 +295,7 @@ def _onsets(recordings: Sequence[Signals]) -> list[float]:
 PAYLOAD_INERTIA = Effect(
     id="payload_inertia",
     name="payload inertia",
-    equation="J = J0 + Ja from t0 on; t0 from the beginning of the first recording, all laid end to end",
+    equation="J = J0 + Ja from t0 to t1, from the beginning of the first recording, all laid end to end",
     source="rigid bodies: inertias on one axis add",
     equation_of="torque_balance",
     shows=("elapsed_time", "after_command"),
@@ -277,8 +322,10 @@ PAYLOAD_INERTIA = Effect(
             otherwise=0.0,
             hints=_onsets,
         ),
+        _removed("removed"),
     ),
     terms={"inertia": _added},
+    further_starts=_carried_in_some,
     confusable_with={
         "friction_warmup": "steady speeds before and after tell: a payload leaves them alone, friction does not",
         "shaft_compliance": "a payload that is there all the time is inertia; only its coming, or a ringing, tells",
