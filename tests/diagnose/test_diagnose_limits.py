@@ -369,7 +369,7 @@ EDGES = {
 STATED = SimpleNamespace(plain=True, parameters=(SimpleNamespace(frozen=True),), source="a book")
 COUNTS = {
     "left_out_nats": (lambda _: belief(STATED), 3.0),
-    "coincidence_nats": (lambda _: against_a_hidden_load(), [1.0, 0.0]),
+    "coincidence_nats": (lambda _: against_a_hidden_load(), [1.35, 0.0]),
     "most_effects": (lambda _: effects_grown(), 4),
     "rivals_drafted": (lambda _: rivals_of(*[0.0] * 9), 4),
     "short_list": (lambda _: rivals_of(known=9), 5),

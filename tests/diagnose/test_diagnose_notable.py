@@ -27,8 +27,8 @@ def sized(effect: Effect, size: float):
     values[main.symbol] = nothing + size * main.si
     if effect.supersedes:
         other = effect.parameters[1]
-        values[other.symbol] = 0.01 * other.si
-        values[main.symbol] = 0.01 * main.si + 2.0 * size * main.si
+        values[other.symbol] = size * other.si
+        values[main.symbol] = 3.0 * size * main.si
     return PLAIN.with_effect(effect.id, values)
 
 

@@ -138,7 +138,7 @@ def test_a_command_is_sought_as_early_as_one_poll_before_its_row():
 
 def test_a_hanging_payload_is_sought_where_later_recordings_begin_or_within_a_single_one():
     runs = in_session([commanded([(0.0, 0.5)], seconds=4.0)] * 3)
-    onset = library()["hanging_payload"].parameters[-1]
+    onset = library()["hanging_payload"].parameters[3]
     assert onset.scaled(Scale(0.3, 10.0, tuple(runs))).starts == pytest.approx((4.0, 8.0))
     assert onset.scaled(Scale(0.3, 10.0, (runs[0],))).starts == pytest.approx((1.0, 2.0, 3.0))
 

@@ -51,6 +51,20 @@ def test_a_payload_that_is_hung_on_later_is_an_arm_from_then_on(rotary_simulator
     assert abs(late[-1] - plain[-1]) > 0.1
 
 
+def test_a_payload_that_is_taken_off_again_leaves_the_motor_as_it_was(rotary_simulator):
+    run = commanded([(0.0, 0.002)], seconds=4.0, kind="torque_nm")
+    payload = {"added_inertia_kg_m2": 1e-3, "onset_s": 1.0, "removed_s": 2.0}
+    speed, plain, heavy = (
+        np.gradient(motion(rotary_simulator, disc(effects=effects), run)["angle"], run.time_s)
+        for effects in ({"payload_inertia": payload}, {}, {"payload_inertia": {**payload, "onset_s": 0.0}})
+    )
+    pull = [np.gradient(one, run.time_s) for one in (speed, plain, heavy)]
+    for moment_s, like in ((0.5, 1), (1.5, 2), (3.0, 1)):
+        at = round(moment_s * 100)
+        assert pull[0][at] == pytest.approx(pull[like][at], rel=1e-3)
+    assert pull[1][50] == pytest.approx(pull[2][50] * (J + 1e-3) / J, rel=1e-3)
+
+
 def test_an_arm_comes_to_rest_hanging_down_at_its_phase(rotary_simulator):
     plant = disc(
         viscous_friction=0.02, effects={"gravity_load": {"gravity_torque_nm": 0.1, "phase_deg": 40.0}}

@@ -374,7 +374,8 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     surprising = record.surprise > (limits.surprising_by_windows if record.by_windows else limits.surprising)
     if not record.found:
         return structured or large or surprising or _is_pushed(record, limits) or record.off > limits.far_off
-    surprising = surprising and min(record.nearer, record.run_ratio) > limits.hardly
+    little = min(record.nearer, record.run_ratio) <= limits.hardly and record.nearer <= limits.confirmed
+    surprising = surprising and not little
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
     still_large = large and record.torque_after > limits.still_large * record.torque_before
     return mostly_left or still_large or surprising or _hardly_explained(record, limits)

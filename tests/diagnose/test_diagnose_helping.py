@@ -1,0 +1,133 @@
+"""What a search refused: looked at again where something is missing, and told where it only helps."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose import engine
+from nxt_twin.diagnose.judging.verdict import Record
+from nxt_twin.diagnose.search import helping as helpers
+from nxt_twin.diagnose.search.explain import Explanation
+from nxt_twin.diagnose.search.helping import helping
+from nxt_twin.diagnose.search.weight import Weight
+from nxt_twin.physics.plant import plant_from_config
+
+PLAIN = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+
+
+def structure(plant):
+    return SimpleNamespace(plant=plant)
+
+
+def refused(effect_id, gain, check, ratio=1.0, base=PLAIN):
+    effect = base.layout.effect(effect_id)
+    start = {p.symbol: p.starts[0] * p.si for p in effect.parameters}
+    weight = Weight(gain, check, ratio, runs_worse=True)
+    return effect, weight, structure(base.with_effect(effect_id, start))
+
+
+def explanation(*near):
+    bare = structure(PLAIN)
+    return Explanation(bare, bare, (), {}, tuple(near))
+
+
+@pytest.fixture(autouse=True)
+def _no_simulations(monkeypatch):
+    monkeypatch.setattr(helpers, "simulates_worse", lambda *_: False)
+
+
+@pytest.mark.parametrize(
+    ("gain", "check", "ratio", "helps"),
+    [
+        (25.0, 5.1, 1.0, True),
+        (25.0, 4.9, 1.0, False),
+        (35.0, -1.0, 1.0, False),
+        (35.0, -1.0, 0.99, True),
+        (-1.0, 40.0, 1.0, False),
+    ],
+)
+def test_a_refused_effect_helps_from_thirty_nats_on_unless_what_checks_denies_it(gain, check, ratio, helps):
+    found = helping(explanation(refused("cogging", gain, check, ratio)), PLAIN)
+    assert [one.found[0][0].id for one in found] == (["cogging"] if helps else [])
+
+
+def test_the_most_helpful_comes_first_with_the_others_for_its_rivals():
+    near = [refused("cogging", 40.0, 1.0), refused("stiction", 60.0, 5.0), refused("gravity_load", 35.0, 1.0)]
+    near.append(refused("spring_load", 31.0, 1.0))
+    first, second, third = helping(explanation(*near), PLAIN)
+    assert [one.found[0][0].id for one in (first, second, third)] == ["stiction", "cogging", "gravity_load"]
+    rivals = {one.effect.id: one.behind for one in first.rivals["stiction"]}
+    assert rivals == pytest.approx({"cogging": 24.0, "gravity_load": 29.0, "spring_load": 33.0})
+    assert first.best.plant.active == PLAIN.active | {"stiction"}
+
+
+def test_what_was_tried_beside_an_effect_that_has_gone_is_not_looked_at():
+    beside = PLAIN.with_effect("backlash", {"gap": 0.1, "load_inertia": 5e-4})
+    assert helping(explanation(refused("cogging", 90.0, 9.0, base=beside)), PLAIN) == []
+
+
+QUIET = Record(
+    named=0,
+    found=False,
+    left_nats=100.0,
+    left_limit_nats=15.0,
+    gained_nats=0.0,
+    torque_before=0.1,
+    torque_after=0.1,
+    run_ratio=1.0,
+    off=1.0,
+    matters=True,
+    worst_ratio=0.0,
+    stalled_share=0.0,
+    surprise=0.5,
+    by_windows=False,
+    nearer=1.0,
+    least_nats=0.0,
+    remaining=9.0,
+)
+FOUND = replace(
+    QUIET, named=1, found=True, left_nats=0.0, torque_after=0.0, gained_nats=500.0, run_ratio=0.1, nearer=0.3
+)
+
+
+class Evidence(SimpleNamespace):
+    """As much of the evidence as the second look needs; `replace` works on it."""
+
+    def __replace__(self, **changes):
+        return Evidence(**{**vars(self), **changes})
+
+
+def evidence(record, error):
+    errors = SimpleNamespace(rms=[error], seconds=(2.0,))
+    problem = SimpleNamespace(window_s=2.0)
+    return Evidence(record=record, final_errors=errors, problem=problem, explanation=None, needless=("x",))
+
+
+@pytest.mark.parametrize(
+    ("record", "error", "helps"),
+    [(FOUND, 4.9, False), (FOUND, 5.1, True), (replace(FOUND, surprise=99.0, nearer=0.6), 1.0, True)],
+)
+def test_a_refused_effect_is_named_where_unseen_readings_bear_it_out(monkeypatch, record, error, helps):
+    more = evidence(record, error)
+    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(engine, "gather", lambda *_: more)
+    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
+    found = engine._reconsidered(None, evidence(QUIET, 10.0), None)
+    assert found.record.helps is helps
+    assert (engine.verdict_of(found.record) == "unexplained") is helps
+    assert found.needless == ("x",)
+
+
+def _replaced(one, changes):
+    return one.__replace__(**changes) if isinstance(one, Evidence) else replace(one, **changes)
+
+
+@pytest.mark.parametrize("record", [replace(QUIET, matters=False), FOUND])
+def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, record):
+    monkeypatch.setattr(engine, "with_refused", lambda *_: pytest.fail("looked again"))
+    before = evidence(record, math.inf)
+    assert engine._reconsidered(None, before, None) is before

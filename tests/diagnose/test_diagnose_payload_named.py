@@ -1,0 +1,60 @@
+"""An arm beside an inertia that has surely risen is a payload, if a motor carries one on such a lever."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect, Moved
+from nxt_twin.diagnose.telling import payload
+from nxt_twin.physics.plant import plant_from_config
+
+PLAIN = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
+GIVEN_KG_M2 = 1e-3
+GRAVITY_NM = 0.05
+
+
+def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM):
+    """How an arm is told beside an inertia that rose by that share of the given one, with its deviation."""
+    inertia = Moved(GIVEN_KG_M2, GIVEN_KG_M2 * (1.0 + rise), GIVEN_KG_M2 * std, "kg·m²")
+    monkeypatch.setattr(payload, "refitted", lambda _: {"inertia_kg_m2": inertia})
+    params = {"gravity_torque_nm": Estimate(gravity, 0.001, "N·m"), "phase_deg": Estimate(10.0, 1.0, "deg")}
+    near = (Confusion("spring_load", "…"), Confusion("hanging_payload", "…"))
+    found = FoundEffect(effect_id, "arm", "…", params, 0.9, near)
+    return payload.as_a_payload(SimpleNamespace(final=SimpleNamespace(plant=PLAIN)), found)
+
+
+@pytest.mark.parametrize(
+    ("rise", "std", "effect_id"),
+    [
+        (0.41, 0.1, "hanging_payload"),
+        (0.39, 0.1, "gravity_load"),
+        (0.5, 0.21, "gravity_load"),
+        (0.5, 0.19, "hanging_payload"),
+    ],
+)
+def test_an_arm_is_a_payload_where_the_inertia_surely_rose(monkeypatch, rise, std, effect_id):
+    found = told(monkeypatch, rise, std)
+    assert found.id == effect_id
+    other = {"hanging_payload": "gravity_load", "gravity_load": "hanging_payload"}[effect_id]
+    assert sorted(one.id for one in found.confusable_with) == sorted([other, "spring_load"])
+
+
+def test_a_payload_tells_the_inertia_that_it_adds_with_an_interval(monkeypatch):
+    found = told(monkeypatch, 0.6)
+    assert set(found.params) == {"gravity_torque_nm", "added_inertia_kg_m2", "phase_deg"}
+    added = found.params["added_inertia_kg_m2"]
+    assert added.value == pytest.approx(0.6 * GIVEN_KG_M2)
+    assert added.interval_95 == pytest.approx((0.4 * GIVEN_KG_M2, 0.8 * GIVEN_KG_M2))
+
+
+@pytest.mark.parametrize(
+    ("rise", "gravity", "effect_id"),
+    [(0.05, GRAVITY_NM, "gravity_load"), (0.6, 5.0, "gravity_load"), (0.6, 0.005, "gravity_load")],
+)
+def test_an_arm_whose_lever_no_motor_carries_stays_an_arm(monkeypatch, rise, gravity, effect_id):
+    assert told(monkeypatch, rise, gravity=gravity).id == effect_id
+
+
+def test_other_effects_stay_as_they_are(monkeypatch):
+    assert told(monkeypatch, 0.9, effect_id="stiction").id == "stiction"
