@@ -26,7 +26,8 @@ def promised(fitter: Fitter, structure: Structure, plants: Sequence[Plant]) -> l
 
     One run a plant gives the signature: the change of all predictions in standard deviations. A score test
     with nuisance parameters projects out all that a re-fit of the structure's own variables could imitate.
-    The rest is scaled, since a start has only the order of magnitude.
+    The rest is scaled, since a start has only the order of magnitude. A start promises at least what it gains outright,
+    as it stands: a soft shaft moves a motor so far that no line leads there.
     """
     steps_s = [DRAFTED.step_for(plant) for plant in plants]
     found = []
@@ -118,10 +119,9 @@ class _Nuisance:
         stretch = np.clip(fit / np.maximum(power, 1e-9), 0.0, _LARGEST_STRETCH)
         linear = stretch * fit - 0.5 * stretch**2 * power
         outright = np.nan_to_num(self._cost - self._target.cost(results), neginf=-1e9)
+        gains = np.maximum(linear, outright)
         doubting = np.array([self._has_outliers_of_its_own(plant) for plant in plants])
-        gains = np.where(
-            doubting, np.maximum(linear, outright), linear
-        )  # likelihoods changed, not predictions
+        stretch = np.where((outright > linear) & ~doubting, 1.0, stretch)
         return [(float(gain), float(by)) for gain, by in zip(gains, stretch, strict=True)]
 
 

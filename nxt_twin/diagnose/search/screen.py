@@ -45,21 +45,26 @@ def screen(fits: Fits, structure: Structure, effects: Sequence[Effect]) -> list[
     The rest is scaled, since a start has only the order of magnitude.
     """
     tried = [
-        (effect, _with_load_split(structure.plant.with_effect(effect.id, start), effect))
+        (effect, plant)
         for effect in effects
         for start in fits.starts(effect)
+        for plant in _with_load(structure.plant.with_effect(effect.id, start), effect)
     ]
     promises = fits.promised(structure, [plant for _, plant in tried])
     found = [Prospect(*tried[place], gain, stretch) for place, gain, stretch in promises]
     return sorted(found, key=lambda prospect: -prospect.gain)
 
 
-def _with_load_split(plant: Plant, effect: Effect) -> Plant:
-    """Take a new load's inertia off the body, which has carried it until now."""
+def _with_load(plant: Plant, effect: Effect) -> list[Plant]:
+    """The plant with a new load's inertia taken off the body, which has carried it until now, and beside the body's.
+
+    Behind a soft shaft the body has not carried it: a fit without the load has found the body's inertia alone.
+    """
     load = Slot(effect.id, "load_inertia")
     if load not in plant.values:
-        return plant
+        return [plant]
     body = Slot(BASE_OWNER, "inertia")
     total = plant.values[body]
     share = plant.values[load] / (plant.values[load] + plant.layout.parameters[body].starts[0])
-    return plant.with_values({body: (1.0 - share) * total, load: share * total})
+    split = plant.with_values({body: (1.0 - share) * total, load: share * total})
+    return [split, plant.with_values({load: share * total / (1.0 - share)})]
