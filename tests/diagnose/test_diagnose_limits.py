@@ -102,6 +102,25 @@ def is_late(age_polls):
     return standard.is_late(structure(), SimpleNamespace(terms={"outlier": None}))
 
 
+def is_heard(monkeypatch, gain=101.0, check=41.0, ratio=0.49, error=2.1):
+    """Whether an effect that is too small for a name has one, as it is so loud beside an `error` in tolerances."""
+    monkeypatch.setattr(standards, "weigh", lambda *_: Weight(gain, check, ratio, runs_worse=False))
+    standard = Standard(
+        SimpleNamespace(problem=SimpleNamespace(tolerance=1.0)), structure(), SimpleNamespace()
+    )
+    heard = standard.hear(structure(error=error), structure("a"), effect_named("a"))
+    assert standard.loud == (frozenset({"a"}) if heard else frozenset())
+    return heard
+
+
+@pytest.mark.parametrize(
+    ("changes", "heard"),
+    [({}, True), ({"gain": 99.0}, False), ({"ratio": 0.51}, False), ({"error": 1.9}, False)],
+)
+def test_a_small_effect_has_a_name_where_readings_need_it_loudly(monkeypatch, changes, heard):
+    assert is_heard(monkeypatch, **changes) is heard
+
+
 def swapped(behind):
     return likelier_structure({"a": (Rival(effect_named("b"), behind, structure(), simulates_worse=False),)})
 
@@ -347,6 +366,7 @@ EDGES = {
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
     "few_moments": (lambda _, v: lasts(9.0, v), 3.45, 3.55),
+    "loud_nats": (lambda patch, v: is_heard(patch, check=v), 39.0, 41.0),
     "odd_tolerances": (lambda _, v: lasts(1e4, 9.0, v, 7.9), 1.98, 2.02),
     "late_polls": (lambda _, v: is_late(v), 0.24, 0.26),
     "keep_nats": (is_kept, 2.95, 3.05),

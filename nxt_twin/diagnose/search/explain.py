@@ -39,6 +39,7 @@ class Explanation:
         refused: effects that came nearest to being added at the end, best first, each with its weight and the structure
             with it.
         unnamed: effects in `best` that are too small for a name, and explain more than a larger one would.
+        loud: ids of effects that have a name though they are small.
     """
 
     baseline: Structure
@@ -47,6 +48,7 @@ class Explanation:
     rivals: dict[str, tuple[Rival, ...]]
     refused: tuple[Ranked, ...]
     unnamed: tuple[Effect, ...] = ()
+    loud: frozenset[str] = frozenset()
 
 
 def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
@@ -65,7 +67,7 @@ def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     else:  # what grows is exchanged again and again: the likelier stays as it is, so that no worse one is named
         found = search.found(best)
         rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-    return Explanation(baseline, best, found, rivals, refused, search.unnamed(best))
+    return Explanation(baseline, best, found, rivals, refused, search.unnamed(best), search.loud)
 
 
 @final
@@ -219,6 +221,11 @@ class _Search:
         back = simpler.plant.active - best.plant.active - self._baseline.plant.active
         return sum(self._standard.belief(best.plant.layout.effect(effect_id)) for effect_id in back)
 
+    @property
+    def loud(self) -> frozenset[str]:
+        """The effects that have a name whatever their size."""
+        return self._standard.loud
+
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best` that have a name, the weightiest first."""
         unnamed = {effect.id for effect in self.unnamed(best)}
@@ -261,12 +268,16 @@ class _Search:
         What brings a plain term with it that `best` lacks is not small: that term would lose its name to it.
         """
         settled = self._trials.beside(best)
+        for effect, trial in settled:
+            if best is self._baseline and self._standard.is_too_small(trial, effect.id):
+                self._standard.hear(best, trial, effect)
         named = [one for one in settled if self._standard.is_notable(one[1], one[0].id)]
         smaller = [
             (effect, trial)
             for effect, trial in settled
             if best.plant.active.issuperset(effect.supersedes)
             and self._standard.is_too_small(trial, effect.id)
+            and effect.id not in self._standard.loud
         ]
         return self._ranked(best, named), self._ranked(best, smaller)
 

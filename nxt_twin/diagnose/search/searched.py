@@ -80,7 +80,8 @@ def _fitted(fits: Fits, explanation: Explanation) -> Searched:
 def _faint(fits: Fits, explanation: Explanation, final: Structure) -> Effect | None:
     """A found effect that is too small for a name once all readings have been fitted."""
     scale = fits.problem.scale
-    return next((e for e, _ in reversed(explanation.found) if not is_notable(final.plant, e, scale)), None)
+    small = (e for e, _ in reversed(explanation.found) if not is_notable(final.plant, e, scale))
+    return next((e for e in small if e.id not in explanation.loud), None)
 
 
 def _simulates_worse(fits: Fits, richer: Structure, simpler: Structure) -> bool:

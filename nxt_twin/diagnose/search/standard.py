@@ -11,7 +11,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter, is_too_small
 from nxt_twin.diagnose.search.settled import Settled
-from nxt_twin.diagnose.search.weight import Weight
+from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 
@@ -33,9 +33,29 @@ class Standard:
         self._baseline = baseline
         self._settled = settled
         self._unnamed = unnamed
+        self._loud: set[str] = set()
+
+    @property
+    def loud(self) -> frozenset[str]:
+        """The effects that have a name whatever their size."""
+        return frozenset(self._loud)
+
+    def hear(self, best: Structure, trial: Structure, effect: Effect) -> bool:
+        """Whether `effect`, too small for a name, is one that `trial` needs so loudly that it has a name nevertheless.
+
+        Motors of one make differ by less than its notable size, and the readings of this one by much more than matters.
+        """
+        weight = weigh(best, trial)
+        errs = best.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
+        loud = weight.gain > LIMITS.many_nats and weight.check_gain > LIMITS.loud_nats
+        if errs and loud and weight.free_run_ratio < LIMITS.much_nearer and not weight.runs_worse:
+            self._loud.add(effect.id)
+        return effect.id in self._loud
 
     def is_notable(self, best: Structure, effect_id: str) -> bool:
         """Whether the effect is large enough in `best` to have a name."""
+        if effect_id in self._loud:
+            return True
         problem, effect = self._fits.problem, best.plant.layout.effect(effect_id)
         repeats = not problem.by_windows or is_repeated(best.plant, effect, problem.signals)
         held = is_told_from_jitter(best.plant, effect, problem.signals)
