@@ -314,6 +314,8 @@ def rounds(monkeypatch):
         def __init__(self, _, baseline):
             self._baseline = baseline
 
+        loud = frozenset()
+
         def begun(self):
             return self._baseline
 

@@ -1,4 +1,4 @@
-"""Friction by direction and a load that friction hides move a motor alike. The load may have any size: friction wins."""
+"""Friction by direction and a load that friction hides move a motor alike. A load may have any size: friction wins."""
 
 from types import SimpleNamespace
 

@@ -28,8 +28,8 @@ class SearchLimits:
         much_nearer_share: share of what is explained that an effect with such a ratio has to gain on all readings.
         keep_nats: least gain of an effect that is in, with readings that were not fitted.
         many_nats: gain from which it does not matter how few moments it comes from.
-        loud_nats: gain on readings that were not fitted, from which an effect that also gains `many_nats` and halves the
-            error in free runs has a name though it is small. A presliding of 0.4 deg gained 527 and 223 nats.
+        loud_nats: gain on readings that were not fitted, from which a small effect has a name. It also has to gain
+            `many_nats` and to halve the error in free runs. A presliding of 0.4 deg gained 527 and 223 nats.
         few_moments: least number of moments that a smaller gain of a further effect comes from.
         odd_tolerances: error of a simulation, in tolerances, below which `gain_nats` have to come from other seconds
             than the one in which an effect gains most.
