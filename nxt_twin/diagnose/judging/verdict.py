@@ -79,6 +79,8 @@ class VerdictLimits:
         sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
+        cleared: share of the baseline's unknown torque below which faults of the readings may leave it. Beside right names
+            of wandering stamps 0.1 to 0.11 was left.
         moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
             one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
     """
@@ -116,6 +118,7 @@ class VerdictLimits:
     excused: float = 5.5e-3
     coloured: float = 1.4
     sober: float = 60.0
+    cleared: float = 0.2
     moved: float = 3.0
 
 
@@ -352,7 +355,7 @@ def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     right name, the equations of another simulator leave as much.
     """
     told = (not record.by_windows or record.colour < limits.coloured) and not record.restores
-    heard = record.found and record.remaining > limits.silent
+    heard = record.found and record.remaining > limits.silent and not _is_cleared(record, limits)
     share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
     return heard and told and record.sober_nats > limits.sober and share > limits.most_left
 
@@ -390,6 +393,16 @@ def _is_pushed(record: Record, limits: VerdictLimits) -> bool:
     return told and record.remaining > limits.nearly and record.torque_after > limits.excused
 
 
+def _is_cleared(record: Record, limits: VerdictLimits) -> bool:
+    """Whether faults of the readings take most of the unknown torque away, and halve an error that is no surprise.
+
+    A stamp that wanders looks like a torque to a filter, and a wander of another shape leaves some of it.
+    """
+    kept = record.torque_after / max(record.torque_before, 1e-15)
+    halved = record.nearer < limits.confirmed and record.surprise < 1.0
+    return record.of_readings and halved and kept < limits.cleared
+
+
 def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
     """Whether found effects leave much of the error, and a torque behind it.
 
@@ -397,5 +410,5 @@ def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
     and leaves next to none: a filter does not see a load behind play, and takes its motion for an unknown torque.
     """
     nearly_all = record.nearer < limits.confirmed and record.remaining < limits.nearly
-    much = record.run_ratio > limits.hardly and not nearly_all
+    much = record.run_ratio > limits.hardly and not nearly_all and not _is_cleared(record, limits)
     return not record.by_windows and much and record.run_ratio * record.torque_after > limits.unsettled
