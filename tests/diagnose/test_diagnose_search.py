@@ -266,7 +266,10 @@ def test_what_brings_a_plain_term_with_it_is_small_only_beside_that_term(active,
     search = object.__new__(_Search)
     asymmetric = SimpleNamespace(id="asymmetric_friction", supersedes=("coulomb_friction",))
     search._trials = SimpleNamespace(beside=lambda _: [(asymmetric, None)])
-    search._standard = SimpleNamespace(is_notable=lambda *_: False, is_too_small=lambda *_: True)
+    search._standard = SimpleNamespace(
+        is_notable=lambda *_: False, is_too_small=lambda *_: True, loud=frozenset()
+    )
+    search._baseline = None  # which `best` is not
     search._ranked = lambda _, settled: settled
     best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(active)))
     assert search._forward(best) == ([], [(asymmetric, None)] if small else [])

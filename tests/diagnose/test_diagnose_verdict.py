@@ -22,6 +22,9 @@ from nxt_twin.diagnose.judging.verdict import (
 
 STRUCTURED = replace(QUIET, left_nats=100.0, torque_after=1.0)
 FORGIVEN = replace(FOUND, matters=False, remaining=2.01)
+WANDERING = replace(
+    FOUND, of_readings=True, run_ratio=0.8, torque_before=0.1, remaining=5.0, surprise=0.9, nearer=0.4
+)
 ABOVE = 1.01
 
 # Numbers, and not the limits themselves: a limit that is moved fails its test.
@@ -53,6 +56,10 @@ EDGES = {
     "confirmed": (
         replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=6e-3, run_ratio=0.4999),
         "run_ratio",
+    ),
+    "cleared": (
+        replace(WANDERING, torque_after=0.02),
+        "torque_after",
     ),
     "sober": (replace(FOUND, sober_nats=60.0, gained_nats=360.0, remaining=0.6, matters=False), "sober_nats"),
     "surprising": (replace(FOUND, surprise=5.0, run_ratio=0.5), "surprise"),
@@ -362,6 +369,32 @@ def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():
     assert verdict_of(surprising) == "unexplained"
     assert verdict_of(replace(surprising, nearer=0.15)) == "explained"
     assert verdict_of(replace(surprising, run_ratio=0.15)) == "explained"
+
+
+@pytest.mark.parametrize(("nearer", "verdict"), [(0.5, "explained"), (0.51, "unexplained")])
+def test_unseen_readings_may_surprise_where_their_error_is_halved_and_checks_leave_none(nearer, verdict):
+    record = replace(FOUND, surprise=100.0, run_ratio=0.01, nearer=nearer)
+    assert verdict_of(record) == verdict
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({}, "explained"),
+        ({"of_readings": False}, "unexplained"),
+        ({"nearer": 0.5}, "unexplained"),
+        ({"surprise": 1.0}, "unexplained"),
+        ({"sober_nats": 1e3}, "explained"),
+        ({"sober_nats": 1e3, "surprise": 1.0}, "unexplained"),
+    ],
+)
+def test_faults_of_readings_that_clear_most_of_the_torque_may_leave_some(changes, verdict):
+    record = EDGES["cleared"][0]
+    assert verdict_of(replace(record, **changes)) == verdict
+
+
+def test_what_was_refused_and_helps_explains_nothing():
+    assert verdict_of(replace(FOUND, helps=True)) == "unexplained"
 
 
 @pytest.mark.parametrize(("surprise", "verdict"), [(0.9, "explained"), (1.1, "unexplained")])

@@ -79,8 +79,8 @@ class VerdictLimits:
         sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
-        cleared: share of the baseline's unknown torque below which faults of the readings may leave it. Beside right names
-            of wandering stamps 0.1 to 0.11 was left.
+        cleared: share of the unknown torque of the baseline up to which faults of the readings may leave it. Beside
+            right names of wandering stamps 0.1 was left.
         moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
             one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
     """
@@ -400,7 +400,7 @@ def _is_cleared(record: Record, limits: VerdictLimits) -> bool:
     """
     kept = record.torque_after / max(record.torque_before, 1e-15)
     halved = record.nearer < limits.confirmed and record.surprise < 1.0
-    return record.of_readings and halved and kept < limits.cleared
+    return record.of_readings and halved and kept <= limits.cleared
 
 
 def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
