@@ -46,6 +46,7 @@ from nxt_twin.diagnose.judging.verdict import (
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.progress import Progress
+from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
 from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.estimates import refitted, surely_moved, vague_effect
@@ -143,23 +144,25 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator) -> E
     """`evidence` with a refused effect that explains what is missing, or that helps where nothing was found.
 
     A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
-    have to be explained, and most of what was left.
+    have to be explained, and most of what was left. Found effects that leave more than `nearly` get a second look, too.
     """
-    if verdict_of(evidence.record) != "unexplained":
+    explained = verdict_of(evidence.record) == "explained" and evidence.record.remaining <= LIMITS.nearly
+    if explained or verdict_of(evidence.record) == "adequate":
         return evidence
     helps: Evidence | None = None
     for found in with_refused(simulator, evidence.problem, evidence.explanation):
         more = gather(simulator, evidence.problem, found, rng)
-        if verdict_of(more.record) == "explained" and _halves(evidence, more):
+        if verdict_of(more.record) == "explained" and _is_much_nearer(evidence, more):
             return replace(more, needless=evidence.needless)
         helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
     return helps if helps and not evidence.record.found else evidence
 
 
-def _halves(before: Evidence, after: Evidence) -> bool:
-    """Whether simulated windows of unseen readings err by less than half of what they did."""
+def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
+    """Whether windows of unseen readings err by half of what they did, or by a third less beside found effects."""
     window = nearest_horizon(after.final_errors, after.problem.window_s)
-    return after.final_errors.rms[window] < LIMITS.confirmed * before.final_errors.rms[window]
+    asked = SEARCH_LIMITS.nearer if before.record.found else LIMITS.confirmed
+    return after.final_errors.rms[window] < asked * before.final_errors.rms[window]
 
 
 def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:

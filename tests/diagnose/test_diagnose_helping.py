@@ -126,7 +126,27 @@ def _replaced(one, changes):
     return one.__replace__(**changes) if isinstance(one, Evidence) else replace(one, **changes)
 
 
-@pytest.mark.parametrize("record", [replace(QUIET, matters=False), FOUND])
+@pytest.mark.parametrize(
+    ("record", "error", "named"),
+    [
+        (replace(FOUND, remaining=2.01), 6.4, True),
+        (replace(FOUND, remaining=2.01), 6.6, False),
+        (replace(FOUND, matters=True, moved=9.0), 6.4, True),
+    ],
+)
+def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monkeypatch, record, error, named):
+    more = evidence(replace(FOUND, named=2), error)
+    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(engine, "gather", lambda *_: more)
+    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
+    before = evidence(record, 10.0)
+    found = engine._reconsidered(None, before, None)
+    assert found.record.named == (2 if named else 1)
+    assert (found is before) is not named
+
+
+@pytest.mark.parametrize("record", [replace(QUIET, matters=False), replace(FOUND, remaining=2.0)])
 def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, record):
     monkeypatch.setattr(engine, "with_refused", lambda *_: pytest.fail("looked again"))
     before = evidence(record, math.inf)
