@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from nxt_twin.diagnose.fitting.lateness import lateness_s
+from nxt_twin.physics.layout import Slot
 
 
-def told(late_s, speed, doubted):
+def told(late_s, speed, doubted, stop=None):
     """The lateness of readings of a plant that turns at `speed`, of which some are doubted and late by `late_s`."""
     late_s, speed, doubted = (np.asarray(each) for each in (late_s, speed, doubted))
     predicted = np.cumsum(speed * 0.01)
@@ -17,7 +18,8 @@ def told(late_s, speed, doubted):
     trace = {"predicted": predicted, "speed": speed, "weight": np.where(doubted, 0.1, 0.9)}
     tuned = SimpleNamespace(predicting=lambda: SimpleNamespace(jobs=(job,)))
     fitter = SimpleNamespace(tuned=lambda *_: tuned, simulator=SimpleNamespace(trace=lambda *_: trace))
-    plant = SimpleNamespace(effects=(), values={})
+    values = {} if stop is None else {Slot("end_stop", "limit"): stop}
+    plant = SimpleNamespace(effects=(), values=values, layout=SimpleNamespace(frame="motor"))
     return lateness_s(fitter, SimpleNamespace(plant=plant, noise=None))
 
 
@@ -46,3 +48,10 @@ def test_readings_ahead_of_the_plant_are_not_late():
 
 def test_nothing_doubted_is_no_lateness():
     assert told([0.0, 0.004], [8.0, 8.0], [False, False]) == 0.0
+
+
+@pytest.mark.parametrize(("stop", "late"), [(None, True), (0.2, False), (-0.1, True), (5.0, True)])
+def test_readings_that_are_doubted_at_a_stop_are_not_late(stop, late):
+    """The motor turns on by 0.1 rad a reading, so that three of the doubted ones are within 0.25 rad of 0.2 rad."""
+    found = told([0.004] * 5, [10.0] * 5, [False, True, True, True, False], stop)
+    assert (found > 0.0) is late

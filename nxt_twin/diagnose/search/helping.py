@@ -1,4 +1,4 @@
-"""What a search refused and still helps: effects for which much speaks, each in the place that it would have had."""
+"""Refused effects that help: those for which much speaks, each in the place that it would have had."""
 
 from __future__ import annotations
 

@@ -24,8 +24,8 @@ _SURELY = (
 def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
     """`found` as it is told: an arm that may be a payload lists it, one that surely is has its name.
 
-    A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/τg, which has to be a lever that a motor
-    carries. The plant holds it as an arm and a larger inertia, which move it alike.
+    A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/τg. A motor has to be able to carry that.
+    The plant holds it as an arm and a larger inertia, which move it alike.
     """
     inertia = refitted(evidence).get("inertia_kg_m2") if found.id == _ARM else None
     if inertia is None:
