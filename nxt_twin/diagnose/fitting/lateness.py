@@ -13,7 +13,7 @@ from nxt_twin.physics.plant import Plant
 _DOUBTED = 0.5  # belief in a reading
 _MOSTLY = 0.5  # of the doubted readings: where more are at a stop, it is the stop's law that is doubted
 _AT_A_STOP_RAD = 0.25
-"""How near a stop a bounce takes place: of 286 readings that a foreign motor at a stop had doubted, 252 were that near."""
+"""How near a stop a bounce takes place: of 286 readings that a foreign motor had doubted, 252 were that near."""
 
 
 def lateness_s(fitter: Fitter, structure: Structure) -> float:
