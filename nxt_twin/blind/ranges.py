@@ -136,6 +136,13 @@ RANGES: Final[dict[str, SeedRange]] = {
             None,
             "the mixture of `scored` for the engine after decision 32, looked at by nobody before",
         ),
+        SeedRange(
+            "fifth",
+            (5009,),
+            Amounts(None, 40, 13, 7, 13),
+            None,
+            "half of the mixture of `scored` for the engine after decision 33, looked at by nobody before",
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

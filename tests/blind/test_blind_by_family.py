@@ -167,6 +167,14 @@ def test_the_range_of_silence_holds_clean_motors_and_unknown_effects_of_a_seed_o
     assert (len(clean), len(strangers), len(orders)) == (100, 100, 200)
 
 
+def test_the_range_fifth_is_half_a_scored_one_of_a_seed_of_its_own():
+    whole, half = RANGES["release"], RANGES["fifth"]
+    assert half.amounts == whole.amounts
+    assert len(half.seeds) == 1
+    assert not set(half.seeds) & {seed for name, one in RANGES.items() if name != "fifth" for seed in one.seeds}
+    assert min(half.seeds) >= 5000
+
+
 @pytest.mark.parametrize("own", ["second", "third", "fourth"])
 def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own):
     found = RANGES[own]
