@@ -129,6 +129,10 @@ class Parameter:
         """Whether its unit holds a current, so that it goes with the winding's resistance among such motors."""
         return self.unit in _LIKE_A_CURRENT
 
+    def is_idle(self, value: float) -> bool:
+        """Whether an SI `value` of a parameter that a search tries is the one that a plant file may leave out."""
+        return self.tried and self.otherwise is not None and value == self.otherwise * self.si
+
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""
         if frame not in self.elsewhere:

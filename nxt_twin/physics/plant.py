@@ -108,7 +108,7 @@ class Plant:
         nested: dict[str, dict[str, float]] = {}
         plain = {effect.id for effect in self.effects if effect.plain} | {BASE_OWNER}
         for slot, parameter in self.layout.parameters.items():
-            if slot not in self.values:
+            if slot not in self.values or parameter.is_idle(self.values[slot]):
                 continue
             target = config if slot.owner in plain else nested.setdefault(slot.owner, {})
             target[parameter.name] = float(f"{self.values[slot] / parameter.si:.8g}")

@@ -171,7 +171,9 @@ def test_the_range_fifth_is_half_a_scored_one_of_a_seed_of_its_own():
     whole, half = RANGES["release"], RANGES["fifth"]
     assert half.amounts == whole.amounts
     assert len(half.seeds) == 1
-    assert not set(half.seeds) & {seed for name, one in RANGES.items() if name != "fifth" for seed in one.seeds}
+    assert not set(half.seeds) & {
+        seed for name, one in RANGES.items() if name != "fifth" for seed in one.seeds
+    }
     assert min(half.seeds) >= 5000
 
 

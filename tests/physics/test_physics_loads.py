@@ -65,6 +65,13 @@ def test_a_payload_that_is_taken_off_again_leaves_the_motor_as_it_was(rotary_sim
     assert pull[1][50] == pytest.approx(pull[2][50] * (J + 1e-3) / J, rel=1e-3)
 
 
+@pytest.mark.parametrize(("removed_s", "told"), [({}, {}), ({"removed_s": 2.0}, {"removed_s": 2.0})])
+def test_a_payload_that_stays_has_no_end_in_a_plant_file(removed_s, told):
+    payload = {"added_inertia_kg_m2": 1e-3, "onset_s": 1.0}
+    config = disc(effects={"payload_inertia": {**payload, **removed_s}}).to_config()
+    assert config["effects"]["payload_inertia"] == pytest.approx({**payload, **told})
+
+
 def test_an_arm_comes_to_rest_hanging_down_at_its_phase(rotary_simulator):
     plant = disc(
         viscous_friction=0.02, effects={"gravity_load": {"gravity_torque_nm": 0.1, "phase_deg": 40.0}}

@@ -28,13 +28,13 @@ _VAGUE = 0.75  # of an effect's size: a larger standard deviation leaves the siz
 
 
 def estimates(evidence: Evidence, effect: Effect) -> dict[str, Estimate]:
-    """The parameters of a found effect, by name."""
+    """The parameters of a found effect, by name, but for those that a search tried in vain, as when a payload went."""
     doubts = _Doubts(evidence)
     plant = evidence.final.plant
     return {
         parameter.name: doubts.estimate(slot, parameter)
         for slot, parameter in plant.layout.parameters.items()
-        if slot.owner == effect.id
+        if slot.owner == effect.id and not parameter.is_idle(plant.values[slot])
     }
 
 
