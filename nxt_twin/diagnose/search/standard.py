@@ -41,7 +41,7 @@ class Standard:
         return frozenset(self._loud)
 
     def hear(self, best: Structure, trial: Structure, effect: Effect) -> bool:
-        """Whether `effect`, too small for a name, is one that `trial` needs so loudly that it has a name nevertheless.
+        """Give `effect`, which is too small for a name, one where `trial` needs it loudly; whether it has one now.
 
         Motors of one make differ by less than its notable size, and the readings of this one by much more than matters.
         """
