@@ -143,6 +143,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             None,
             "half of the mixture of `scored` for the engine after decision 33, looked at by nobody before",
         ),
+        SeedRange(
+            "sixth",
+            (5010,),
+            Amounts(None, 25, 6, 0, 25),
+            None,
+            "the engine after the faults that `fifth` showed, in half an hour, looked at by nobody before",
+            singles=96,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -19,7 +19,7 @@ from nxt_twin.diagnose.telling.findings import near_rivals
 from nxt_twin.physics.layout import Slot
 
 
-def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
+def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),), supersedes=()):
     parameters = tuple(
         SimpleNamespace(name="size", frozen=False, doubt=math.inf, starts=own) for own in starts
     )
@@ -30,6 +30,7 @@ def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),)):
         source=source,
         states=states,
         confusable_with=(),
+        supersedes=supersedes,
         terms={},
     )
 
@@ -102,20 +103,28 @@ def is_late(age_polls):
     return standard.is_late(structure(), SimpleNamespace(terms={"outlier": None}))
 
 
-def is_heard(monkeypatch, gain=101.0, check=41.0, ratio=0.49, error=2.1):
+def is_heard(monkeypatch, gain=101.0, check=41.0, ratio=0.49, error=2.1, supersedes=(), small=False):
     """Whether an effect that is too small for a name has one, as it is so loud beside an `error` in tolerances."""
     monkeypatch.setattr(standards, "weigh", lambda *_: Weight(gain, check, ratio, runs_worse=False))
-    standard = Standard(
-        SimpleNamespace(problem=SimpleNamespace(tolerance=1.0)), structure(), SimpleNamespace()
-    )
-    heard = standard.hear(structure(error=error), structure("a"), effect_named("a"))
+    monkeypatch.setattr(standards, "is_hardly_too_small", lambda *_: not small)
+    problem = SimpleNamespace(tolerance=1.0, scale=None)
+    standard = Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace())
+    effect = effect_named("a", supersedes=supersedes)
+    heard = standard.hear(structure(error=error), structure("a"), effect)
     assert standard.loud == (frozenset({"a"}) if heard else frozenset())
     return heard
 
 
 @pytest.mark.parametrize(
     ("changes", "heard"),
-    [({}, True), ({"gain": 99.0}, False), ({"ratio": 0.51}, False), ({"error": 1.9}, False)],
+    [
+        ({}, True),
+        ({"gain": 99.0}, False),
+        ({"ratio": 0.51}, False),
+        ({"error": 1.9}, False),
+        ({"supersedes": ("coulomb_friction",)}, False),
+        ({"small": True}, False),
+    ],
 )
 def test_a_small_effect_has_a_name_where_readings_need_it_loudly(monkeypatch, changes, heard):
     assert is_heard(monkeypatch, **changes) is heard

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.diagnose.search.notable import is_notable, is_told_from_jitter, is_too_small
+from nxt_twin.diagnose.search.notable import (
+    is_hardly_too_small,
+    is_notable,
+    is_told_from_jitter,
+    is_too_small,
+)
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import NXT_SCALE, Scale
@@ -25,6 +30,8 @@ def sized(effect: Effect, size: float):
     values = {p.symbol: p.starts[0] * p.si for p in effect.parameters}
     nothing = PLAIN.values[Slot(*main.above)] if main.above else 0.0
     values[main.symbol] = nothing + size * main.si
+    if "payload_inertia" in values:
+        values["payload_inertia"] = values[main.symbol] / 9.81 * 0.3  # on a lever of 0.3 m
     if effect.supersedes:
         other = effect.parameters[1]
         values[other.symbol] = size * other.si
@@ -56,6 +63,12 @@ def test_a_stronger_plant_has_larger_notable_sizes():
     assert not is_notable(plant, load, Scale(torque=2.0 * NXT_SCALE.torque, speed=NXT_SCALE.speed))
 
 
+@pytest.mark.parametrize(("share", "hardly"), [(0.51, True), (0.49, False)])
+def test_an_effect_of_half_its_notable_size_is_hardly_too_small(share, hardly):
+    drag = PLAIN.layout.effect("quadratic_drag")
+    assert is_hardly_too_small(sized(drag, share * drag.notable), drag, NXT_SCALE) is hardly
+
+
 def test_a_load_has_a_name_in_either_direction():
     load = PLAIN.layout.effect("constant_load")
     assert is_notable(sized(load, -1.1 * load.notable), load, NXT_SCALE)
@@ -63,12 +76,23 @@ def test_a_load_has_a_name_in_either_direction():
 
 
 @pytest.mark.parametrize(
-    ("lever_m", "hung_at_s", "named"),
-    [(0.0049, 5.0, False), (0.0051, 5.0, True), (0.3, 0.11, True), (0.3, 0.09, False)],
+    ("lever_m", "hung_at_s", "taken_off_s", "named"),
+    [
+        (0.0049, 5.0, 1e6, False),
+        (0.0051, 5.0, 1e6, True),
+        (0.99, 5.0, 1e6, True),
+        (1.01, 5.0, 1e6, False),
+        (0.3, 0.11, 1e6, True),
+        (0.3, 0.09, 1e6, False),
+        (0.3, 0.09, 9.0, True),
+    ],
 )
-def test_a_payload_on_hardly_a_lever_or_from_the_first_reading_on_is_an_arm(lever_m, hung_at_s, named):
+def test_a_payload_on_no_lever_or_from_the_first_reading_to_the_last_is_an_arm_or_a_disc(
+    lever_m, hung_at_s, taken_off_s, named
+):
     payload = PLAIN.layout.effect("hanging_payload")
-    values = {p.symbol: p.starts[0] * p.si for p in payload.parameters} | {"hung_at": hung_at_s}
+    values = {p.symbol: p.starts[0] * p.si for p in payload.parameters}
+    values |= {"hung_at": hung_at_s, "taken_off_at": taken_off_s}
     values["payload_inertia"] = values["payload_gravity"] / 9.81 * lever_m
     plant = PLAIN.with_effect(payload.id, values)
     assert is_notable(plant, payload, NXT_SCALE) is named

@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.diagnose.search.coincidence import HIDDEN_BY
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects.load import NEVER_S
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
@@ -17,6 +18,7 @@ from nxt_twin.physics.signals import Signals
 
 _CLEAR = 1.3  # times a parameter's lower bound: a value below it rests on the bound
 _ABOVE = 1.1  # times the size at which an effect does nothing: a smaller one makes no difference
+_HARDLY = 0.5  # of its notable size, from which an effect may have a name
 _PERIODS = 2.0  # periods of an effect by angle that one recording has to go through
 _LEAST_SHARE = 0.14  # of the inertia of both bodies
 _CLEAR_OF_JITTER = 3.0
@@ -30,6 +32,8 @@ LEAST_LEVER_M = 0.005
 A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/τg. On the sets 700 and 721 an arm without any
 added inertia was named a payload on levers of 1.5 and 1.9 mm.
 """
+LONGEST_LEVER_M = 1.0
+"""Lever above which a payload hangs on no arm: it is a disc, whatever torque is found beside it."""
 _HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
 _G = 9.81  # m/s²: standard gravity
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
@@ -60,6 +64,13 @@ def is_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
     lower = _carried(main, main.lower, plant, scale)
     size = _size(plant, effect, value, _nothing(plant, effect, scale))
     return size < _carried(main, effect.notable, plant, scale) or 0.0 < value <= _CLEAR * lower
+
+
+def is_hardly_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
+    """Whether `effect` has half of the size that a name takes."""
+    value = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
+    size = _size(plant, effect, value, _nothing(plant, effect, scale))
+    return size > _HARDLY * _carried(effect.parameters[0], effect.notable, plant, scale)
 
 
 def _nothing(plant: Plant, effect: Effect, scale: Scale) -> float:
@@ -113,15 +124,16 @@ def _is_light(plant: Plant, effect: Effect) -> bool:
 
 
 def _is_an_arm(plant: Plant, effect: Effect) -> bool:
-    """Whether a payload that hangs adds hardly an inertia, or did from the first reading on.
+    """Whether a payload that hangs adds hardly an inertia, or hardly a torque, or did from the first reading on.
 
-    It is an arm then, with or without a heavier motor, which have names of their own.
+    It is an arm then, with or without a heavier motor, or a disc, which have names of their own.
     """
     own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect.id}
     if "payload_gravity" not in own:
         return False
-    no_lever = own["payload_inertia"] * _G < LEAST_LEVER_M * own["payload_gravity"]
-    return no_lever or own["hung_at"] < _HUNG_ON_S
+    moment = own["payload_inertia"] * _G
+    a_lever = LEAST_LEVER_M * own["payload_gravity"] <= moment <= LONGEST_LEVER_M * own["payload_gravity"]
+    return not a_lever or (own["hung_at"] < _HUNG_ON_S and own["taken_off_at"] >= NEVER_S)
 
 
 def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale) -> bool:

@@ -9,7 +9,13 @@ from typing import final
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.notable import is_notable, is_repeated, is_told_from_jitter, is_too_small
+from nxt_twin.diagnose.search.notable import (
+    is_hardly_too_small,
+    is_notable,
+    is_repeated,
+    is_told_from_jitter,
+    is_too_small,
+)
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
@@ -44,7 +50,10 @@ class Standard:
         """Give `effect`, which is too small for a name, one where `trial` needs it loudly; whether it has one now.
 
         Motors of one make differ by less than its notable size, and the readings of this one by much more than matters.
+        What replaces a plain term has none: it gains what that term does, and the term has a name of its own.
         """
+        if effect.supersedes or not is_hardly_too_small(trial.plant, effect, self._fits.problem.scale):
+            return False
         weight = weigh(best, trial)
         errs = best.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
         loud = weight.gain > LIMITS.many_nats and weight.check_gain > LIMITS.loud_nats

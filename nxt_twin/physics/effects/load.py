@@ -69,7 +69,8 @@ GRAVITY_LOAD = Effect(
 )
 
 
-_NEVER_S = 1e6  # a session ends before
+NEVER_S = 1e6
+"""When a payload that stays is taken off again, s of the session, which ends before."""
 
 
 def _begun(elapsed_s: float, session_s: float, step_s: float, onset: float) -> float:
@@ -106,7 +107,7 @@ def _hung_in_some(recordings: Sequence[Signals]) -> list[dict[str, float]]:
 def _removed(symbol: str) -> Parameter:
     """When a payload is taken off again, s of the session; by default never. A search tries ends of recordings."""
     return Parameter(
-        "removed_s", symbol, "s", NUMBER, (_NEVER_S,), 0.0, _NEVER_S, otherwise=_NEVER_S, tried=True
+        "removed_s", symbol, "s", NUMBER, (NEVER_S,), 0.0, NEVER_S, otherwise=NEVER_S, tried=True
     )
 
 
