@@ -113,7 +113,10 @@ def _why_refused(weight: Weight) -> str:
     if not weight.borne_out(LIMITS.check_nats):
         reasons.append(f"readings that were not fitted do not bear it out ({weight.check_gain:+.1f} nats)")
     if weight.runs_worse:
-        reasons.append(f"free runs get worse with it ({100.0 * (weight.free_run_ratio - 1.0):+.0f} %)")
+        more = 100.0 * (weight.free_run_ratio - 1.0)
+        reasons.append(
+            f"free runs get worse with it ({more:+.0f} %)" if more > 0.0 else "whole runs get worse with it"
+        )
     return (
         ", and ".join(reasons)
         or "beside what was found it gains too little, or is too small to be worth a name"
