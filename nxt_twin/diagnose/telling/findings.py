@@ -115,7 +115,9 @@ def _why_refused(weight: Weight) -> str:
     if weight.runs_worse:
         more = 100.0 * (weight.free_run_ratio - 1.0)
         reasons.append(
-            f"free runs get worse with it ({more:+.0f} %)" if more > 0.0 else "whole runs get worse with it"
+            f"free runs get worse with it ({more:+.0f} %)"
+            if more > 0.0
+            else "one kind of free run gets worse with it"
         )
     return (
         ", and ".join(reasons)
