@@ -3,6 +3,7 @@ import pytest
 from diagnose_cases import concealed
 
 from nxt_twin.diagnose.engine import fit_as_it_stands, problem_for
+from nxt_twin.diagnose.fitting import fit as fitting
 from nxt_twin.diagnose.fitting.noise import damping_per_s
 from nxt_twin.diagnose.fitting.variables import starts_of, variables_of
 from nxt_twin.physics.layout import Slot
@@ -64,3 +65,13 @@ def test_starts_cover_every_combination_in_si():
 
 def test_the_time_constant_of_an_nxt_motor_is_some_tens_of_milliseconds():
     assert 0.02 < 1.0 / damping_per_s(problem_for(concealed((), seed=21)).plant) < 0.08
+
+
+@pytest.mark.parametrize("wild", [np.nan, np.inf])
+def test_where_a_run_ran_away_a_fit_rests_instead_of_failing(wild):
+    hessian, gradient, free = np.diag([4.0, 2.0]), np.array([8.0, 2.0]), np.array([True, True])
+    np.testing.assert_allclose(fitting._step(hessian, gradient, free, 0.0), [-2.0, -1.0])
+    for place in (hessian, gradient):
+        before, place.flat[0] = place.flat[0], wild
+        assert not fitting._step(hessian, gradient, free, 0.0).any()
+        place.flat[0] = before

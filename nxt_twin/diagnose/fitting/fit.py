@@ -142,7 +142,7 @@ def fit(
             slopes = search.slopes(x, slopes.results)
     x = search.centred(x)
     hessian, _ = search.normal_equations(x, search.slopes(x, central=True) if covariance else slopes)
-    spread = np.asarray(np.linalg.pinv(hessian, hermitian=True), dtype=np.float64)
+    spread = np.asarray(np.linalg.pinv(np.nan_to_num(hessian), hermitian=True), dtype=np.float64)
     width = search.scale * search.si_per_unit(x)
     fitted = Fitted(
         plant_at(plant, variables, search.si(x)),
@@ -156,8 +156,10 @@ def fit(
 
 
 def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
-    """The step of the `free` variables; the others stay where they are."""
+    """The step of the `free` variables; the others stay where they are. All stay where a run ran away and has no slope."""
     step = np.zeros(gradient.size)
+    if not (np.isfinite(hessian).all() and np.isfinite(gradient).all()):
+        return step
     inside = hessian[np.ix_(free, free)]
     damped = inside + damping * np.diag(np.maximum(np.diag(inside), 1e-12))
     step[free] = np.linalg.lstsq(damped, -gradient[free], rcond=1e-12)[0]
