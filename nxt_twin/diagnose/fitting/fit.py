@@ -156,7 +156,7 @@ def fit(
 
 
 def _step(hessian: FloatArray, gradient: FloatArray, free: BoolArray, damping: float) -> FloatArray:
-    """The step of the `free` variables; the others stay where they are. All stay where a run ran away and has no slope."""
+    """The step of the `free` variables; all others stay. Where a run ran away and has no slope, every one stays."""
     step = np.zeros(gradient.size)
     if not (np.isfinite(hessian).all() and np.isfinite(gradient).all()):
         return step
