@@ -107,7 +107,7 @@ def diagnose(
         if _misled(evidence):
             progress("single steps are coloured: by windows of simulation alone")
             evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-        evidence = _reconsidered(simulator, evidence, rng)
+        evidence = _reconsidered(simulator, evidence, rng, progress)
         evidence = _with_moves(with_shapes(simulator, evidence))
         return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
 
@@ -140,7 +140,7 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     return _without_needless(simulator, _unspoiled(simulator, evidence, rng), rng)
 
 
-def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
+def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, progress: Progress) -> Evidence:
     """`evidence` with a refused effect that explains what is missing, or that helps where nothing was found.
 
     A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
@@ -149,6 +149,7 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator) -> E
     explained = verdict_of(evidence.record) == "explained" and evidence.record.remaining <= LIMITS.nearly
     if explained or verdict_of(evidence.record) == "adequate":
         return evidence
+    progress("looking again at what was refused")
     helps: Evidence | None = None
     for found in with_refused(simulator, evidence.problem, evidence.explanation):
         more = gather(simulator, evidence.problem, found, rng)

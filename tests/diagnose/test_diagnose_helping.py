@@ -5,10 +5,10 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from diagnose_records import FOUND, QUIET
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose import engine
-from nxt_twin.diagnose.judging.verdict import Record
 from nxt_twin.diagnose.search import helping as helpers
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.helping import helping
@@ -69,28 +69,8 @@ def test_what_was_tried_beside_an_effect_that_has_gone_is_not_looked_at():
     assert helping(explanation(refused("cogging", 90.0, 9.0, base=beside)), PLAIN) == []
 
 
-QUIET = Record(
-    named=0,
-    found=False,
-    left_nats=100.0,
-    left_limit_nats=15.0,
-    gained_nats=0.0,
-    torque_before=0.1,
-    torque_after=0.1,
-    run_ratio=1.0,
-    off=1.0,
-    matters=True,
-    worst_ratio=0.0,
-    stalled_share=0.0,
-    surprise=0.5,
-    by_windows=False,
-    nearer=1.0,
-    least_nats=0.0,
-    remaining=9.0,
-)
-FOUND = replace(
-    QUIET, named=1, found=True, left_nats=0.0, torque_after=0.0, gained_nats=500.0, run_ratio=0.1, nearer=0.3
-)
+LACKING = replace(QUIET, left_nats=100.0, torque_before=0.1, torque_after=0.1)
+NAMED = replace(FOUND, nearer=0.3, surprise=0.5, remaining=9.0)
 
 
 class Evidence(SimpleNamespace):
@@ -108,7 +88,7 @@ def evidence(record, error):
 
 @pytest.mark.parametrize(
     ("record", "error", "helps"),
-    [(FOUND, 4.9, False), (FOUND, 5.1, True), (replace(FOUND, surprise=99.0, nearer=0.6), 1.0, True)],
+    [(NAMED, 4.9, False), (NAMED, 5.1, True), (replace(NAMED, surprise=99.0, nearer=0.6), 1.0, True)],
 )
 def test_a_refused_effect_is_named_where_unseen_readings_bear_it_out(monkeypatch, record, error, helps):
     more = evidence(record, error)
@@ -116,10 +96,12 @@ def test_a_refused_effect_is_named_where_unseen_readings_bear_it_out(monkeypatch
     monkeypatch.setattr(engine, "gather", lambda *_: more)
     monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
     monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
-    found = engine._reconsidered(None, evidence(QUIET, 10.0), None)
+    told: list[str] = []
+    found = engine._reconsidered(None, evidence(LACKING, 10.0), None, told.append)
     assert found.record.helps is helps
     assert (engine.verdict_of(found.record) == "unexplained") is helps
     assert found.needless == ("x",)
+    assert len(told) == 1
 
 
 def _replaced(one, changes):
@@ -129,25 +111,27 @@ def _replaced(one, changes):
 @pytest.mark.parametrize(
     ("record", "error", "named"),
     [
-        (replace(FOUND, remaining=2.01), 6.4, True),
-        (replace(FOUND, remaining=2.01), 6.6, False),
-        (replace(FOUND, matters=True, moved=9.0), 6.4, True),
+        (replace(NAMED, remaining=2.01), 6.4, True),
+        (replace(NAMED, remaining=2.01), 6.6, False),
+        (replace(NAMED, matters=True, moved=9.0), 6.4, True),
     ],
 )
 def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monkeypatch, record, error, named):
-    more = evidence(replace(FOUND, named=2), error)
+    more = evidence(replace(NAMED, named=2), error)
     monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
     monkeypatch.setattr(engine, "gather", lambda *_: more)
     monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
     monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
     before = evidence(record, 10.0)
-    found = engine._reconsidered(None, before, None)
+    told: list[str] = []
+    found = engine._reconsidered(None, before, None, told.append)
     assert found.record.named == (2 if named else 1)
     assert (found is before) is not named
 
 
-@pytest.mark.parametrize("record", [replace(QUIET, matters=False), replace(FOUND, remaining=2.0)])
+@pytest.mark.parametrize("record", [replace(LACKING, matters=False), replace(NAMED, remaining=2.0)])
 def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, record):
     monkeypatch.setattr(engine, "with_refused", lambda *_: pytest.fail("looked again"))
     before = evidence(record, math.inf)
-    assert engine._reconsidered(None, before, None) is before
+    told: list[str] = []
+    assert engine._reconsidered(None, before, None, told.append) is before

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.library import library
 from nxt_twin.recording.case import Case
 
 SECONDS = 8.0
@@ -41,6 +43,12 @@ def test_a_payload_is_sought_in_every_row_of_recordings_that_ends_before_the_las
     starts = starts_of(problem.plant.layout.effect(effect_id), problem.scale)
     rows = [(one[onset], one[removed]) for one in starts if one[removed] < 5.0 * SECONDS]
     assert rows == [(a, b) for n, a in enumerate(begins_s) for b in begins_s[n + 1 :]]
+
+
+@pytest.mark.parametrize(("count", "rows"), [(8, 28), (9, 18), (60, 28)])
+def test_of_many_recordings_a_few_rows_are_tried(count, rows):
+    signals = [SimpleNamespace(session_s=5.0 * n, time_s=np.array([0.0, 5.0])) for n in range(count)]
+    assert len(library()["payload_inertia"].further_starts(signals)) == rows
 
 
 @pytest.mark.parametrize("carrying", [(True, False), (False, True, False)])

@@ -73,6 +73,9 @@ NEVER_S = 1e6
 """When a payload that stays is taken off again, s of the session, which ends before."""
 
 
+_MOST_ROWS = 28  # of recordings that a payload's search starts from: all of eight recordings
+
+
 def _begun(elapsed_s: float, session_s: float, step_s: float, onset: float) -> float:
     """The share of a step that comes after the onset."""
     late = (session_s + elapsed_s + step_s - onset) / step_s
@@ -86,14 +89,10 @@ def _there(elapsed_s: float, session_s: float, step_s: float, onset: float, remo
 
 
 def _some_recordings(recordings: Sequence[Signals]) -> list[tuple[float, float]]:
-    """Beginning and end, s of the session, of each row of recordings but those that last to the end."""
+    """Beginning and end, s of the session, of each row of recordings but those that last to the end, a few of many."""
     begins = [signals.session_s for signals in recordings]
-    return [
-        (first, after)
-        for number, first in enumerate(begins)
-        for after in begins[number + 1 :]
-        if after > first
-    ]
+    rows = [(first, after) for n, first in enumerate(begins) for after in begins[n + 1 :] if after > first]
+    return rows[:: math.ceil(len(rows) / _MOST_ROWS) or 1]
 
 
 def _carried_in_some(recordings: Sequence[Signals]) -> list[dict[str, float]]:
