@@ -34,6 +34,7 @@ from nxt_twin.diagnose.judging.sight import in_sight
 from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     Record,
+    counted_once,
     is_idle,
     is_needless,
     is_patchwork,
@@ -169,7 +170,7 @@ def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
 def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
     """`evidence` without the effects that no simulation needs, the weakest first; each is weighed beside the others."""
     needless: list[Effect] = []
-    while is_needless(evidence.record) or may_be_superfluous(evidence.record):
+    while is_needless(evidence.record) or may_be_superfluous(counted_once(evidence.record)):
         weakest = _weakest(evidence)
         lesser = _less(simulator, evidence, weakest, rng)
         if not is_needless(evidence.record) and not is_superfluous(beside_the_others(evidence, lesser)):

@@ -33,7 +33,7 @@ from nxt_twin.diagnose.judging.intervals import covariance_of
 from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
 from nxt_twin.diagnose.judging.onset import placed
 from nxt_twin.diagnose.judging.strained import is_one_sided, is_stretched
-from nxt_twin.diagnose.judging.verdict import Record
+from nxt_twin.diagnose.judging.verdict import Record, counted_once
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.searched import Searched
 from nxt_twin.diagnose.units import Units, units_of
@@ -236,6 +236,7 @@ def _record(
         remaining=_largest(problem, after),
         longer=_drift(problem, before, after) if physical else 0.0,
         at_first=_largest(problem, before),
+        at_check=baseline.free_run_rms[0] / max(problem.tolerance, 1e-15),
         least_nats=weight.total if weight else 0.0,
         restores=bool(weight and weight.restores),
         of_readings=bool(found) and not physical,
@@ -250,7 +251,9 @@ def beside_the_others(evidence: Evidence, lesser: Evidence) -> Record:
     problem, before, after = evidence.problem, lesser.final_errors, evidence.final_errors
     window = nearest_horizon(after, problem.window_s)
     return replace(
-        evidence.record,
+        counted_once(evidence.record),
+        run_ratio=evidence.final.free_run_rms[0] / max(lesser.final.free_run_rms[0], 1e-15),
+        at_check=lesser.final.free_run_rms[0] / max(problem.tolerance, 1e-15),
         nearer=after.rms[window] / max(before.rms[window], 1e-15),
         longer=_drift(problem, before, after),
         at_first=_largest(problem, before),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from nxt_twin.diagnose.diagnosis import Verdict
@@ -109,7 +109,7 @@ class VerdictLimits:
     heard: float = 100.0
     loud: float = 200.0
     surprising_by_windows: float = 1.0
-    nearly: float = 2.0
+    nearly: float = 3.0
     forgiven: float = 1.5e-2
     untouched: float = 0.8
     shaped: float = 18.0
@@ -158,7 +158,9 @@ class Record:
         restores: whether that effect brings given numbers back which a re-fit had to move far without it.
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
         at_first: largest error of the baseline over the tolerance, of windows of two seconds or shorter.
-        shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects.
+        at_check: error of the baseline over the tolerance, in free runs over readings that check.
+        shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects, where
+            as many readings count as one as the colour tells.
         shape_left: error on unseen readings with the best of such functions, over that without.
         rested_nats: the most that a free function of the time at rest gains beside found effects that are torques
             without states of their own. One of them must show at low speed, at any angle. A bristle, a second body,
@@ -193,6 +195,7 @@ class Record:
     remaining: float
     longer: float = 0.0
     at_first: float = math.inf
+    at_check: float = 0.0
     shape_nats: float = 0.0
     shape_left: float = 1.0
     restores: bool = False
@@ -233,10 +236,11 @@ def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the host or the link stood still for too long to trust what the stamps say.
 
-    One effect that leaves no error above the tolerance is trusted nevertheless: no stall explains the rest of
-    a recording. So are several that are all loud.
+    One effect that leaves no error above the tolerance, or hardly any of the error, is trusted nevertheless: no stall
+    explains the rest of a recording. So are several that are all loud.
     """
-    in_doubt = record.matters or (record.named > 1 and record.least_nats < limits.loud)
+    alone = record.named == 1 and _takes_nearly_all(record, limits)
+    in_doubt = (record.matters and not alone) or (record.named > 1 and record.least_nats < limits.loud)
     return record.stalled_share > limits.most_stalled and in_doubt
 
 
@@ -261,11 +265,13 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
     It makes no difference to one, or none that matters. What brings given numbers back need not make any: the numbers
     in their place simulate as well. Where no simulation gains much, only a clear call counts. It has to be unmistakable
-    where the baseline errs by less than matters.
+    where the baseline errs by less than matters. A payload may hang in all that is held out, so that an inertia stands
+    for it there: then simulations of what checks tell.
     """
     if not record.found or record.restores:
         return False
     hardly = record.nearer > limits.idle and not 0.0 < record.longer < limits.idle
+    hardly &= record.run_ratio > limits.confirmed or record.at_check < limits.unheard
     asked = limits.unmistakable if record.at_first < limits.unheard else limits.heard
     if hardly and record.least_nats < asked and not record.doubts:
         return True
@@ -273,9 +279,18 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return unneeded and record.least_nats < limits.sure
 
 
+def counted_once(record: Record) -> Record:
+    """`record` whose weakest effect has as many nats as its readings are worth where several tell of one another.
+
+    A found effect that holds readings, or stamps them late, colours single steps, and each counts for its neighbours.
+    """
+    alike = record.colour if math.isfinite(record.colour) else 1.0
+    return replace(record, least_nats=record.least_nats / max(alike, 1.0))
+
+
 def may_be_superfluous(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether so little speaks for the weakest of several effects that it is weighed beside the others alone."""
-    return record.named > 1 and record.least_nats < limits.sure and not record.restores
+    return record.named > 1 and record.least_nats < limits.heard and not record.restores
 
 
 def is_superfluous(beside: Record, limits: VerdictLimits = LIMITS) -> bool:
@@ -328,7 +343,8 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects stand for a near relative, which goes otherwise with speed, angle, time or command.
 
     Fitted readings must call for the other law beside all that the effects gained, or unseen ones confirm it. Windows
-    that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong.
+    that stay above the noise are asked, too: the noise that was estimated forgives what the effects get wrong. Effects
+    that leave hardly any of the error are right, however another law may mend the rest.
     No effect goes with the time at rest, and no drag or spring sets in somewhere. Readings that call for such a law
     speak against a found effect however small the error is. So do those that call for any law once less unknown torque
     stands for it, unless hardly an error is left. Nor may they strain the effects to laws that these are not.
@@ -339,7 +355,7 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
         return True
     if not record.found or record.remaining <= limits.nearly or record.shape_nats <= limits.shaped:
         return False
-    if record.shape_left > limits.astray:
+    if record.shape_left > limits.astray or _takes_nearly_all(record, limits):
         return False
     share = record.shape_nats / (record.shape_nats + max(record.gained_nats, 0.0))
     confirmed = share > limits.least_left and record.shape_left < limits.confirmed
@@ -382,6 +398,11 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
     still_large = large and record.torque_after > limits.still_large * record.torque_before
     return mostly_left or still_large or surprising or _hardly_explained(record, limits)
+
+
+def _takes_nearly_all(record: Record, limits: VerdictLimits) -> bool:
+    """Whether found effects leave hardly any of the error, on readings that check and on those that are held out."""
+    return max(record.nearer, record.run_ratio) <= limits.hardly
 
 
 def _is_pushed(record: Record, limits: VerdictLimits) -> bool:

@@ -80,7 +80,7 @@ def _with_kin(simulator: Simulator, evidence: Evidence) -> Evidence:
     )
     if record.remaining > LIMITS.nearly:
         nats, left = _beyond(simulator, evidence, scene)
-        record = replace(record, shape_nats=nats, shape_left=left)
+        record = replace(record, shape_nats=nats / max(record.colour, 1.0), shape_left=left)
     return replace(evidence, record=record)
 
 
