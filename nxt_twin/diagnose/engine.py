@@ -41,6 +41,7 @@ from nxt_twin.diagnose.judging.verdict import (
     is_spoiled,
     is_stalled,
     is_superfluous,
+    is_unseen,
     leaves_little,
     may_be_superfluous,
     verdict_of,
@@ -64,6 +65,7 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
 
+_FEWEST_TURNED = 3  # recordings, of which whole ones are held out
 _FLOORS = 1  # random numbers of their own, so that no other figure depends on them
 
 
@@ -104,13 +106,24 @@ def diagnose(
     problem = replace(problem_for(case, tolerance), without=without, leaning=leaning or {})
     with Simulator(problem.plant.layout) as simulator:
         rng = np.random.default_rng(seed)
-        evidence = _evidence(simulator, problem, rng, progress)
-        if _misled(evidence):
-            progress("single steps are coloured: by windows of simulation alone")
-            evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-        evidence = _reconsidered(simulator, evidence, rng, progress)
-        evidence = _with_moves(with_shapes(simulator, evidence))
+        evidence = _weighed(simulator, problem, rng, progress)
+        if is_unseen(evidence.record) and holds_others_out(case):
+            progress("only what was held out errs: once more, with others held out")
+            other = problem_for(case, tolerance, earlier=True)
+            other = replace(other, without=problem.without, leaning=problem.leaning)
+            turned = _weighed(simulator, other, rng, progress)
+            evidence = turned if verdict_of(turned.record) == "explained" else evidence
         return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
+
+
+def _weighed(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
+    """The evidence on one choice of what is held out, with all that its verdict rests on."""
+    evidence = _evidence(simulator, problem, rng, progress)
+    if _misled(evidence):
+        progress("single steps are coloured: by windows of simulation alone")
+        evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
+    evidence = _reconsidered(simulator, evidence, rng, progress)
+    return _with_moves(with_shapes(simulator, evidence))
 
 
 def _misled(evidence: Evidence) -> bool:
@@ -215,10 +228,17 @@ def _with_moves(evidence: Evidence) -> Evidence:
     return replace(evidence, record=replace(evidence.record, moved=moved))
 
 
-def problem_for(case: Case, tolerance: float | None = None) -> Problem:
-    """Make a case ready, with a named plant looked up."""
+def problem_for(case: Case, tolerance: float | None = None, *, earlier: bool = False) -> Problem:
+    """Make a case ready, with a named plant looked up; `earlier` as `problem_of` has it."""
     config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
-    return problem_of(case.name, config, case.recordings, case.holdout, case.port, tolerance)
+    return problem_of(
+        case.name, config, case.recordings, case.holdout, case.port, tolerance, earlier=earlier
+    )
+
+
+def holds_others_out(case: Case) -> bool:
+    """Whether other recordings of `case` could be held out: it names none, and has three at least."""
+    return not case.holdout and len(case.recordings) >= _FEWEST_TURNED
 
 
 def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generator) -> Diagnosis:

@@ -115,10 +115,13 @@ def problem_of(
     holdout: Sequence[Recording],
     port: str | None,
     tolerance: float | None = None,
+    *,
+    earlier: bool = False,
 ) -> Problem:
     """Make a case ready. Without `holdout`, every third recording is held out; of one or two, windows of time.
 
     `tolerance` is in SI; without one, half a step of the encoder or the roughness of its readings, if that is more.
+    With `earlier`, the recording before each third one is held out instead.
 
     Raises:
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
@@ -141,7 +144,8 @@ def problem_of(
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart and len(fitted) >= 3:
-        apart, fitted = fitted[2::3], [s for i, s in enumerate(fitted) if i % 3 != 2]
+        last = 1 if earlier else 2
+        apart, fitted = fitted[last::3], [s for i, s in enumerate(fitted) if i % 3 != last]
     if apart:
         splits, window_s = with_blocks_that_check(fitted), WINDOW_S
         held_out = [

@@ -233,6 +233,12 @@ def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     return record.found and record.moved > limits.moved
 
 
+def is_unseen(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether something is missing that held-out readings alone show: those that check are explained."""
+    missing = verdict_of(record, limits) == "unexplained" and record.surprise > limits.surprising
+    return missing and record.at_check * record.run_ratio <= limits.nearly
+
+
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the host or the link stood still for too long to trust what the stamps say.
 

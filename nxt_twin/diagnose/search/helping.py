@@ -11,7 +11,7 @@ from nxt_twin.diagnose.search.rivals import Rival, simulates_worse
 from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.physics.plant import Plant
 
-_HELPING_NATS: Final = 30.0
+_HELPING_NATS: Final = 10.0
 """What fitted and checking readings together have to gain by an effect that the search refused."""
 _MOST: Final = 3  # refused effects that are looked at again
 
