@@ -33,6 +33,7 @@ class Noise:
         disturbance_time_s: how long it takes to forget.
         damping_per_s: how fast the plant itself forgets its speed.
         drift: how many times further off simulated readings are than these make them: a model's systematic error.
+        slip: variance that a position gains by itself for each unit that it moves, rad or m: counts lost at random.
     """
 
     reading_std: float
@@ -40,6 +41,7 @@ class Noise:
     disturbance_time_s: float
     damping_per_s: float
     drift: float = 1.0
+    slip: float = 0.0
 
 
 @final
@@ -76,8 +78,19 @@ def _observe(signals: Signals, noise: Noise, known: BoolArray, reset: BoolArray)
     start_speed_std = _SLOPE_STD * noise.reading_std / half_window_s(signals)
     variances = np.array([noise.reading_std, start_speed_std, noise.disturbance_std]) ** 2
     rates_per_s = (noise.damping_per_s, 1.0 / noise.disturbance_time_s)
-    _riccati(signals.time_s, known, reset, variances, rates_per_s, signals.is_speed, gains, std)
+    slipped = slips(signals, noise)
+    _riccati(signals.time_s, known, reset, variances, rates_per_s, signals.is_speed, slipped, gains, std)
     return Observer(gains, std)
+
+
+def slips(signals: Signals, noise: Noise) -> FloatArray:
+    """The variance that a position gains by itself since the sample before, SI, shape (samples,)."""
+    if not noise.slip or signals.is_speed:
+        return np.zeros(signals.time_s.size)
+    read = np.isfinite(signals.measured)
+    rows = np.arange(read.size)
+    course = np.interp(rows, rows[read], signals.measured[read]) if read.any() else np.zeros(read.size)
+    return noise.slip * np.abs(np.diff(course, prepend=course[0]))
 
 
 @njit(cache=True, nogil=True)
@@ -135,6 +148,7 @@ def _riccati(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba
     variances,  # noqa: ANN001
     rates_per_s,  # noqa: ANN001
     reads_speed,  # noqa: ANN001
+    slipped,  # noqa: ANN001
     gains,  # noqa: ANN001
     std,  # noqa: ANN001
 ):
@@ -144,7 +158,10 @@ def _riccati(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba
     covariance = first
     std[0] = math.sqrt(reading_var)
     for k in range(1, time_s.shape[0]):
-        covariance = carried(covariance, time_s[k] - time_s[k - 1], damping_per_s, leak_per_s, torque_var)
+        aa, av, ad, vv, vd, dd = carried(
+            covariance, time_s[k] - time_s[k - 1], damping_per_s, leak_per_s, torque_var
+        )
+        covariance = (aa + slipped[k], av, ad, vv, vd, dd)
         if reset[k]:
             covariance = first
         left, gain, variance = corrected(covariance, reads_speed, reading_var)

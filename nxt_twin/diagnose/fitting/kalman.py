@@ -17,7 +17,7 @@ from numpy.random import Generator
 from nxt_twin.arrays import FloatArray
 from nxt_twin.machine_code import forget_outdated
 from nxt_twin.physics import observer
-from nxt_twin.physics.observer import Noise, carried, corrected
+from nxt_twin.physics.observer import Noise, carried, corrected, slips
 from nxt_twin.physics.simulate import Job
 
 _STANDING_SHARE = 1e-3  # of the largest step between readings, below which a predicted motor stands
@@ -43,7 +43,10 @@ class Randomness:
 def quiet(job: Job, noise: Noise) -> Randomness:
     """The same noise at every sample."""
     ones = np.ones(job.signals.time_s.size)
-    return Randomness(noise.reading_std**2 * ones, noise.disturbance_std**2 * ones, 0.0 * ones)
+    since_s = np.maximum(np.diff(job.signals.time_s, prepend=-np.inf), 1e-9)
+    return Randomness(
+        noise.reading_std**2 * ones, noise.disturbance_std**2 * ones, slips(job.signals, noise) / since_s
+    )
 
 
 def deviation(job: Job, predicted: FloatArray, noise: Noise) -> FloatArray:
@@ -106,6 +109,7 @@ def clean_innovations(
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
     found = np.zeros((count, known.size))
     foretold = np.nan_to_num(predicted)
+    slipping = np.sqrt(slips(signals, noise))
     for row in found:  # by itself, since its random numbers take more room than what is made of them
         _clean(
             signals.time_s,
@@ -120,6 +124,7 @@ def clean_innovations(
             quantum,
             own_std,
             noise.disturbance_std,
+            slipping * rng.standard_normal(known.size) if noise.slip else slipping,
             rng.standard_normal((known.size, 2)),
             row,
         )
@@ -198,6 +203,7 @@ def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba i
     quantum,  # noqa: ANN001
     own_std,  # noqa: ANN001
     torque_std,  # noqa: ANN001
+    slipped,  # noqa: ANN001
     normals,  # noqa: ANN001
     found,  # noqa: ANN001
 ):
@@ -216,6 +222,7 @@ def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba i
         state[2] += push
         if not standing[k]:
             state[1] += 0.5 * dt * push
+        state[0] += slipped[k]
         _propagate(guess, dt, damping_per_s, leak_per_s)
         if standing[k]:
             guess[1] = 0.0

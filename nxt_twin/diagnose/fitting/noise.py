@@ -23,6 +23,7 @@ from nxt_twin.physics.smooth import smoothed
 DISTURBANCE_TIME_S = (
     0.15  # over which an unknown torque forgets itself; one that never does takes up slow physics
 )
+_LOST = Slot("missed_counts", "loss")
 _SMALLEST = 1e-4  # of a first guess: no noise is searched below
 _STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
 _WIDEST_STAR = 0.7  # in logarithms
@@ -116,18 +117,40 @@ def estimate(
 ) -> tuple[Noise, float]:
     """The likeliest noise under `plant`, searched from `start`, and how much likelier than that it is, nats.
 
-    In the logarithms of both deviations, the log-likelihood is nearly a paraboloid. The search evaluates a
-    star of points at once, moves its centre to the paraboloid's peak, and shrinks the star. A start that is
-    `near` already gets a narrower star.
+    A start that is `near` already gets a narrower search. An encoder may lose counts one by one as if by dice: what
+    that adds is taken where it is likelier.
     """
     whole, target = target, target.predicting()
+    damping = _likelier_damping_per_s(simulator, plant, target, start)
+    found = [
+        _searched(simulator, plant, target, replace(start, damping_per_s=damping, slip=slip), near=near)
+        for slip in _slips(plant, target)
+    ]
+    best, cost, _ = min(found, key=lambda one: one[1])
+    return replace(best, drift=drift_of(simulator, plant, whole, best)), found[0][2] - cost
+
+
+def _slips(plant: Plant, target: Target) -> tuple[float, ...]:
+    """What positions may gain by themselves, as `Noise.slip`: nothing, and what counts that are lost at random make."""
+    share = plant.values.get(_LOST, 0.0)
+    quantum = max(job.signals.quantum for job in target.jobs)
+    return (0.0, share * (1.0 - share) * quantum) if share * quantum > 0.0 else (0.0,)
+
+
+def _searched(
+    simulator: Simulator, plant: Plant, target: Target, start: Noise, *, near: bool
+) -> tuple[Noise, float, float]:
+    """The likeliest deviations beside all else of `start`, their cost and that of `start`, nats.
+
+    In the logarithms of both deviations, the log-likelihood is nearly a paraboloid. The search evaluates a
+    star of points at once, moves its centre to the paraboloid's peak, and shrinks the star.
+    """
     floor = reading_floor([job.signals for job in target.jobs])
     lowest = np.log([max(floor, _SMALLEST * start.reading_std), _SMALLEST * start.disturbance_std])
-    damping = _likelier_damping_per_s(simulator, plant, target, start)
 
     def noise_at(logs: FloatArray) -> Noise:
         reading, disturbance = np.exp(np.maximum(logs, lowest))
-        return Noise(float(reading), float(disturbance), start.disturbance_time_s, damping, start.drift)
+        return replace(start, reading_std=float(reading), disturbance_std=float(disturbance))
 
     centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
     cost = math.inf
@@ -149,8 +172,7 @@ def estimate(
             np.abs(step).max() < 1.0
         ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
-    found = noise_at(best)
-    return replace(found, drift=drift_of(simulator, plant, whole, found)), start_cost - cost
+    return noise_at(best), cost, start_cost
 
 
 def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> float:

@@ -18,7 +18,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.layout import Slot
-from nxt_twin.physics.observer import Noise, Observer
+from nxt_twin.physics.observer import Noise, Observer, slips
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator
@@ -133,6 +133,8 @@ def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise
     quantum = 0.0 if signals.is_speed else signals.quantum
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
     read = exact + own_std * rng.standard_normal(rows)
+    if noise.slip:
+        read += np.cumsum(np.sqrt(slips(signals, noise)) * rng.standard_normal(rows))
     if quantum > 0.0:
         read = quantum * np.round(read / quantum)
     return replace(signals, measured=np.where(np.isfinite(signals.measured), read, np.nan))
