@@ -231,9 +231,7 @@ def _with_moves(evidence: Evidence) -> Evidence:
 def problem_for(case: Case, tolerance: float | None = None, *, earlier: bool = False) -> Problem:
     """Make a case ready, with a named plant looked up; `earlier` as `problem_of` has it."""
     config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
-    return problem_of(
-        case.name, config, case.recordings, case.holdout, case.port, tolerance, earlier=earlier
-    )
+    return problem_of(case.name, config, case.recordings, case.holdout, case.port, tolerance, earlier=earlier)
 
 
 def holds_others_out(case: Case) -> bool:

@@ -83,6 +83,7 @@ def _source(plan: Layout, rewritten: Callable[[str], str]) -> str:
         delay=_indent(_stage(plan, "delay"), 4),
         pace=_indent(_stage(plan, "pace"), 4),
         lag=_indent(_stage(plan, "lag"), 8),
+        commanded=_indent(_stage(plan, "commanded"), 8),
     )
     run = _run(plan, step, states)
     many = MANY.format(

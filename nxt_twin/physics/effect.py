@@ -30,6 +30,7 @@ Stage = Literal[
     "delay",
     "pace",
     "lag",
+    "commanded",
     "goal",
     "duty",
     "supply",

@@ -85,7 +85,7 @@ def _observe(signals: Signals, noise: Noise, known: BoolArray, reset: BoolArray)
 
 def slips(signals: Signals, noise: Noise) -> FloatArray:
     """The variance that a position gains by itself since the sample before, SI, shape (samples,)."""
-    if not noise.slip or signals.is_speed:
+    if signals.is_speed or not noise.slip:
         return np.zeros(signals.time_s.size)
     read = np.isfinite(signals.measured)
     rows = np.arange(read.size)

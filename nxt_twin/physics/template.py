@@ -16,7 +16,7 @@ _framed = njit(error_model="numpy", fastmath={{"contract", "arcp"}})
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def _timing(values, active, out_time_s, target_s):
+def _timing(values, active, out_time_s, target_s, command_time_s, acts_s):
 {unpack}
     delay_s = {base_delay}
 {delay}
@@ -27,6 +27,11 @@ def _timing(values, active, out_time_s, target_s):
         stamp_s = target - out_time_s[0]
 {lag}
         target_s[k] = target
+    for k in range(command_time_s.shape[0]):
+        acts = command_time_s[k]
+        stamp_s = acts - out_time_s[0]
+{commanded}
+        acts_s[k] = acts
     return delay_s, pace, any_lag
 '''
 
@@ -149,8 +154,8 @@ def run_many(
     others_load, out_time_s, measured, gains, reading_std, restart, restart_angle, restart_speed, restart_states,
     disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
 ):
-    target_s = np.empty(out_time_s.shape[0])
-    commands = (command_time_s, command, command_mode, command_supply_v)
+    target_s, acts_s = np.empty(out_time_s.shape[0]), np.empty(command_time_s.shape[0])
+    commands = (acts_s, command, command_mode, command_supply_v)
     others = (others_time_s, others_load)
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
     log_scale = _log_scales(reading_std)
@@ -158,7 +163,7 @@ def run_many(
     delay_s, pace, lagged = math.nan, math.nan, False
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
-        delay_s, pace, lagged = _timing(values[i], active[i], out_time_s, target_s)
+        delay_s, pace, lagged = _timing(values[i], active[i], out_time_s, target_s, command_time_s, acts_s)
         if lagged or before != (delay_s, pace, False):
             clock = (delay_s, pace, step_max_s, disturbance_rate)
             _schedule(target_s, commands, others, clock, (span, steps, first))
@@ -182,6 +187,7 @@ def run_together(
 ):
     sets, rows = values.shape[0], out_time_s.shape[0]
     target_s, other_s = np.empty(rows), np.empty(rows)
+    acts_s, other_acts_s = np.empty(command_time_s.shape[0]), np.empty(command_time_s.shape[0])
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
     log_scale = _log_scales(reading_std)
     judged = reading_std[0, 0] > 0.0
@@ -191,12 +197,12 @@ def run_together(
     for i in range(sets):
         if not left[i]:
             continue
-        timing = _timing(values[i], active[i], out_time_s, target_s)
+        timing = _timing(values[i], active[i], out_time_s, target_s, command_time_s, acts_s)
         alike = 0
         for j in range(i, sets):
             if alike < {most} and left[j] and _same(active[i], active[j]):
-                other = _timing(values[j], active[j], out_time_s, other_s)
-                if other == timing and _same(target_s, other_s):
+                other = _timing(values[j], active[j], out_time_s, other_s, command_time_s, other_acts_s)
+                if other == timing and _same(target_s, other_s) and _same(acts_s, other_acts_s):
                     left[j] = False
                     row[alike] = j
                     alike += 1
@@ -210,7 +216,7 @@ def run_together(
                 )
             continue
         _schedule(
-            target_s, (command_time_s, command, command_mode, command_supply_v), (others_time_s, others_load),
+            target_s, (acts_s, command, command_mode, command_supply_v), (others_time_s, others_load),
             (timing[0], timing[1], step_max_s, disturbance_rate), (span, steps, first),
         )
         row[alike:] = row[alike - 1]

@@ -33,7 +33,10 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     began_s = float(signals.time_s[0])
     base = plant.layout.base
     delay_s = axis.formed("delay", {}, plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)
-    commands, loads = signals.command_time_s + delay_s, signals.others_time_s + delay_s
+    late_s = [
+        axis.formed("commanded", {"stamp_s": t - began_s}, 0.0) for t in signals.command_time_s.tolist()
+    ]
+    commands, loads = signals.command_time_s - np.array(late_s) + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
     taken_s = [t - axis.formed("lag", {"stamp_s": t - began_s}, 0.0) for t in signals.time_s.tolist()]
     time_s = taken_s[0]

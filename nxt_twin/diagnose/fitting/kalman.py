@@ -124,7 +124,7 @@ def clean_innovations(
             quantum,
             own_std,
             noise.disturbance_std,
-            slipping * rng.standard_normal(known.size) if noise.slip else slipping,
+            slipping * rng.standard_normal(known.size) if slipping.any() else slipping,
             rng.standard_normal((known.size, 2)),
             row,
         )

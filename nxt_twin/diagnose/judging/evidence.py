@@ -240,6 +240,7 @@ def _record(
         least_nats=weight.total if weight else 0.0,
         restores=bool(weight and weight.restores),
         of_readings=bool(found) and not physical,
+        wanders=bool(found) and all("pace" in effect.terms for effect in effects),
         doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=_worst(problem, before, after) if physical else 0.0,
         strained=is_stretched(problem, final.plant, effects) or is_one_sided(final.plant, effects),

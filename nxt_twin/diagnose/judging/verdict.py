@@ -173,6 +173,7 @@ class Record:
         strained: whether a parameter of a found effect rests on its upper bound, or two effects together are one law
             that acts one way only.
         moved: the largest factor by which a positive number of the given model surely changed, at 95 %.
+        wanders: whether all found effects are a lag that varies, in a way that recordings need not share.
         helps: whether the search refused what was found, which helps without explaining.
     """
 
@@ -207,6 +208,7 @@ class Record:
     sober_nats: float = 0.0
     strained: bool = False
     moved: float = 1.0
+    wanders: bool = False
     helps: bool = False
 
 
@@ -338,7 +340,8 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     kept = record.torque_after / max(record.torque_before, 1e-15)
     large = record.torque_after > limits.forgiven
     if record.of_readings:  # which are torques to no filter
-        return record.remaining > limits.nearly and large and kept > limits.still_large
+        still = large and kept > limits.still_large and not _is_cleared(record, limits)
+        return record.remaining > limits.nearly and still
     if record.remaining <= limits.nearly:
         return large and kept > limits.untouched and record.nearer > limits.confirmed
     stands_in = kept > limits.untouched or record.named >= limits.most_named
@@ -361,7 +364,8 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
         return True
     if not record.found or record.remaining <= limits.nearly or record.shape_nats <= limits.shaped:
         return False
-    if record.shape_left > limits.astray or _takes_nearly_all(record, limits):
+    right = _takes_nearly_all(record, limits) or (record.wanders and _is_cleared(record, limits))
+    if record.shape_left > limits.astray or right:
         return False
     share = record.shape_nats / (record.shape_nats + max(record.gained_nats, 0.0))
     confirmed = share > limits.least_left and record.shape_left < limits.confirmed
@@ -423,11 +427,11 @@ def _is_pushed(record: Record, limits: VerdictLimits) -> bool:
 def _is_cleared(record: Record, limits: VerdictLimits) -> bool:
     """Whether faults of the readings take most of the unknown torque away, and halve an error that is no surprise.
 
-    A stamp that wanders looks like a torque to a filter, and a wander of another shape leaves some of it.
+    A stamp that wanders looks like a torque to a filter. What a wander of another shape leaves of it is no objection.
     """
     kept = record.torque_after / max(record.torque_before, 1e-15)
     halved = record.nearer < limits.confirmed and record.surprise < 1.0
-    return record.of_readings and halved and kept <= limits.cleared
+    return record.of_readings and halved and (kept <= limits.cleared or record.wanders)
 
 
 def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:

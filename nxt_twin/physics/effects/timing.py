@@ -131,10 +131,16 @@ def _lag(stamp_s: float, lag_span: float, lag_mean: float, lag_period: float, la
     return lag_span * (lag_mean + 0.5 * math.cos(math.tau * (stamp_s / lag_period + lag_phase)))
 
 
+def _whole_rows(
+    stamp_s: float, lag_span: float, lag_mean: float, lag_period: float, lag_phase: float, of_commands: float
+) -> float:
+    return of_commands * _lag(stamp_s, lag_span, lag_mean, lag_period, lag_phase)
+
+
 CLOCK_SKEW = Effect(
     id="clock_skew",
     name="clock skew",
-    equation="stamp = (1 + ε)·(t + s·(m + ½·cos(2π·(t/P + φ)))) for readings, (1 + ε)·t for commands",
+    equation="stamp = (1 + ε)·(t + s·(m + ½·cos(2π·(t/P + φ)))) for readings; for commands as well, or (1 + ε)·t",
     source="rate error as of Moon, Skelly and Towsley 1999; the lag wanders as a sine, our own",
     equation_of="timing",
     shows=("high_speed", "elapsed_time"),
@@ -166,8 +172,12 @@ CLOCK_SKEW = Effect(
             1.0,
             otherwise=0.0,
         ),
+        # A logger stamps a command with its row, or when it was sent.
+        Parameter(
+            "lag_of_commands", "of_commands", "1", NUMBER, (0.0, 1.0), 0.0, 1.0, otherwise=0.0, tried=True
+        ),
     ),
-    terms={"pace": _pace, "lag": _lag},
+    terms={"pace": _pace, "lag": _lag, "commanded": _whole_rows},
     confusable_with={
         "command_delay": "a long recording tells: a delay stays, a lag wanders",
         "stale_samples": "steady turning tells: a stale reading stands still, a late one is behind by the same time",
