@@ -109,7 +109,8 @@ def diagnose(
         evidence = _weighed(simulator, problem, rng, progress)
         if is_unseen(evidence.record) and holds_others_out(case):
             progress("only what was held out errs: once more, with others held out")
-            other = problem_for(case, tolerance, earlier=True)
+            first = tuple(part.signals.name for part in problem.held_out)
+            other = replace(problem_for(case, tolerance, earlier=True), instead_of=first)
             other = replace(other, without=problem.without, leaning=problem.leaning)
             turned = _weighed(simulator, other, rng, progress)
             evidence = turned if verdict_of(turned.record) == "explained" else evidence
@@ -281,7 +282,14 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         fit=fit,
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=(
-            *notes(problem, evidence.final.plant, held_out, _stale(simulator, evidence), fit),
+            *notes(
+                problem,
+                evidence.final.plant,
+                held_out,
+                _stale(simulator, evidence),
+                fit,
+                by_chance=evidence.record.by_chance,
+            ),
             *onsets_told(evidence.onset_told),
             *_what_stays(evidence),
             *_what_is_written(evidence),

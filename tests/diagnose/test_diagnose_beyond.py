@@ -126,7 +126,7 @@ def test_effects_that_windows_told_are_only_asked_for_laws_under_a_soberer_torqu
 
 @pytest.mark.usefixtures("heard")
 def test_the_time_at_rest_is_asked_whatever_error_is_left_and_other_shapes_where_it_matters():
-    near, far = (told(STICTION, remaining) for remaining in (2.0, 2.01))
+    near, far = (told(STICTION, remaining) for remaining in (3.0, 3.01))
     assert (near.rested_nats, near.kin_nats, near.shape_nats) == (50.0, 0.0, 0.0)
     assert (far.rested_nats, far.kin_nats, far.shape_nats) == (50.0, 0.0, 30.0)
 

@@ -42,14 +42,14 @@ def _no_simulations(monkeypatch):
 @pytest.mark.parametrize(
     ("gain", "check", "ratio", "helps"),
     [
-        (25.0, 5.1, 1.0, True),
-        (25.0, 4.9, 1.0, False),
+        (7.0, 3.1, 1.0, True),
+        (7.0, 2.9, 1.0, False),
         (35.0, -1.0, 1.0, False),
         (35.0, -1.0, 0.99, True),
         (-1.0, 40.0, 1.0, False),
     ],
 )
-def test_a_refused_effect_helps_from_thirty_nats_on_unless_what_checks_denies_it(gain, check, ratio, helps):
+def test_a_refused_effect_helps_from_ten_nats_on_unless_what_checks_denies_it(gain, check, ratio, helps):
     found = helping(explanation(refused("cogging", gain, check, ratio)), PLAIN)
     assert [one.found[0][0].id for one in found] == (["cogging"] if helps else [])
 
@@ -111,8 +111,8 @@ def _replaced(one, changes):
 @pytest.mark.parametrize(
     ("record", "error", "named"),
     [
-        (replace(NAMED, remaining=2.01), 6.4, True),
-        (replace(NAMED, remaining=2.01), 6.6, False),
+        (replace(NAMED, remaining=3.01), 6.4, True),
+        (replace(NAMED, remaining=3.01), 6.6, False),
         (replace(NAMED, matters=True, moved=9.0), 6.4, True),
     ],
 )

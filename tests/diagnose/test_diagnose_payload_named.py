@@ -27,8 +27,8 @@ def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVIT
 @pytest.mark.parametrize(
     ("rise", "std", "effect_id"),
     [
-        (0.51, 0.1, "hanging_payload"),
-        (0.49, 0.1, "gravity_load"),
+        (0.41, 0.1, "hanging_payload"),
+        (0.39, 0.1, "gravity_load"),
         (0.6, 0.26, "gravity_load"),
         (0.6, 0.24, "hanging_payload"),
     ],

@@ -104,7 +104,7 @@ def test_of_more_than_four_unseen_effects_the_others_are_counted(count, last):
     ],
 )
 def test_parameters_are_open_where_doubt_in_them_moves_unseen_windows_by_more_than_noise(changes, loose):
-    made = {"remaining": 2.01, "doubts": (0.1, 0.3), "floors": (0.1, 0.2)} | changes
+    made = {"remaining": 3.01, "doubts": (0.1, 0.3), "floors": (0.1, 0.2)} | changes
     evidence = SimpleNamespace(
         record=SimpleNamespace(remaining=made["remaining"]),
         doubts=made["doubts"],

@@ -61,3 +61,31 @@ def test_a_payload_that_goes_again_is_named(carrying):
     assert found.params["added_inertia_kg_m2"].value == pytest.approx(ADDED_KG_M2, rel=0.25)
     gone_s = answer.plant.values[Slot("payload_inertia", "removed")]
     assert gone_s == pytest.approx((1 + carrying.index(True)) * SECONDS, abs=1.0)
+
+
+def test_a_payload_in_the_held_out_recording_alone_is_named_once_another_is_held_out():
+    case = with_payload_in((False, False, True))
+    said = []
+    answer = diagnose(case, progress=said.append)
+    assert answer.diagnosis.verdict == "explained"
+    (found,) = answer.diagnosis.effects
+    assert found.id == "payload_inertia"
+    assert [run.recording for run in answer.diagnosis.held_out] == ["r1.csv"]
+    assert any("others held out" in words for words in said)
+    assert any("r2.csv" in note and "held out" in note for note in answer.diagnosis.notes)
+
+
+def test_a_recording_that_a_user_holds_out_stays_held_out():
+    case = with_payload_in((False, False, True))
+    stated = replace(case, recordings=case.recordings[:2], holdout=case.recordings[2:])
+    answer = diagnose(stated)
+    assert answer.diagnosis.verdict == "unexplained"
+    assert [run.recording for run in answer.diagnosis.held_out] == ["r2.csv"]
+
+
+def test_the_recording_before_each_third_one_may_be_held_out():
+    case = with_payload_in((False,) * 5)
+    assert [part.signals.name for part in problem_for(case).held_out] == ["r2.csv"]
+    turned = problem_for(case, earlier=True)
+    assert [part.signals.name for part in turned.held_out] == ["r1.csv", "r4.csv"]
+    assert [signals.name for signals in turned.signals] == ["r0.csv", "r2.csv", "r3.csv"]

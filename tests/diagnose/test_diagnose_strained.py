@@ -36,6 +36,19 @@ def test_a_phase_on_its_bound_is_not():
     assert not is_stretched(PROBLEM, *found(("angle_dependent_friction", {"phase": 2.0 * math.pi})))
 
 
+@pytest.mark.parametrize(
+    ("bound", "stretched"),
+    [
+        ({"lag_phase": 1.0}, False),
+        ({"lag_mean": 0.7}, False),
+        ({"of_commands": 1.0}, False),
+        ({"lag_span": 0.5}, True),
+    ],
+)
+def test_of_a_lag_that_wanders_only_its_size_may_be_stretched(bound, stretched):
+    assert is_stretched(PROBLEM, *found(("clock_skew", bound))) is stretched
+
+
 def test_the_usual_law_on_a_bound_is_not():
     """Most who draw Stribeck's curve take the exponent 2, which is the largest."""
     assert not is_stretched(PROBLEM, *found(("stiction", {"stribeck_exponent": 2.0})))

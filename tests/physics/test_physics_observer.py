@@ -1,14 +1,14 @@
 """The gains of a prediction-error run against a Kalman filter written out here."""
 
 import math
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
 from physics_samples import commanded, nxt
 from scipy.linalg import expm, solve_discrete_are
 
-from nxt_twin.physics.observer import Noise, carried, corrected, free, free_run_std, observer
+from nxt_twin.physics.observer import Noise, carried, corrected, free, free_run_std, observer, slips
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 from nxt_twin.physics.smooth import half_window_s
@@ -78,6 +78,17 @@ def test_a_row_without_a_reading_corrects_nothing_and_the_doubt_grows():
     assert np.all(found.gains[40:60] == 0.0)
     assert np.all(np.diff(found.innovation_std[40:61]) > 0.0)
     assert found.innovation_std[70] < found.innovation_std[60]
+
+
+def test_counts_lost_at_random_open_the_angle_by_what_was_turned():
+    turned = with_readings(np.repeat([0.0, 2.0], 40))
+    slipping = replace(NOISE, slip=1e-3)
+    prompt, loose = (observer(turned, noise) for noise in (NOISE, slipping))
+    np.testing.assert_array_equal(prompt.innovation_std[:40], loose.innovation_std[:40])
+    assert loose.innovation_std[40] ** 2 - prompt.innovation_std[40] ** 2 == pytest.approx(2e-3)
+    assert loose.gains[40, 0] > prompt.gains[40, 0]
+    np.testing.assert_array_equal(slips(replace(turned, is_speed=True), slipping), 0.0)
+    assert slips(with_readings([0.0, np.nan, 3.0]), slipping).sum() == pytest.approx(3e-3)
 
 
 def test_worse_readings_are_followed_less():

@@ -1,5 +1,7 @@
 """When commands act and when readings are taken."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics_samples import commanded, job_with_readings, motion, nxt
@@ -111,3 +113,18 @@ def test_a_held_reading_is_half_a_period_old_on_average_and_counts_less_the_fast
     expected = ordinary / (ordinary + strayed)
     np.testing.assert_allclose(trace["weight"][read][fast], expected[fast], rtol=0.2)
     assert expected[fast].max() < 0.05
+
+
+LAG = {"lag_span_s": 0.08, "lag_period_s": 1.4, "lag_phase": 0.2, "rate_error": 0.0}
+
+
+def test_a_clock_that_stamps_whole_rows_late_shows_the_motion_of_earlier_commands(motor_simulator):
+    run = commanded(STEPS, seconds=1.5)
+    lag_s = 0.08 * (0.5 + 0.5 * np.cos(2.0 * np.pi * (run.time_s / 1.4 + 0.2)))
+    command_lag_s = 0.08 * (0.5 + 0.5 * np.cos(2.0 * np.pi * (run.command_time_s / 1.4 + 0.2)))
+    true = replace(run, time_s=run.time_s - lag_s, command_time_s=run.command_time_s - command_lag_s)
+    wanted = motion(motor_simulator, nxt(), true)["angle"]
+    rows = motion(motor_simulator, nxt(effects={"clock_skew": {**LAG, "lag_of_commands": 1.0}}), run)["angle"]
+    np.testing.assert_allclose(rows, wanted, atol=A_TENTH_OF_A_DEGREE)
+    readings = motion(motor_simulator, nxt(effects={"clock_skew": LAG}), run)["angle"]
+    assert np.abs(readings - wanted).max() > 10.0 * A_TENTH_OF_A_DEGREE

@@ -73,6 +73,7 @@ class Problem:
         without: ids of effects that no search may try, as if nobody knew them.
         leaning: what speaks beforehand for effects, nats by id, where somebody has watched the motor already.
         by_windows: whether windows of simulation alone set parameters and weigh effects, as single steps are coloured.
+        instead_of: names of the recordings that were held out at first, and alone showed what is missing.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Problem:
     without: frozenset[str] = frozenset()
     leaning: Mapping[str, float] = field(default_factory=dict)
     by_windows: bool = False
+    instead_of: tuple[str, ...] = ()
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""

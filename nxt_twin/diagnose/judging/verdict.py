@@ -174,6 +174,7 @@ class Record:
             that acts one way only.
         moved: the largest factor by which a positive number of the given model surely changed, at 95 %.
         wanders: whether all found effects are a lag that varies, in a way that recordings need not share.
+        by_chance: whether counts are lost by chance, so that no simulation follows the readings.
         helps: whether the search refused what was found, which helps without explaining.
     """
 
@@ -209,6 +210,7 @@ class Record:
     strained: bool = False
     moved: float = 1.0
     wanders: bool = False
+    by_chance: bool = False
     helps: bool = False
 
 
@@ -315,13 +317,15 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects predict unseen recordings worse than the re-fitted baseline does.
 
     That is no objection where parameters that the fitted readings leave open explain the error. Windows which check
-    must confirm the effects then, or fitted readings leave hardly an unknown torque.
+    must confirm the effects then, or fitted readings leave hardly an unknown torque. Nor is it where chance explains
+    the error, or a good part of it.
     """
     complete = record.torque_after < limits.excused and not record.by_windows
     confirmed = record.surprise < 1.0 and (record.run_ratio < limits.confirmed or complete)
+    chance = record.by_chance and record.surprise <= limits.nearly
     halved = record.nearer <= limits.confirmed
     drifts = record.remaining > limits.nearly and record.longer > limits.drifting and not halved
-    return record.found and (record.worst_ratio > limits.worse or drifts) and not confirmed
+    return record.found and (record.worst_ratio > limits.worse or drifts) and not (confirmed or chance)
 
 
 def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:

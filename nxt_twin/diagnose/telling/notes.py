@@ -28,11 +28,17 @@ _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
 
 
 def notes(
-    problem: Problem, plant: Plant, runs: Sequence[HeldOutRun], stale: Mapping[str, FloatArray], fit: Fit
+    problem: Problem,
+    plant: Plant,
+    runs: Sequence[HeldOutRun],
+    stale: Mapping[str, FloatArray],
+    fit: Fit,
+    *,
+    by_chance: bool = False,
 ) -> tuple[str, ...]:
     """Plain remarks: how the error is counted, anchors, faults of the recording, runs that stay bad and why.
 
-    `stale` holds the times (s) of late-stamped readings by recording.
+    `stale` holds the times (s) of late-stamped readings by recording; `by_chance` says that counts are lost so.
     """
     said = [
         f"Each free run lasts {problem.window_s:.3g} s. It starts from the state that the model's own filter "
@@ -50,11 +56,22 @@ def notes(
             f"{name}: {times_s.size} readings are older than their stamps (at {at}{more} s). This is a fault of the "
             "transport, not of the motor; the errors leave these readings out."
         )
+    if by_chance:
+        said.append(
+            "Each count is lost by chance, so that no simulation follows these readings: the floor of "
+            f"{fit.floor:.3g} {fit.unit} tells how near a right one comes."
+        )
     said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
     if problem.by_windows:
         said.append(
             "Errors of single steps go on from reading to reading, as where readings are held or stamped late. So "
             "single steps are no evidence here: simulated windows alone set the parameters and chose the effects."
+        )
+    if problem.instead_of:
+        held_out = listed([part.signals.name for part in problem.held_out])
+        said.append(
+            f"At first {listed(problem.instead_of)} was held out, and showed what the fitted recordings do not. "
+            f"So it was fitted, and {held_out} held out in its place."
         )
     said.extend(briefly_recorded(sum(float(np.ptp(signals.time_s)) for signals in problem.signals)))
     said.extend(_bad_runs(problem, runs))
