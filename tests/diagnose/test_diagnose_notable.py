@@ -119,7 +119,8 @@ def test_readings_held_for_less_than_a_poll_are_jitter(poll_s, told):
     hold = PLAIN.layout.effect("sample_hold")
     held = PLAIN.with_effect(hold.id, {hold.parameters[0].symbol: 9e-3})
     assert is_told_from_jitter(held, hold, [polls]) is told
-
+    slow = SimpleNamespace(time_s=5.0 * stamps_s, measured=polls.measured, interval_s=5.0 * poll_s)
+    assert is_told_from_jitter(held, hold, [slow, polls]) is told
 
 @pytest.mark.parametrize(
     "effect",

@@ -100,15 +100,14 @@ def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> 
 
 
 def is_told_from_jitter(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
-    """Whether readings that `effect` holds are older than the jitter of their polls could make them.
+    """Whether in some recording readings that `effect` holds are older than the jitter of its polls could make them.
 
     They are held for longer than they are apart, too: below that no reading repeats, and a stamp's jitter looks alike.
     """
     if "scatter" not in effect.terms:
         return True
     held_s = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-    jitter_s = max(map(_jitter_s, recordings))
-    return held_s > max(_CLEAR_OF_JITTER * jitter_s, *(one.interval_s for one in recordings))
+    return any(held_s > max(_CLEAR_OF_JITTER * _jitter_s(one), one.interval_s) for one in recordings)
 
 
 def _jitter_s(signals: Signals) -> float:

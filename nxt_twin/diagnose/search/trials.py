@@ -80,7 +80,8 @@ class Trials:
             or (rank < EFFORT.short_list and cost - draft.cost > EFFORT.settled_share * leading)
             or (effect.states and cost - draft.cost > EFFORT.in_reach * leading)
         ]
-        settled = [*self._leaders(best, cost, within), *self._scattering(best, [e for e, _ in within])]
+        settled = self._leaders(best, cost, within)
+        settled += self._scattering(best, [effect for effect, _ in settled])
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
         lowest = min(trial.fitted_cost for _, trial in settled)
@@ -151,9 +152,9 @@ class Trials:
         return settled
 
     def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
-        """Whether readings are held for longer than they are apart; the jitter of a link scatters them as well."""
+        """Whether a recording's readings are held for longer than they are apart; a link's jitter scatters them as well."""
         held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-        return held_s > max(signals.interval_s for signals in self._fits.problem.signals)
+        return held_s > min(signals.interval_s for signals in self._fits.problem.signals)
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
         """The best of `trial` and of what other starts lead to, for effects with an onset or mechanical states.
