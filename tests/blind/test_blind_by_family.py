@@ -177,8 +177,11 @@ def test_the_range_fifth_is_half_a_scored_one_of_a_seed_of_its_own():
     assert min(half.seeds) >= 5000
 
 
-@pytest.mark.parametrize(("own", "singles"), [("second", 60), ("third", 60), ("fourth", 60), ("sixth", 96)])
-def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own, singles):
+@pytest.mark.parametrize(
+    ("own", "singles", "pairs"),
+    [("second", 60, 24), ("third", 60, 24), ("fourth", 60, 24), ("sixth", 96, 24), ("seventh", 200, 48)],
+)
+def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own, singles, pairs):
     found = RANGES[own]
     others = [seed for name, one in RANGES.items() if name != own for seed in one.seeds]
     assert min(found.seeds) >= 5000
@@ -186,7 +189,7 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
     orders = [case.order for case in found.cases(tuple(FAMILIES.values()))]
     known = [order for order in orders if set(order.plan.effects) <= set(FAMILIES[order.family].known)]
     counts = [sum(len(order.plan.effects) == number for order in known) for number in range(4)]
-    assert counts == [100, singles, 24, 0]
+    assert counts == [100, singles, pairs, 0]
     assert len(orders) - len(known) == 100
     alone = [order for order in known if len(order.plan.effects) == 1]
     assert [sum(order.family == name for order in alone) for name in FAMILIES] == [singles / 4] * 4

@@ -113,8 +113,10 @@ class Told:
     linear: object = field(default_factory=lambda: SimpleNamespace(structure=None))
 
 
-def told(effect, remaining):
-    evidence = Told(replace(FOUND, remaining=remaining), SimpleNamespace(found=[(effect, None)]))
+def told(effect, remaining, colour=1.0):
+    evidence = Told(
+        replace(FOUND, remaining=remaining, colour=colour), SimpleNamespace(found=[(effect, None)])
+    )
     return with_shapes(None, evidence).record
 
 
@@ -129,6 +131,12 @@ def test_the_time_at_rest_is_asked_whatever_error_is_left_and_other_shapes_where
     near, far = (told(STICTION, remaining) for remaining in (3.0, 3.01))
     assert (near.rested_nats, near.kin_nats, near.shape_nats) == (50.0, 0.0, 0.0)
     assert (far.rested_nats, far.kin_nats, far.shape_nats) == (50.0, 0.0, 30.0)
+
+
+@pytest.mark.usefixtures("heard")
+@pytest.mark.parametrize(("colour", "nats"), [(4.0, 7.5), (0.9, 30.0)])
+def test_a_shape_gains_by_readings_that_tell_of_one_another_once(colour, nats):
+    assert told(STICTION, 3.01, colour).shape_nats == nats
 
 
 @pytest.mark.usefixtures("heard")

@@ -122,6 +122,7 @@ def test_readings_held_for_less_than_a_poll_are_jitter(poll_s, told):
     slow = SimpleNamespace(time_s=5.0 * stamps_s, measured=polls.measured, interval_s=5.0 * poll_s)
     assert is_told_from_jitter(held, hold, [slow, polls]) is told
 
+
 @pytest.mark.parametrize(
     "effect",
     [one for one in WITH_A_SIZE if not {"outlier", "scatter"} & {*one.terms}],

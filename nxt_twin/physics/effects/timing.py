@@ -119,7 +119,7 @@ STALE_SAMPLES = Effect(
     ),
     terms={"outlier": _stale_density},
     fault=True,
-    notable_most=0.4,  # where half of all readings are late, it is no few of them
+    notable_most=0.47,  # where half of all readings are late, it is no few of them
 )
 
 
