@@ -38,6 +38,7 @@ _PHASES = 2  # where few readings are left, a thinned recording is fitted from e
 _FEW_READINGS = 2000  # below which a thinned recording is used in several phases
 _HALF = 0.5  # of an encoder's step does not matter
 _MOST_QUANTA = 3.0  # slow polls leave more than noise off a smooth curve
+_FEWEST_PARTED = 3  # recordings, of which a whole one is held out
 _FEWEST_READINGS = 40  # to fit, below which a case is refused
 _LARGEST_READING = 1e9  # SI: a larger one is no reading
 
@@ -145,9 +146,8 @@ def problem_of(
     fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
-    if not apart and len(fitted) >= 3:
-        last = 1 if earlier else 2
-        apart, fitted = fitted[last::3], [s for i, s in enumerate(fitted) if i % 3 != last]
+    if not apart:
+        fitted, apart = _parted(fitted, 1 if earlier else 2)
     if apart:
         splits, window_s = with_blocks_that_check(fitted), WINDOW_S
         held_out = [
@@ -174,6 +174,14 @@ def problem_of(
         stalls={one.name: said for one in made if (said := stalls_in_words(stalls(one)))},
         stalled_share=max(map(stalled_share, made)),
     )
+
+
+def _parted(signals: list[Signals], held_out: int) -> tuple[list[Signals], list[Signals]]:
+    """The recordings to fit, and those to hold out: of each three one, at place `held_out`; of one or two none."""
+    if len(signals) < _FEWEST_PARTED:
+        return signals, []
+    fitted = [each for number, each in enumerate(signals) if number % _FEWEST_PARTED != held_out]
+    return fitted, signals[held_out::_FEWEST_PARTED]
 
 
 def _refuse_no_motion(signals: Signals) -> None:

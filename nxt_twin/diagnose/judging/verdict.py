@@ -159,8 +159,8 @@ class Record:
         remaining: largest error of the improved plant over the tolerance, of windows of two seconds or shorter.
         at_first: largest error of the baseline over the tolerance, of windows of two seconds or shorter.
         at_check: error of the baseline over the tolerance, in free runs over readings that check.
-        shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects, where
-            as many readings count as one as the colour tells.
+        shape_nats: the most that a free function of speed, angle, time or command gains beside the found effects. As
+            many readings count as one as the colour tells.
         shape_left: error on unseen readings with the best of such functions, over that without.
         rested_nats: the most that a free function of the time at rest gains beside found effects that are torques
             without states of their own. One of them must show at low speed, at any angle. A bristle, a second body,
@@ -246,7 +246,7 @@ def is_unseen(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the host or the link stood still for too long to trust what the stamps say.
 
-    One effect that leaves no error above the tolerance, or hardly any of the error, is trusted nevertheless: no stall
+    One effect that leaves no error above the tolerance, or hardly any of the error, is trusted nevertheless. No stall
     explains the rest of a recording. So are several that are all loud.
     """
     alone = record.named == 1 and _takes_nearly_all(record, limits)
