@@ -281,19 +281,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         alternatives=alternatives(simulator, evidence),
         fit=fit,
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
-        notes=(
-            *notes(
-                problem,
-                evidence.final.plant,
-                held_out,
-                _stale(simulator, evidence),
-                fit,
-                by_chance=evidence.record.by_chance,
-            ),
-            *onsets_told(evidence.onset_told),
-            *_what_stays(evidence),
-            *_what_is_written(evidence),
-        ),
+        notes=_notes(simulator, evidence, held_out, fit),
         held_out=held_out,
         leftover=_leftover(evidence),
         detectable=sizes,
@@ -301,6 +289,19 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         false_alarm_rate=FalseAlarmRate(alarms.rate, alarms.upper_95, alarms.of),
         nearest=nearest_effect(evidence, verdict),
         tolerance=Tolerance(evidence.problem.tolerance * units.reading_factor, units.reading, fit.improved),
+    )
+
+
+def _notes(
+    simulator: Simulator, evidence: Evidence, held_out: tuple[HeldOutRun, ...], fit: Fit
+) -> tuple[str, ...]:
+    """Remarks on the recordings, the effects' onsets and the plants."""
+    stale, by_chance = _stale(simulator, evidence), evidence.record.by_chance
+    return (
+        *notes(evidence.problem, evidence.final.plant, held_out, stale, fit, by_chance=by_chance),
+        *onsets_told(evidence.onset_told),
+        *_what_stays(evidence),
+        *_what_is_written(evidence),
     )
 
 

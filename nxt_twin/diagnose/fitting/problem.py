@@ -148,17 +148,7 @@ def problem_of(
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart:
         fitted, apart = _parted(fitted, 1 if earlier else 2)
-    if apart:
-        splits, window_s = with_blocks_that_check(fitted), WINDOW_S
-        held_out = [
-            _held_out(signals, window_s, np.ones(signals.time_s.size, dtype=bool)) for signals in apart
-        ]
-    else:
-        splits, window_s = with_windows_held_out(fitted)
-        held_out = [
-            _held_out(signals, window_s, split.held_out)
-            for signals, split in zip(fitted, splits, strict=True)
-        ]
+    splits, held_out, window_s = _split(fitted, apart)
     target = _target(plant, fitted, splits)
     _refuse_too_few(name, target, held_out)
     return Problem(
@@ -182,6 +172,16 @@ def _parted(signals: list[Signals], held_out: int) -> tuple[list[Signals], list[
         return signals, []
     fitted = [each for number, each in enumerate(signals) if number % _FEWEST_PARTED != held_out]
     return fitted, signals[held_out::_FEWEST_PARTED]
+
+
+def _split(fitted: Sequence[Signals], apart: Sequence[Signals]) -> tuple[list[Split], list[HeldOut], float]:
+    """How recordings that are fitted are split, what is held out of them or is recorded `apart`, and its windows, s."""
+    if apart:
+        whole = [_held_out(each, WINDOW_S, np.ones(each.time_s.size, dtype=bool)) for each in apart]
+        return with_blocks_that_check(fitted), whole, WINDOW_S
+    splits, window_s = with_windows_held_out(fitted)
+    pairs = zip(fitted, splits, strict=True)
+    return splits, [_held_out(signals, window_s, split.held_out) for signals, split in pairs], window_s
 
 
 def _refuse_no_motion(signals: Signals) -> None:

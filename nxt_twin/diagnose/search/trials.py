@@ -152,7 +152,7 @@ class Trials:
         return settled
 
     def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
-        """Whether a recording's readings are held for longer than they are apart; a link's jitter scatters them as well."""
+        """Whether a recording's readings are held for longer than they are apart; jitter scatters them as well."""
         held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
         return held_s > min(signals.interval_s for signals in self._fits.problem.signals)
 
