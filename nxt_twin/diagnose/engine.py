@@ -262,6 +262,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     )
     far = moved_far(problem.plant, evidence.final.plant)
     small = (
+        *words.loose(effects),
         *words.too_small([one.name for one in evidence.needless]),
         *words.unnamed([one.name for one in evidence.explanation.unnamed]),
     )

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 from diagnose_records import FOUND, QUIET
 
+from nxt_twin.diagnose.diagnosis import Estimate, FoundEffect, Ratio
 from nxt_twin.diagnose.engine import _stood_still, _what_is_left
 from nxt_twin.diagnose.judging.verdict import leaves_little, verdict_of
 from nxt_twin.diagnose.next.next_step import next_experiment
@@ -76,3 +77,19 @@ def test_stalls_that_leave_names_in_doubt_are_in_the_sentence_and_ask_for_a_quie
 def test_numbers_that_moved_far_are_no_objection_where_nothing_was_found():
     assert verdict_of(replace(QUIET, moved=100.0)) == "adequate"
     assert verdict_of(replace(FOUND, moved=100.0)) == "unexplained"
+
+
+def told_size(value, std, ratio=None):
+    size = Estimate(value, std, "N·m", ratio=Ratio(*ratio, "1/s²", "inertia_kg_m2") if ratio else None)
+    return FoundEffect("stiction", "stiction", "…", {"breakaway_torque_nm": size}, 0.9, ())
+
+
+def test_a_size_whose_interval_is_wider_than_itself_is_told():
+    open_one, sure = told_size(-0.1, 0.0256), told_size(0.1, 0.0255)
+    assert words.loose([sure]) == ()
+    (said,) = words.loose([sure, open_one])
+    assert said == "The size of stiction is loose: its 95 % interval is wider than the size."
+    (said,) = words.loose([open_one, open_one])
+    assert said.startswith("The sizes of stiction and stiction are loose")
+    assert words.loose([told_size(0.1, 0.05, (100.0, 10.0))]) == ()
+    assert words.loose([told_size(0.1, 0.01, (100.0, 30.0))])

@@ -57,8 +57,9 @@ class VerdictLimits:
             little on fitted readings as the plant lets them.
         nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
             nor `drifting`, `forgiven`, `shaped` and `coloured` of any. Nor is `excused` asked of a plant without one.
-        forgiven: unknown torque, as such a fraction, that excuses no error of effects which leave over `still_large`
-            of it.
+        forgiven: unknown torque, as such a fraction, that excuses no error which effects leave. Of 1932 answers on the
+            four families and two foreign simulators, right names left at most 0.013 beside such an error. Clocks left
+            more. Three names of unknown physics left 0.04 to 0.07.
         untouched: share of the baseline's unknown torque above which found effects have left it as it was, so that
             `excused` is asked of them, too. Above `forgiven` it excuses no error over the tolerance that they do not
             halve.
@@ -331,10 +332,10 @@ def is_worse(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether found effects leave an error that only the unknown torque excuses, which they were to explain.
 
-    The floor that a remaining error is compared with rests on that torque. So it may not excuse the error where the
-    effects have left most of it. Where they have left nearly all, no more of it is excused than without an effect. A
-    large one then excuses not even an error that just matters, unless the effects halve it. Nor is more excused for
-    as many effects as can be missing.
+    The floor that a remaining error is compared with rests on that torque. So a large one may not excuse the error.
+    Where the effects have left nearly all, no more of it is excused than without an effect. A large one then excuses
+    not even an error that just matters, unless the effects halve it. Nor is more excused for as many effects as can be
+    missing.
     By windows alone, how much there was before is not known, and how much is left counts.
     """
     if not record.found or record.remaining <= 1.0:
@@ -344,12 +345,11 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     kept = record.torque_after / max(record.torque_before, 1e-15)
     large = record.torque_after > limits.forgiven
     if record.of_readings:  # which are torques to no filter
-        still = large and kept > limits.still_large and not _is_cleared(record, limits)
-        return record.remaining > limits.nearly and still
+        return record.remaining > limits.nearly and large and not _is_cleared(record, limits)
     if record.remaining <= limits.nearly:
         return large and kept > limits.untouched and record.nearer > limits.confirmed
     stands_in = kept > limits.untouched or record.named >= limits.most_named
-    return (large and kept > limits.still_large) or (stands_in and record.torque_after > limits.excused)
+    return large or (stands_in and record.torque_after > limits.excused)
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
