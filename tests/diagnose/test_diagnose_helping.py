@@ -54,6 +54,13 @@ def test_a_refused_effect_helps_from_ten_nats_on_unless_what_checks_denies_it(ga
     assert [one.found[0][0].id for one in found] == (["cogging"] if helps else [])
 
 
+@pytest.mark.parametrize(("gain", "helps"), [(25.1, True), (24.9, False)])
+def test_beside_found_effects_a_refused_one_helps_from_thirty_nats_on(gain, helps):
+    found = PLAIN.layout.effect("stiction"), Weight(90.0, 9.0, 0.5, runs_worse=False)
+    beside = replace(explanation(refused("cogging", gain, 5.0)), found=(found,))
+    assert len(helping(beside, PLAIN)) == helps
+
+
 def test_the_most_helpful_comes_first_with_the_others_for_its_rivals():
     near = [refused("cogging", 40.0, 1.0), refused("stiction", 60.0, 5.0), refused("gravity_load", 35.0, 1.0)]
     near.append(refused("spring_load", 31.0, 1.0))

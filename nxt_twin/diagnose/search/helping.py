@@ -13,6 +13,8 @@ from nxt_twin.physics.plant import Plant
 
 _HELPING_NATS: Final = 10.0
 """What fitted and checking readings together have to gain by an effect that the search refused."""
+_FURTHER_NATS: Final = 30.0
+"""As `_HELPING_NATS`, beside found effects. On a real servo a power curve gained 15 beside the right name."""
 _MOST: Final = 3  # refused effects that are looked at again
 
 
@@ -22,20 +24,21 @@ def helping(explanation: Explanation, given: Plant) -> list[Explanation]:
     `given` is the plant as it came.
     """
     bare = explanation.best.plant.active
+    least_nats = _FURTHER_NATS if explanation.found else _HELPING_NATS
     near = [
         one
         for one in explanation.refused
-        if _helps(one) and simpler(one[2].plant, one[0].id, given).active == bare
+        if _helps(one, least_nats) and simpler(one[2].plant, one[0].id, given).active == bare
     ]
     near.sort(key=lambda one: -one[1].total)
     return [_with(explanation, one, [other for other in near if other is not one]) for one in near[:_MOST]]
 
 
-def _helps(one: Ranked) -> bool:
+def _helps(one: Ranked, least_nats: float) -> bool:
     """Whether much speaks for a refused effect, and readings that were not fitted do not deny it."""
     _, weight, _ = one
     nearer = weight.check_gain > 0.0 or weight.free_run_ratio < 1.0
-    return weight.total > _HELPING_NATS and weight.gain > 0.0 and nearer
+    return weight.total > least_nats and weight.gain > 0.0 and nearer
 
 
 def _with(explanation: Explanation, one: Ranked, others: list[Ranked]) -> Explanation:
