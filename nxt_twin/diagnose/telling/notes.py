@@ -70,8 +70,8 @@ def notes(
     if problem.instead_of:
         held_out = listed([part.signals.name for part in problem.held_out])
         said.append(
-            f"At first {listed(problem.instead_of)} was held out, and showed what the fitted recordings do not. "
-            f"So it was fitted, and {held_out} held out in its place."
+            f"Held out at first: {listed(problem.instead_of)}. Only there an error showed that the fitted recordings "
+            f"do not have. So the search began anew with {held_out} held out."
         )
     said.extend(briefly_recorded(sum(float(np.ptp(signals.time_s)) for signals in problem.signals)))
     said.extend(_bad_runs(problem, runs))
