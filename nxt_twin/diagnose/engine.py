@@ -23,6 +23,7 @@ from nxt_twin.diagnose.diagnosis import (
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.noise import first_noise
+from nxt_twin.diagnose.fitting.parted import FEWEST_PARTED
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
@@ -65,7 +66,6 @@ from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 from nxt_twin.recording.configs import load_plant_config
 
-_FEWEST_TURNED = 3  # recordings, of which whole ones are held out
 _FLOORS = 1  # random numbers of their own, so that no other figure depends on them
 
 
@@ -110,7 +110,7 @@ def diagnose(
         if is_unseen(evidence.record) and holds_others_out(case):
             progress("only what was held out errs: once more, with others held out")
             first = tuple(part.signals.name for part in problem.held_out)
-            other = replace(problem_for(case, tolerance, earlier=True), instead_of=first)
+            other = replace(problem_for(case, tolerance, second=True), instead_of=first)
             other = replace(other, without=problem.without, leaning=problem.leaning)
             turned = _weighed(simulator, other, rng, progress)
             evidence = turned if verdict_of(turned.record) == "explained" else evidence
@@ -229,15 +229,15 @@ def _with_moves(evidence: Evidence) -> Evidence:
     return replace(evidence, record=replace(evidence.record, moved=moved))
 
 
-def problem_for(case: Case, tolerance: float | None = None, *, earlier: bool = False) -> Problem:
-    """Make a case ready, with a named plant looked up; `earlier` as `problem_of` has it."""
+def problem_for(case: Case, tolerance: float | None = None, *, second: bool = False) -> Problem:
+    """Make a case ready, with a named plant looked up; `second` as `problem_of` has it."""
     config = load_plant_config(case.plant) if isinstance(case.plant, str) else case.plant
-    return problem_of(case.name, config, case.recordings, case.holdout, case.port, tolerance, earlier=earlier)
+    return problem_of(case.name, config, case.recordings, case.holdout, case.port, tolerance, second=second)
 
 
 def holds_others_out(case: Case) -> bool:
     """Whether other recordings of `case` could be held out: it names none, and has three at least."""
-    return not case.holdout and len(case.recordings) >= _FEWEST_TURNED
+    return not case.holdout and len(case.recordings) >= FEWEST_PARTED
 
 
 def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generator) -> Diagnosis:

@@ -86,6 +86,6 @@ def test_a_recording_that_a_user_holds_out_stays_held_out():
 def test_the_recording_before_each_third_one_may_be_held_out():
     case = with_payload_in((False,) * 5)
     assert [part.signals.name for part in problem_for(case).held_out] == ["r2.csv"]
-    turned = problem_for(case, earlier=True)
+    turned = problem_for(case, second=True)
     assert [part.signals.name for part in turned.held_out] == ["r1.csv", "r4.csv"]
     assert [signals.name for signals in turned.signals] == ["r0.csv", "r2.csv", "r3.csv"]

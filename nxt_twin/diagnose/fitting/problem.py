@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, IntArray
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
+from nxt_twin.diagnose.fitting.parted import parted
 from nxt_twin.diagnose.fitting.simulated import simulated
 from nxt_twin.diagnose.fitting.splits import (
     WINDOW_S,
@@ -38,7 +39,6 @@ _PHASES = 2  # where few readings are left, a thinned recording is fitted from e
 _FEW_READINGS = 2000  # below which a thinned recording is used in several phases
 _HALF = 0.5  # of an encoder's step does not matter
 _MOST_QUANTA = 3.0  # slow polls leave more than noise off a smooth curve
-_FEWEST_PARTED = 3  # recordings, of which a whole one is held out
 _FEWEST_READINGS = 40  # to fit, below which a case is refused
 _LARGEST_READING = 1e9  # SI: a larger one is no reading
 
@@ -119,12 +119,12 @@ def problem_of(
     port: str | None,
     tolerance: float | None = None,
     *,
-    earlier: bool = False,
+    second: bool = False,
 ) -> Problem:
-    """Make a case ready. Without `holdout`, every third recording is held out; of one or two, windows of time.
+    """Make a case ready. Without `holdout`, one of each three recordings is held out; of one or two, windows of time.
 
     `tolerance` is in SI; without one, half a step of the encoder or the roughness of its readings, if that is more.
-    With `earlier`, the recording before each third one is held out instead.
+    With `second`, the second choice of `parted` is held out instead.
 
     Raises:
         PlantError: the plant's configuration is none, or cannot be driven by these recordings.
@@ -147,7 +147,7 @@ def problem_of(
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")
     if not apart:
-        fitted, apart = _parted(fitted, 1 if earlier else 2)
+        fitted, apart = parted(fitted, second=second)
     splits, held_out, window_s = _split(fitted, apart)
     target = _target(plant, fitted, splits)
     _refuse_too_few(name, target, held_out)
@@ -164,14 +164,6 @@ def problem_of(
         stalls={one.name: said for one in made if (said := stalls_in_words(stalls(one)))},
         stalled_share=max(map(stalled_share, made)),
     )
-
-
-def _parted(signals: list[Signals], held_out: int) -> tuple[list[Signals], list[Signals]]:
-    """The recordings to fit, and those to hold out: of each three one, at place `held_out`; of one or two none."""
-    if len(signals) < _FEWEST_PARTED:
-        return signals, []
-    fitted = [each for number, each in enumerate(signals) if number % _FEWEST_PARTED != held_out]
-    return fitted, signals[held_out::_FEWEST_PARTED]
 
 
 def _split(fitted: Sequence[Signals], apart: Sequence[Signals]) -> tuple[list[Split], list[HeldOut], float]:
