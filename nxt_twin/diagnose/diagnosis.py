@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 _PICTURES: Final = "nxt_twin.view.figures"
 """What draws a diagnosis, named rather than imported: this room knows nothing of those above it."""
 
+NORMAL_95: Final = 1.959964
+"""Standard deviations from a value to either end of its 95 % interval."""
+
 Verdict = Literal["adequate", "explained", "unexplained"]
 Source = Literal["actuator", "battery", "transmission", "encoder", "clock_or_link"]
 
@@ -50,6 +53,12 @@ class Estimate:
     interval_95: tuple[float, float] | None = None
     rests_on: tuple[str, ...] = ()
     ratio: Ratio | None = None
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether the 95 % interval is wider than the value; of the ratio where the recordings fix that alone."""
+        told = self.ratio or self
+        return 2.0 * NORMAL_95 * told.std > abs(told.value)
 
 
 @final

@@ -52,7 +52,7 @@ from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
 from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling import words
-from nxt_twin.diagnose.telling.estimates import refitted, surely_moved, vague_effect
+from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
@@ -124,7 +124,7 @@ def _weighed(simulator: Simulator, problem: Problem, rng: Generator, progress: P
         progress("single steps are coloured: by windows of simulation alone")
         evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
     evidence = _reconsidered(simulator, evidence, rng, progress)
-    return _with_moves(with_shapes(simulator, evidence))
+    return _with_sizes(with_shapes(simulator, evidence))
 
 
 def _misled(evidence: Evidence) -> bool:
@@ -223,10 +223,10 @@ def fit_as_it_stands(case: Case) -> Structure:
         return fit_everything(Fitter(simulator, problem), problem.plant, noise)
 
 
-def _with_moves(evidence: Evidence) -> Evidence:
-    """`evidence` with how far the final fit surely moved the given numbers in its record."""
+def _with_sizes(evidence: Evidence) -> Evidence:
+    """`evidence` with how sure its sizes are, and how far the fit surely moved the given numbers, in its record."""
     moved = surely_moved(refitted(evidence))
-    return replace(evidence, record=replace(evidence.record, moved=moved))
+    return replace(evidence, record=replace(evidence.record, moved=moved, loose=has_loose_size(evidence)))
 
 
 def problem_for(case: Case, tolerance: float | None = None, *, second: bool = False) -> Problem:

@@ -30,7 +30,7 @@ from nxt_twin.diagnose.judging.horizons import (
     nearest_horizon,
 )
 from nxt_twin.diagnose.judging.intervals import covariance_of
-from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of, noise_floor
+from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, leftover_nats, leftover_nats_of
 from nxt_twin.diagnose.judging.onset import placed
 from nxt_twin.diagnose.judging.strained import is_one_sided, is_stretched
 from nxt_twin.diagnose.judging.verdict import Record, counted_once
@@ -42,6 +42,8 @@ from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
+HALF = 0.5
+"""Most of an error."""
 STRUCTURED_NATS = 15.0
 """Least leftover of a clean recording, nats, below which no synthetic one puts the limit."""
 
@@ -227,7 +229,6 @@ def _record(
         torque_before=torque_share(problem, baseline),
         torque_after=torque_share(problem, final),
         run_ratio=final.free_run_rms[0] / max(baseline.free_run_rms[0], 1e-15),
-        off=final.free_run_rms[0] / max(noise_floor(problem, final.noise), 1e-15),
         matters=bool(mattering) and not (found and _at_the_floor(after, before, floors)),
         stalled_share=problem.stalled_share if physical else 0.0,
         surprise=after.rms[window] / max(float(expected[window]), problem.tolerance),
@@ -244,6 +245,7 @@ def _record(
         wanders=bool(found) and all("pace" in effect.terms for effect in effects),
         doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=_worst(problem, before, after) if physical else 0.0,
+        leaves_most=bool(found) and _leaves_most(problem, before, after, expected),
         strained=is_stretched(problem, final.plant, effects) or is_one_sided(final.plant, effects),
     )
 
@@ -284,6 +286,12 @@ def _drift(problem: Problem, before: Errors, after: Errors) -> float:
     own = zip(after.seconds, before.rms, after.rms, strict=True)
     longer = [rms / max(other, 1e-15) for s, other, rms in own if s > WINDOW_S and rms > problem.tolerance]
     return max(longer, default=0.0)
+
+
+def _leaves_most(problem: Problem, before: Errors, after: Errors, expected: FloatArray) -> bool:
+    """Whether most of the error of `before` above the `expected` one is left at some horizon, and matters."""
+    own = zip(before.rms, after.rms, expected, strict=True)
+    return any(rms - least > max(HALF * (other - least), problem.tolerance) for other, rms, least in own)
 
 
 def _at_the_floor(errors: Errors, before: Errors, floors: Sequence[float]) -> bool:

@@ -12,7 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.residuals import Residuals
-from nxt_twin.physics.observer import Noise, free_run_std, observer
+from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
@@ -65,15 +65,6 @@ def overall(runs: Sequence[FreeRun]) -> float:
     """RMS error over the judged readings of all runs, each reading alike."""
     errors = [(run.held_out.signals.measured - run.predicted)[run.judged] for run in runs]
     return _rms(np.concatenate(errors))
-
-
-def noise_floor(problem: Problem, noise: Noise) -> float:
-    """The RMS error that noise alone gives free runs over what is held out, by linear theory."""
-    variances = [
-        (free_run_std(part.signals, noise, part.start) ** 2)[part.counted & ~part.start.at]
-        for part in problem.held_out
-    ]
-    return float(np.sqrt(np.mean(np.concatenate(variances))))
 
 
 def leftover_nats(residuals: Residuals) -> float:

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.diagnosis import Estimate, Moved, Ratio
+from nxt_twin.diagnose.diagnosis import NORMAL_95, Estimate, Moved, Ratio
 from nxt_twin.diagnose.fitting.likeness import VOLTAGES
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import Evidence
@@ -21,7 +21,6 @@ from nxt_twin.physics.parameter import Parameter
 
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)
-_NORMAL_95 = 1.959964  # standard deviations from a value to either end of its 95 % interval
 _KNOWN = 0.5  # of a positive value: the interval is the logarithm's where the standard deviation is less
 _SEVERAL = 2  # found effects, from which on one of vague size stands for something else
 _VAGUE = 0.75  # of an effect's size: a larger standard deviation leaves the size hardly clear of zero
@@ -57,6 +56,14 @@ def _is_vague(evidence: Evidence, effect: Effect) -> bool:
     if found.ratio is not None:  # what resistance and torque constant leave open is no doubt about the effect
         size, std = abs(found.ratio.value), found.ratio.std
     return std > _VAGUE * size
+
+
+def has_loose_size(evidence: Evidence) -> bool:
+    """Whether the 95 % interval of a found effect's size is wider than the size; its first parameter is its size."""
+    sizes = [
+        next(iter(estimates(evidence, effect).values()), None) for effect, _ in evidence.explanation.found
+    ]
+    return any(size is not None and size.is_loose for size in sizes)
 
 
 def refitted(evidence: Evidence) -> dict[str, Moved]:
@@ -138,7 +145,7 @@ class _Doubts:
 
 def _interval(value: float, std: float, *, positive: bool) -> tuple[float, float]:
     """The 95 % interval; of a positive parameter that is known at all, in its logarithm, as its anchors scatter."""
-    reach = _NORMAL_95 * std
+    reach = NORMAL_95 * std
     if positive and std < _KNOWN * value:
         stretch = math.exp(reach / value)
         return value / stretch, value * stretch

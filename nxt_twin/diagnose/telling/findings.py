@@ -8,7 +8,7 @@ from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nea
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.judge import free_runs, overall
-from nxt_twin.diagnose.judging.verdict import Record, is_patchwork, is_stalled, is_worse
+from nxt_twin.diagnose.judging.verdict import Record, is_loose, is_patchwork, is_stalled
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.rivals import Rival, share_of_belief
 from nxt_twin.diagnose.search.weight import Weight
@@ -101,8 +101,10 @@ def _why_not_enough(record: Record) -> str:
         return f"it takes {record.named} effects together, more than are likely to be missing at once"
     if is_stalled(record):
         return f"host or link stood still for {100.0 * record.stalled_share:.0f} % of a recording"
-    if is_worse(record):
-        return "the re-fitted baseline predicts held-out readings better"
+    if is_loose(record):
+        return "readings fix the size of an effect to no better than itself"
+    if record.leaves_most:
+        return "it leaves most of the error on held-out readings"
     return "what it leaves is more than noise"
 
 

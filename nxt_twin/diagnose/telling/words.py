@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from nxt_twin.diagnose.diagnosis import Estimate, Excitation, Fit, FoundEffect, NextExperiment, Verdict
+from nxt_twin.diagnose.diagnosis import Excitation, Fit, FoundEffect, NextExperiment, Verdict
 from nxt_twin.diagnose.judging.confusion import Alike
 from nxt_twin.diagnose.search.rivals import Rival
 from nxt_twin.physics.effect import Effect
@@ -16,7 +16,6 @@ FAULTS = frozenset(effect.id for effect in library().values() if effect.fault)
 _MOST_NAMED = 4  # effects that a sentence names as unseen; it counts further ones
 _HELPS = 0.95  # of the baseline's error: from there on a sentence claims no smaller error
 _ALIKE = 0.6  # cosine of two traces from which their likeness is told
-_NORMAL_95 = 1.959964  # standard deviations from a value to either end of its 95 % interval
 _LITTLE_NATS = 5.0  # expected evidence below which a proposed recording is said to tell little
 
 
@@ -107,7 +106,8 @@ def loose(effects: Sequence[FoundEffect]) -> tuple[str, ...]:
 
     The size is an effect's first parameter. A ratio stands for it where the recordings fix that alone.
     """
-    names = [effect.name for effect in effects if _is_loose(next(iter(effect.params.values()), None))]
+    sizes = [(effect.name, next(iter(effect.params.values()), None)) for effect in effects]
+    names = [name for name, size in sizes if size and size.is_loose]
     if not names:
         return ()
     if len(names) > 1:
@@ -115,11 +115,6 @@ def loose(effects: Sequence[FoundEffect]) -> tuple[str, ...]:
             f"The sizes of {listed(names)} are loose: each has a 95 % interval that is wider than the size.",
         )
     return (f"The size of {names[0]} is loose: its 95 % interval is wider than the size.",)
-
-
-def _is_loose(size: Estimate | None) -> bool:
-    told = None if size is None else size.ratio or size
-    return told is not None and 2.0 * _NORMAL_95 * told.std > abs(told.value)
 
 
 def too_small(names: Sequence[str]) -> tuple[str, ...]:

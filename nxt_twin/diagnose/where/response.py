@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numba import njit
 
-from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.where.course import Course
 from nxt_twin.physics.observer import Noise
-from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 
 Entry = Literal["torque", "count", "reading"]
@@ -45,34 +43,6 @@ def response(job: Job, course: Course, noise: Noise, rows: FloatArray, entry: En
         _ENTRIES[entry],
         found,
     )
-    return found
-
-
-def free_response(
-    signals: Signals, anew: BoolArray, course: Course, noise: Noise, rows: FloatArray, entry: Entry
-) -> FloatArray:
-    """What `rows` add to each reading of a simulation that starts `anew` at some samples, SI, shape (rows, samples).
-
-    No reading corrects it between them.
-    """
-    found = np.zeros(rows.shape)
-    begins = np.flatnonzero(anew)
-    for low, high in pairwise([*begins, anew.size]):
-        window = slice(low, high)
-        part = np.zeros((rows.shape[0], high - low))
-        _respond(
-            signals.time_s[window],
-            np.ones(high - low, dtype=np.bool_),
-            course.standing[window],
-            np.zeros((high - low, 3)),
-            noise.damping_per_s,
-            1.0 / noise.disturbance_time_s,
-            1 if signals.is_speed else 0,
-            np.ascontiguousarray(rows[:, window]),
-            _ENTRIES[entry],
-            part,
-        )
-        found[:, window] = part
     return found
 
 
