@@ -104,9 +104,10 @@ def explained_horizons(answer: Answer) -> list[tuple[Answer, Mapping[str, float]
 
 
 def leaves_most(pair: tuple[Answer, Mapping[str, float]]) -> bool:
-    """Whether more than half of the baseline's error above the floor is left at a horizon."""
-    _, at = pair
-    return at["improved"] - at["floor"] > HALF * max(at["baseline"] - at["floor"], 0.0)
+    """Whether more than half of the baseline's error above the floor is left at a horizon, and more than matters."""
+    answer, at = pair
+    half = HALF * max(at["baseline"] - at["floor"], 0.0)
+    return bool(at["improved"] - at["floor"] > max(half, answer["tolerance"]["value"]))
 
 
 def is_worse_untold(pair: tuple[Answer, Mapping[str, float]]) -> bool:
@@ -135,9 +136,8 @@ def far_moves(answer: Answer) -> list[tuple[Answer, Mapping[str, float]]]:
 
 
 def is_untold(pair: tuple[Answer, Mapping[str, float]]) -> bool:
-    """Whether neither the answer's sentence nor a note says anything of a re-fit that moved far."""
-    answer = pair[0]
-    return not any("re-fit moved" in words for words in (answer["sentence"], *answer["notes"]))
+    """Whether the answer's sentence says nothing of a re-fit that moved far."""
+    return "re-fit moved" not in pair[0]["sentence"]
 
 
 SENTENCES: Final = (

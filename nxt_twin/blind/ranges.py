@@ -159,6 +159,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the engine after decision 34, looked at by nobody before",
             singles=200,
         ),
+        SeedRange(
+            "eighth",
+            (5012,),
+            Amounts(None, 25, 12, 0, 25),
+            None,
+            "the engine after decision 35, looked at by nobody before",
+            singles=200,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -52,8 +52,9 @@ from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
 from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling import words
+from nxt_twin.diagnose.telling.bounds import at_bounds
 from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
-from nxt_twin.diagnose.telling.far import furthest_off, moved_far, stays
+from nxt_twin.diagnose.telling.far import furthest_off, moved_far, moved_notably, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.telling.signs import lost_signs
@@ -262,6 +263,8 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
     )
     far = moved_far(problem.plant, evidence.final.plant)
     small = (
+        *at_bounds(problem, evidence.final.plant),
+        *moved_notably(problem.plant, evidence.final.plant),
         *words.loose(effects),
         *words.too_small([one.name for one in evidence.needless]),
         *words.unnamed([one.name for one in evidence.explanation.unnamed]),

@@ -70,7 +70,7 @@ AT_WORST = {"improved": 9.2, "floor": 9.0}
         (MOVED, answer(refit=moved(2.9)), 0),
         (MOVED, answer("adequate", refit=moved(0.32)), 1),
         (MOVED, answer(refit=moved(11.0), sentence="The re-fit moved inertia to 11 kg·m²."), 0),
-        (MOVED, answer(refit=moved(3.1), notes=["The re-fit moved inertia to 3.1 kg·m²."]), 0),
+        (MOVED, answer(refit=moved(3.1), notes=["The re-fit moved inertia to 3.1 kg·m²."]), 1),
         (MOVED, answer("unexplained", refit=moved(3.1)), 0),
     ],
 )

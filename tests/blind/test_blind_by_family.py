@@ -179,7 +179,14 @@ def test_the_range_fifth_is_half_a_scored_one_of_a_seed_of_its_own():
 
 @pytest.mark.parametrize(
     ("own", "singles", "pairs"),
-    [("second", 60, 24), ("third", 60, 24), ("fourth", 60, 24), ("sixth", 96, 24), ("seventh", 200, 48)],
+    [
+        ("second", 60, 24),
+        ("third", 60, 24),
+        ("fourth", 60, 24),
+        ("sixth", 96, 24),
+        ("seventh", 200, 48),
+        ("eighth", 200, 48),
+    ],
 )
 def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(own, singles, pairs):
     found = RANGES[own]

@@ -13,7 +13,6 @@ QUIET = Record(
     torque_before=1e-3,
     torque_after=1e-3,
     run_ratio=1.0,
-    off=1.0,
     matters=True,
     worst_ratio=1.0,
     stalled_share=0.0,

@@ -83,7 +83,7 @@ def test_a_recording_that_a_user_holds_out_stays_held_out():
     assert [run.recording for run in answer.diagnosis.held_out] == ["r2.csv"]
 
 
-def test_the_recording_before_each_third_one_may_be_held_out():
+def test_the_second_choice_holds_out_the_recording_before_each_third_one():
     case = with_payload_in((False,) * 5)
     assert [part.signals.name for part in problem_for(case).held_out] == ["r2.csv"]
     turned = problem_for(case, second=True)

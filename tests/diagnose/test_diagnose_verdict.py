@@ -16,7 +16,6 @@ from nxt_twin.diagnose.judging.verdict import (
     is_spoiled,
     is_superfluous,
     is_swallowed,
-    is_worse,
     verdict_of,
 )
 
@@ -33,29 +32,19 @@ EDGES = {
     "large_torque": (replace(QUIET, torque_after=3e-2, remaining=3.0), "torque_after"),
     "excused": (replace(QUIET, torque_after=5.5e-3, remaining=3.01), "torque_after"),
     "rested": (replace(FOUND, rested_nats=60.0, remaining=0.1, matters=False), "rested_nats"),
-    "far_off": (replace(QUIET, off=4.0), "off"),
     "moved": (replace(FOUND, moved=3.0), "moved"),
     "most_left": (
         replace(FOUND, left_nats=100.0, torque_after=1e-2, gained_nats=100.0 / 0.14 - 100.0),
         "left_nats",
     ),
-    "unsettled": (
-        replace(FOUND, run_ratio=0.5, torque_after=2.0 * 6e-3, torque_before=0.1, remaining=3.0),
-        "torque_after",
-    ),
     "hardly": (
-        replace(FOUND, run_ratio=0.15, torque_after=5e-2, torque_before=1.0, remaining=3.0),
+        replace(FOUND, surprise=100.0, nearer=0.3, run_ratio=0.15),
         "run_ratio",
-    ),
-    "still_large": (
-        replace(FOUND, torque_after=0.1, torque_before=0.1 / 0.5, remaining=3.0),
-        "torque_after",
     ),
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
-    "worse": (replace(FOUND, worst_ratio=1.05), "worst_ratio"),
     "confirmed": (
-        replace(FOUND, worst_ratio=2.0, surprise=0.9, torque_after=6e-3, run_ratio=0.4999),
-        "run_ratio",
+        replace(FOUND, surprise=100.0, nearer=0.5),
+        "nearer",
     ),
     "cleared": (
         replace(WANDERING, torque_after=0.02),
@@ -64,9 +53,7 @@ EDGES = {
     "sober": (replace(FOUND, sober_nats=60.0, gained_nats=360.0, remaining=0.6, matters=False), "sober_nats"),
     "surprising": (replace(FOUND, surprise=5.0, run_ratio=0.5), "surprise"),
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.0), "surprise"),
-    "drifting": (replace(FOUND, nearer=0.51, longer=1.1), "longer"),
     "forgiven": (replace(FORGIVEN, torque_after=1.5e-2, torque_before=2.9e-2), "torque_after"),
-    "untouched": (replace(FORGIVEN, torque_after=8.0e-3, torque_before=1e-2), "torque_after"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=2.8e-2), "torque_after"),
 }
 
@@ -97,7 +84,6 @@ def test_each_limit_has_a_case_at_its_edge():
     assert {field.name for field in fields(VerdictLimits)} == {
         *EDGES,
         "most_named",
-        "least_left",
         "idle",
         "no_nearer",
         "silent",
@@ -105,38 +91,12 @@ def test_each_limit_has_a_case_at_its_edge():
         "unheard",
         "unmistakable",
         "heard",
-        "astray",
         "loud",
+        "worse",
         "nearly",
         "shaped",
         "coloured",
     }
-
-
-ANOTHER_LAW = replace(FOUND, remaining=3.01, shape_nats=18.1, gained_nats=110.0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "another"),
-    [
-        ({}, True),
-        ({"remaining": 3.0}, False),
-        ({"shape_nats": 18.0}, False),
-        ({"gained_nats": 113.0}, False),
-        ({"gained_nats": 230.0, "shape_left": 0.49}, True),
-        ({"gained_nats": 230.0, "shape_left": 0.5}, False),
-        ({"gained_nats": 1780.0, "shape_left": 0.49}, True),
-        ({"gained_nats": 1800.0, "shape_left": 0.49}, False),
-        ({"found": False}, False),
-        ({"matters": False}, True),
-        ({"shape_left": 1.25}, True),
-        ({"shape_left": 1.26}, False),
-    ],
-)
-def test_effects_stand_for_another_law_where_a_free_function_explains_much_beside_them(changes, another):
-    record = replace(ANOTHER_LAW, **changes)
-    assert is_another_law(record) is another
-    assert verdict_of(record) == ("unexplained" if another else "explained" if record.found else "adequate")
 
 
 @pytest.mark.parametrize("changes", [{"remaining": 3.0}, {"by_windows": True}, {"matters": False}])
@@ -296,22 +256,6 @@ def test_the_weakest_of_several_effects_is_weighed_beside_the_others(changes, su
 
 
 @pytest.mark.parametrize(
-    ("changes", "worse"),
-    [
-        ({}, True),
-        ({"longer": 1.1}, False),
-        ({"nearer": 0.5}, False),
-        ({"remaining": 3.0}, False),
-        ({"found": False}, False),
-        ({"run_ratio": 0.4, "surprise": 0.9}, False),
-    ],
-)
-def test_effects_that_do_not_halve_the_error_and_lead_long_simulations_astray_are_worse(changes, worse):
-    drifting = replace(FOUND, nearer=0.51, longer=ABOVE * 1.1, remaining=3.01, run_ratio=0.6)
-    assert is_worse(replace(drifting, **changes)) is worse
-
-
-@pytest.mark.parametrize(
     ("changes", "forgiven"),
     [
         ({}, True),
@@ -333,37 +277,11 @@ def test_an_unknown_torque_that_the_effects_leave_does_not_excuse_their_error(ch
 
 @pytest.mark.parametrize(
     ("changes", "forgiven"),
-    [
-        ({}, True),
-        ({"remaining": 1.0}, False),
-        ({"torque_after": 1.5e-2, "torque_before": 1.6e-2}, False),
-        ({"torque_before": 1.51e-2 / 0.79}, False),
-        ({"nearer": 0.5}, False),
-        ({"of_readings": True}, False),
-        ({"of_readings": True, "remaining": 3.01}, True),
-    ],
-)
-def test_a_large_torque_left_as_it_was_excuses_no_error_that_matters(changes, forgiven):
-    record = replace(FORGIVEN, remaining=1.01, torque_after=1.51e-2, torque_before=1.8e-2)
-    assert is_forgiven(replace(record, **changes)) is forgiven
-
-
-@pytest.mark.parametrize(
-    ("changes", "forgiven"),
     [({}, True), ({"named": 2}, False), ({"torque_after": 5.5e-3}, False), ({"of_readings": True}, False)],
 )
 def test_three_effects_that_leave_a_torque_and_an_error_stand_for_another(changes, forgiven):
     record = replace(FORGIVEN, named=3, torque_after=5.51e-3, torque_before=1.0)
     assert is_forgiven(replace(record, **changes)) is forgiven
-
-
-@pytest.mark.parametrize(
-    ("changes", "verdict"),
-    [({}, "explained"), ({"remaining": 3.0}, "unexplained"), ({"nearer": 0.5}, "unexplained")],
-)
-def test_effects_that_halve_the_error_and_leave_next_to_none_may_leave_a_torque(changes, verdict):
-    nearly = replace(FOUND, run_ratio=0.5, torque_after=0.02, remaining=0.99 * 3.0, nearer=0.99 * 0.5)
-    assert verdict_of(replace(nearly, **changes)) == verdict
 
 
 def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():
@@ -383,7 +301,6 @@ def test_unseen_readings_may_surprise_where_their_error_is_halved_and_checks_lea
     ("changes", "verdict"),
     [
         ({}, "explained"),
-        ({"of_readings": False}, "unexplained"),
         ({"nearer": 0.5}, "unexplained"),
         ({"surprise": 1.0}, "unexplained"),
         ({"sober_nats": 1e3}, "explained"),
@@ -397,21 +314,6 @@ def test_faults_of_readings_that_clear_most_of_the_torque_may_leave_some(changes
 
 def test_what_was_refused_and_helps_explains_nothing():
     assert verdict_of(replace(FOUND, helps=True)) == "unexplained"
-
-
-@pytest.mark.parametrize(("surprise", "verdict"), [(0.9, "explained"), (1.1, "unexplained")])
-def test_confirmed_effects_may_do_worse_where_open_parameters_explain_it(surprise, verdict):
-    confirmed = replace(FOUND, worst_ratio=2.0, run_ratio=0.3, torque_after=0.0)
-    assert verdict_of(replace(confirmed, surprise=surprise)) == verdict
-
-
-@pytest.mark.parametrize(
-    ("changes", "worse"),
-    [({}, False), ({"torque_after": 5.5e-3}, True), ({"surprise": 1.0}, True), ({"by_windows": True}, True)],
-)
-def test_effects_that_leave_hardly_a_torque_may_do_worse_where_open_parameters_explain_it(changes, worse):
-    complete = replace(FOUND, worst_ratio=2.0, run_ratio=0.8, surprise=0.99, torque_after=5.4e-3)
-    assert is_worse(replace(complete, **changes)) is worse
 
 
 @pytest.mark.parametrize(
@@ -436,10 +338,15 @@ def test_an_unknown_torque_may_not_stand_for_a_law_that_readings_call_for(change
     assert is_another_law(record) is swallowed
 
 
-def test_effects_that_windows_chose_are_held_to_what_windows_can_tell():
-    coloured = replace(FOUND, run_ratio=0.6, torque_after=0.02, torque_before=0.03)
-    assert verdict_of(coloured) == "unexplained"
-    assert verdict_of(replace(coloured, by_windows=True)) == "explained"
+@pytest.mark.parametrize("left", ["leaves_most", "loose"])
+def test_effects_that_leave_most_of_an_error_or_are_loose_explain_nothing_that_matters(left):
+    record = replace(FOUND, **{left: True})
+    assert verdict_of(record) == "unexplained"
+
+
+def test_a_loose_size_is_no_objection_where_no_error_that_matters_is_left():
+    assert verdict_of(replace(FOUND, loose=True, remaining=1.0)) == "explained"
+    assert verdict_of(replace(FOUND, loose=True, remaining=1.01)) == "unexplained"
 
 
 def test_three_effects_are_the_most_that_are_likely_to_be_missing_at_once():

@@ -16,7 +16,7 @@ STRUCTURED = replace(QUIET, left_nats=100.0, torque_after=1.0)
 
 
 def test_what_is_left_and_does_not_matter_is_no_objection():
-    left = replace(STRUCTURED, off=100.0)
+    left = replace(STRUCTURED, surprise=100.0)
     assert verdict_of(left) == "unexplained"
     assert verdict_of(replace(left, matters=False)) == "adequate"
     found = replace(FOUND, left_nats=1e4, torque_after=1.0, torque_before=1.0, run_ratio=1.0)

@@ -19,7 +19,6 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(
         f"an unknown torque above {100 * LIMITS.excused:g} %",
         f"where it gains {LIMITS.sober:g} nats and {100 * LIMITS.most_left:g} % of all gains",
         f"gain {LIMITS.heard:g} nats where it hardly brings a simulation nearer, and {LIMITS.unmistakable:g}",
-        f"simulations longer than 2 s err by {LIMITS.drifting:g} times the baseline",
         f"above {100 * LIMITS.forgiven:g} %. By windows alone",
         f"for more than {100 * LIMITS.most_stalled:g} % of a recording",
     ],

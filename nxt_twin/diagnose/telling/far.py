@@ -9,7 +9,7 @@ from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
 _TENFOLD = 10.0  # by factor: the answer begins with it
-_NOTABLE = 3.0  # by factor: a note tells it
+_NOTABLE = 3.0  # by factor: the answer tells it after what is missing
 _FEW = 2  # more numbers at once speak of another motor, or of other units
 _CHECK = "Check the units of command and reading, and whether the model is of this motor."
 _FAR_OFF = 1.1  # by factor: less is within what motors of one make differ by
@@ -31,7 +31,7 @@ def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
 
 
 def moved_notably(given: Plant, found: Plant) -> tuple[str, ...]:
-    """A remark on the positive quantities that `found` has three to ten times as large or small as `given`."""
+    """A sentence on the positive quantities that `found` has three to ten times as large or small as `given`."""
     some = [
         slot
         for slot in given.layout.parameters

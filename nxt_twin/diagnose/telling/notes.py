@@ -10,7 +10,6 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun, Moved
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
-from nxt_twin.diagnose.telling.far import moved_notably
 from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
@@ -76,8 +75,6 @@ def notes(
     said.extend(briefly_recorded(sum(float(np.ptp(signals.time_s)) for signals in problem.signals)))
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
-    said.extend(_at_bounds(problem, plant))
-    said.extend(moved_notably(problem.plant, plant))
     return tuple(said)
 
 
@@ -169,21 +166,3 @@ def _fastest(time_s: FloatArray, measured: FloatArray) -> float:
     t, y = time_s[known], measured[known]
     far = max(1, int(np.searchsorted(t, t[0] + 0.2)))
     return float(np.max(np.abs(y[far:] - y[:-far]) / np.maximum(t[far:] - t[:-far], 1e-6)))
-
-
-def _at_bounds(problem: Problem, plant: Plant) -> list[str]:
-    said = []
-    for slot, parameter in plant.layout.parameters.items():
-        if slot not in plant.values or parameter.frozen or parameter.tied_to:
-            continue
-        if problem.plant.values.get(slot) == 0.0 == plant.values[slot]:  # a loop without that part
-            continue
-        scaled = parameter.scaled(problem.scale)
-        value = plant.values[slot] / parameter.si
-        if value <= scaled.lower and scaled.lower == 0.0:
-            said.append(f"The fit moved {parameter.name} to 0: these recordings do not show it.")
-        elif value >= scaled.upper:
-            said.append(
-                f"The fit moved {parameter.name} to its upper bound, {scaled.upper:.3g} {parameter.unit}."
-            )
-    return said
