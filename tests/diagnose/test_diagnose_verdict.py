@@ -344,6 +344,13 @@ def test_effects_that_leave_most_of_an_error_or_are_loose_explain_nothing_that_m
     assert verdict_of(record) == "unexplained"
 
 
+@pytest.mark.parametrize(("surprise", "verdict"), [(3.0, "explained"), (3.01, "unexplained")])
+def test_counts_lost_by_chance_may_leave_most_of_an_error_that_is_no_surprise(surprise, verdict):
+    record = replace(FOUND, leaves_most=True, by_chance=True, surprise=surprise)
+    assert verdict_of(record) == verdict
+    assert verdict_of(replace(record, by_chance=False)) == "unexplained"
+
+
 def test_a_loose_size_is_no_objection_where_no_error_that_matters_is_left():
     assert verdict_of(replace(FOUND, loose=True, remaining=1.0)) == "explained"
     assert verdict_of(replace(FOUND, loose=True, remaining=1.01)) == "unexplained"

@@ -202,7 +202,7 @@ def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
     if record.helps:
         return "unexplained"
     doubtful = is_patchwork(record, limits) or is_stalled(record, limits) or is_loose(record)
-    forgiven = is_forgiven(record, limits) or is_contradicted(record, limits) or record.leaves_most
+    forgiven = is_forgiven(record, limits) or is_contradicted(record, limits) or is_in_vain(record, limits)
     other = is_another_law(record, limits) or is_moved(record, limits)
     return "unexplained" if missing or doubtful or forgiven or other else "explained"
 
@@ -220,6 +220,11 @@ def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_loose(record: Record) -> bool:
     """Whether an error that matters is left, and readings fix the size of a found effect to no better than itself."""
     return record.found and record.loose and record.remaining > 1.0
+
+
+def is_in_vain(record: Record, limits: VerdictLimits = LIMITS) -> bool:
+    """Whether found effects leave most of the error at some horizon, unless chance explains a good part of it."""
+    return record.leaves_most and not (record.by_chance and record.surprise <= limits.nearly)
 
 
 def is_unseen(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -8,7 +8,7 @@ from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nea
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.judge import free_runs, overall
-from nxt_twin.diagnose.judging.verdict import Record, is_loose, is_patchwork, is_stalled
+from nxt_twin.diagnose.judging.verdict import Record, is_in_vain, is_loose, is_patchwork, is_stalled
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.rivals import Rival, share_of_belief
 from nxt_twin.diagnose.search.weight import Weight
@@ -103,7 +103,7 @@ def _why_not_enough(record: Record) -> str:
         return f"host or link stood still for {100.0 * record.stalled_share:.0f} % of a recording"
     if is_loose(record):
         return "readings fix the size of an effect to no better than itself"
-    if record.leaves_most:
+    if is_in_vain(record):
         return "it leaves most of the error on held-out readings"
     return "what it leaves is more than noise"
 
