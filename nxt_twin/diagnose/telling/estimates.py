@@ -59,10 +59,12 @@ def _is_vague(evidence: Evidence, effect: Effect) -> bool:
 
 
 def has_loose_size(evidence: Evidence) -> bool:
-    """Whether the 95 % interval of a found effect's size is wider than the size; its first parameter is its size."""
-    sizes = [
-        next(iter(estimates(evidence, effect).values()), None) for effect, _ in evidence.explanation.found
-    ]
+    """Whether the 95 % interval of a found effect's size is wider than the size; its first parameter is its size.
+
+    Not asked of what doubts readings: a few of them leave their share open, and each of them is told.
+    """
+    found = [effect for effect, _ in evidence.explanation.found if "outlier" not in effect.terms]
+    sizes = [next(iter(estimates(evidence, effect).values()), None) for effect in found]
     return any(size is not None and size.is_loose for size in sizes)
 
 
