@@ -19,7 +19,7 @@ def named_or_confused(diagnosis):
     [
         ("gravity_load", LONG),
         ("command_delay", {"seed": 12}),
-        ("stiction", {"seed": 13}),
+        ("stiction", {"seed": 14}),
         ("shaft_compliance", TWISTING),
     ],
 )
@@ -28,6 +28,14 @@ def test_a_concealed_effect_is_named_and_the_error_on_unfitted_data_falls(effect
     assert diagnosis.verdict == "explained"
     assert effect in named_or_confused(diagnosis)
     assert diagnosis.fit.improved < 0.9 * diagnosis.fit.baseline
+
+
+@pytest.mark.slow
+def test_an_effect_whose_size_readings_leave_open_is_listed_and_explains_no_error_that_matters():
+    diagnosis = diagnosed(("stiction",), seed=13).diagnosis
+    assert diagnosis.verdict == "unexplained"
+    assert [effect.id for effect in diagnosis.effects] == ["stiction"]
+    assert "its 95 % interval is wider than the size" in diagnosis.sentence
 
 
 @pytest.mark.slow_variants
