@@ -8,9 +8,12 @@ from diagnose_records import FOUND, QUIET
 
 from nxt_twin.diagnose.diagnosis import Estimate, FoundEffect, Ratio
 from nxt_twin.diagnose.engine import _stood_still, _what_is_left
+from nxt_twin.diagnose.judging.run_outs import RunOut
 from nxt_twin.diagnose.judging.verdict import leaves_little, verdict_of
+from nxt_twin.diagnose.next import next_step
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.telling import words
+from nxt_twin.physics.modes import MODE_COAST
 
 STRUCTURED = replace(QUIET, left_nats=100.0, torque_after=1.0)
 
@@ -72,6 +75,21 @@ def test_stalls_that_leave_names_in_doubt_are_in_the_sentence_and_ask_for_a_quie
     steady = SimpleNamespace(record=replace(FOUND, named=2, stalled_share=0.02), problem=None)
     assert _stood_still(steady, "unexplained") == ()
     assert _stood_still(stalled, "explained") == ()
+
+
+@pytest.mark.parametrize(
+    ("in_vain", "ran_out", "asked"),
+    [(True, True, "coast-downs"), (True, False, "what"), (False, True, "what")],
+)
+def test_effects_that_fail_on_coast_downs_alone_ask_for_coast_downs(monkeypatch, in_vain, ran_out, asked):
+    found = SimpleNamespace(record=replace(FOUND, leaves_most=in_vain), problem=None)
+    run_outs = [RunOut("r3.csv", {MODE_COAST: 2.0})] if ran_out else []
+    monkeypatch.setattr(next_step, "near_rivals", lambda _: [])
+    monkeypatch.setattr(next_step, "unfitted_run_outs", lambda *_: run_outs)
+    monkeypatch.setattr(next_step, "_twice_and_half", lambda _: {})
+    monkeypatch.setattr(next_step, "_run_outs", lambda _: {})
+    monkeypatch.setattr(next_step, "_with_program", lambda _problem, _hint, name, _runs: name)
+    assert next_experiment(None, found, "unexplained", None, None, None).startswith(asked)
 
 
 def test_numbers_that_moved_far_are_no_objection_where_nothing_was_found():

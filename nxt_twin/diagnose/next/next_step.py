@@ -10,7 +10,7 @@ from nxt_twin.diagnose.diagnosis import Excitation, Fit, NextExperiment, Verdict
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.run_outs import unfitted_run_outs
-from nxt_twin.diagnose.judging.verdict import is_stalled
+from nxt_twin.diagnose.judging.verdict import is_in_vain, is_stalled
 from nxt_twin.diagnose.next.inputs import Pattern, family
 from nxt_twin.diagnose.next.next_experiment import LONGEST_S, Proposal, bounded_reach, most_pct, propose
 from nxt_twin.diagnose.telling import words
@@ -41,14 +41,18 @@ def next_experiment(
         proposal = propose(simulator, problem, evidence.explanation.best, rival.structure, rng)
         hint = words.experiment_between(effect, rival.effect)
         return hint if proposal is None else _between(problem, hint, proposal, effect.id, rival.effect.id)
-    if verdict == "unexplained":
+    run_outs = unfitted_run_outs(problem, fit)
+    only_there = run_outs and is_in_vain(
+        evidence.record
+    )  # what no fitted recording shows, no effect could explain
+    if verdict == "unexplained" and not only_there:
         return _with_program(
             problem, words.experiment_for_unknown(), "what-repeats", _twice_and_half(problem)
         )
     if verdict == "adequate" and not excitation.enough:
         hint = words.experiment_for_unseen(excitation)
         return _with_program(problem, hint, "livelier", _lively(problem))
-    if run_outs := unfitted_run_outs(problem, fit):
+    if run_outs:
         hint = words.experiment_for_run_outs([run_out.recording for run_out in run_outs])
         return _with_program(problem, hint, "coast-downs", _run_outs(problem))
     return None
