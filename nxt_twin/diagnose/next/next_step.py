@@ -42,9 +42,8 @@ def next_experiment(
         hint = words.experiment_between(effect, rival.effect)
         return hint if proposal is None else _between(problem, hint, proposal, effect.id, rival.effect.id)
     run_outs = unfitted_run_outs(problem, fit)
-    only_there = run_outs and is_in_vain(
-        evidence.record
-    )  # what no fitted recording shows, no effect could explain
+    # What no fitted recording shows, no effect could explain.
+    only_there = run_outs and is_in_vain(evidence.record)
     if verdict == "unexplained" and not only_there:
         return _with_program(
             problem, words.experiment_for_unknown(), "what-repeats", _twice_and_half(problem)
