@@ -51,7 +51,6 @@ def test_most_of_an_error_is_left_where_half_of_it_above_what_is_expected_is_and
 
 @pytest.mark.parametrize(("viscous", "told"), [(0.0, "to 0: these recordings"), (0.0011, None)])
 def test_a_number_that_a_fit_moved_to_nothing_is_told(viscous, told):
-    assert Slot(BASE_OWNER, "inertia") != VISCOUS
     problem = SimpleNamespace(
         plant=GIVEN, scale=SimpleNamespace(torque=0.1, speed=10.0, current=0.5, recordings=())
     )

@@ -24,7 +24,7 @@ def gains(folder, effects, size=None):
         asked, _ = noises(simulator, problem, structure)
         linear = linearise(simulator, problem, replace(structure, noise=asked))
         scene = staged(simulator, problem, linear)
-        own = max(heard(scene, linear, shape).nats for shape in ASKED)
+        own = max(heard(scene, linear, shape) for shape in ASKED)
         return sober_nats(simulator, problem, structure), own
 
 

@@ -45,4 +45,4 @@ def _with_kin(simulator: Simulator, evidence: Evidence) -> Evidence:
 
 
 def _most_nats(scene: Staged, linear: Linear, shapes: Iterable[ShapeFamily]) -> float:
-    return max((heard(scene, linear, shape).nats for shape in shapes), default=0.0)
+    return max((heard(scene, linear, shape) for shape in shapes), default=0.0)

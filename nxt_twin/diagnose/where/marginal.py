@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -15,24 +13,8 @@ _SIZES = np.geomspace(1e-2, 1e8, 25)
 _TOLD = 1e-7  # of the largest eigenvalue of the rows' products: weaker sums of rows are dropped
 
 
-@final
-@dataclass(frozen=True)
-class Missing:
-    """A sum of rows at its likeliest size.
-
-    Attributes:
-        nats: its marginal likelihood over that of nothing missing, nats.
-        sizes: of the rows, shape (rows,).
-        moves: of the re-fit's variables beside them, in their scales, shape (variables,).
-    """
-
-    nats: float
-    sizes: FloatArray
-    moves: FloatArray
-
-
-def likeliest(linear: Linear, parts: Iterable[FloatArray]) -> Missing:
-    """The likeliest sum of some rows.
+def likeliest(linear: Linear, parts: Iterable[FloatArray]) -> float:
+    """The marginal likelihood of some rows at their likeliest size, over that of nothing missing, nats.
 
     The rows' shares are independent Gaussians of one variance; what the re-fit takes up of them counts for nothing.
     They come as `parts` of the readings, one after another and each of shape (rows, its readings). So an hour
@@ -44,7 +26,7 @@ def likeliest(linear: Linear, parts: Iterable[FloatArray]) -> Missing:
     own = linear.slopes @ linear.innovations
     along = likeness - shares @ own
     if not np.isfinite(gram).all():  # a run that blew up
-        return Missing(0.0, np.zeros(along.size), np.zeros(own.size))
+        return 0.0
     strengths, axes = np.linalg.eigh(0.5 * (gram + gram.T))
     told = strengths > _TOLD * max(float(strengths[-1]), 1e-300)
     strengths, axes = strengths[told], axes[:, told]
@@ -52,10 +34,7 @@ def likeliest(linear: Linear, parts: Iterable[FloatArray]) -> Missing:
     risen = variances * strengths
     heard = axes.T @ along
     nats = 0.5 * np.sum(variances * heard**2 / (1.0 + risen) - np.log1p(risen), axis=1)
-    best = int(nats.argmax())
-    sizes = axes @ (heard * variances[best] / (1.0 + risen[best]))
-    moves = linear.shares_of((own - common @ sizes)[:, None])[0]
-    return Missing(max(float(nats[best]), 0.0), sizes, moves)
+    return max(float(nats.max()), 0.0)
 
 
 def _products(linear: Linear, parts: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:

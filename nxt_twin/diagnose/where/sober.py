@@ -15,7 +15,7 @@ from typing import Final
 from nxt_twin.diagnose.fitting.linear import Linear, linearise
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.where.marginal import Missing, likeliest
+from nxt_twin.diagnose.where.marginal import likeliest
 from nxt_twin.diagnose.where.noises import between, noises, readings_nats
 from nxt_twin.diagnose.where.setting_in import SETTING_IN
 from nxt_twin.diagnose.where.shapes import LAWS, ShapeFamily
@@ -36,14 +36,14 @@ def sober_nats(simulator: Simulator, problem: Problem, structure: Structure) -> 
     scene = staged(simulator, problem, linears[0])
     alone = [readings_nats(scene, linear) for linear in linears]
     best = [
-        own + max(heard(scene, linear, shape).nats for shape in ASKED)
+        own + max(heard(scene, linear, shape) for shape in ASKED)
         for own, linear in zip(alone, linears, strict=True)
     ]
     gained = max(best) - max(alone)
     return gained if math.isfinite(gained) else 0.0  # a run that blew up
 
 
-def heard(scene: Staged, linear: Linear, shape: ShapeFamily) -> Missing:
-    """The likeliest function of one family beside `linear`."""
+def heard(scene: Staged, linear: Linear, shape: ShapeFamily) -> float:
+    """Gain of the likeliest function of one family beside `linear`, nats."""
     rows = (shape.rows(course, scene.unit) for course in scene.courses)
     return likeliest(linear, answers(scene, linear, rows, shape.entry))

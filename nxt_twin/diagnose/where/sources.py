@@ -99,12 +99,12 @@ def _shaped(scene: Staged, linear: Linear) -> list[_Strength]:
     found: list[_Strength] = []
     for shape in SHAPES:
         rows = (shape.rows(course, scene.unit) for course in scene.courses)
-        found.append((shape.equation, likeliest(linear, answers(scene, linear, rows, shape.entry)).nats))
+        found.append((shape.equation, likeliest(linear, answers(scene, linear, rows, shape.entry))))
     moved = _moved(scene, linear)
     late = np.array([whitened(linear, parts) for parts in moved])
-    found += [("timing", likeliest(linear, [late[n : n + 2]]).nats) for n in range(len(late) - 1)]
-    found.append(("timing", likeliest(linear, _wandering(scene, linear, moved)).nats))
-    found.append(("electrical", likeliest(linear, [_lagging(late)]).nats))
+    found += [("timing", likeliest(linear, [late[n : n + 2]])) for n in range(len(late) - 1)]
+    found.append(("timing", likeliest(linear, _wandering(scene, linear, moved))))
+    found.append(("electrical", likeliest(linear, [_lagging(late)])))
     return found
 
 
