@@ -203,8 +203,14 @@ def _within(ratios: Sequence[float]) -> float:
 
 
 def _floor_ratio(case: Judged, seconds: float) -> float | None:
-    """None where the library does not hold what is hidden, or the true structure reaches nothing finite."""
+    """None where the library does not hold what is hidden, or the true structure reaches nothing finite.
+
+    The true structure's error is that of the best fit of it that is known: one from the truth, or the diagnosis's own
+    where that found just what is hidden.
+    """
     if case.kind == "unknown" or case.reach is None or seconds not in case.floors:
         return None
     reached = case.reach.horizons.get(seconds, 0.0)
+    if set(case.named) == set(case.hidden):
+        reached = min(reached, case.reached.get(seconds, math.inf))
     return case.floors[seconds] / reached if 0.0 < reached < math.inf else None

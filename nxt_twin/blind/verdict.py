@@ -43,7 +43,7 @@ class Judged:
         effect_rms_deg: by how much the effects moved the encoder's reading.
         verdict: the diagnosis's, or `none` where there was no diagnosis.
         named: ids that the diagnosis names.
-        considered: those, and all that it calls confusable with them.
+        considered: those, all that it calls confusable with them, and what an `adequate` diagnosis tells as left out.
         exact: whether the verdict fits and the named ids are the hidden ones, no more and no fewer; of an
             unknown effect, whether it was refused.
         holds: whether everything hidden is among `considered`.
@@ -114,6 +114,7 @@ class Given:
         verdict: its verdict, or `none` where there was no diagnosis.
         params: value and standard deviation of each parameter, by named id.
         alike: ids said to be confusable, by named id.
+        left_out: ids that an `adequate` diagnosis lists: readings speak for them, and no simulation needs them.
         refit: the re-fitted values of base parameters that moved.
         fit_ratio: improved error over floor, None where the floor is not known.
         improved: the improved error.
@@ -133,6 +134,7 @@ class Given:
     probability: Mapping[str, float] = field(default_factory=dict)
     floors: Mapping[float, float] = field(default_factory=dict)
     reached: Mapping[float, float] = field(default_factory=dict)
+    left_out: frozenset[str] = frozenset()
 
 
 NOTHING_GIVEN: Final = Given(NO_ANSWER, {}, {}, {}, None, None, NOWHERE)
@@ -163,10 +165,17 @@ def parse_diagnosis(diagnosis: Mapping[str, Any], where: str) -> Given:
             probability={one["id"]: float(one.get("probability", 1.0)) for one in effects},
             floors=_by_horizon(diagnosis["fit"], "floor"),
             reached=_by_horizon(diagnosis["fit"], "improved"),
+            left_out=_left_out(diagnosis),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         mend = "see docs/formats.md#diagnosis-json"
         raise CaseError(f"is no diagnosis: {failure!r}", where=where, mend=mend) from None
+
+
+def _left_out(diagnosis: Mapping[str, Any]) -> frozenset[str]:
+    """The alternatives of an `adequate` diagnosis; those of others are structures with one effect exchanged."""
+    listed = diagnosis.get("alternatives", []) if diagnosis["verdict"] == "adequate" else []
+    return frozenset(str(one["id"]) for one in listed)
 
 
 def _by_horizon(fit: Mapping[str, Any], key: str) -> dict[float, float]:
@@ -179,7 +188,7 @@ def judge(answer: Mapping[str, Any], given: Given, reach: Reach | None = None) -
     hidden = frozenset(effect["id"] for effect in effects)
     kind: CaseKind = _KINDS[len(hidden)] if all(effect["known"] for effect in effects) else "unknown"
     named = frozenset(given.params)
-    considered = named.union(*given.alike.values())
+    considered = named.union(given.left_out, *given.alike.values())
     ratios = {one["id"]: _ratios(answer, given, one) for one in effects if _compares(given, one)}
     return Judged(
         name=answer["case"],

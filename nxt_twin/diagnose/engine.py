@@ -27,7 +27,7 @@ from nxt_twin.diagnose.fitting.parted import FEWEST_PARTED
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
-from nxt_twin.diagnose.judging.evidence import Evidence, beside_the_others, gather
+from nxt_twin.diagnose.judging.evidence import Evidence, LeftOut, beside_the_others, gather
 from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
@@ -55,7 +55,7 @@ from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.bounds import at_bounds
 from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, moved_notably, stays
-from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect
+from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect, too_weak
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.telling.signs import lost_signs
 from nxt_twin.diagnose.where.beyond import with_shapes
@@ -132,18 +132,22 @@ def _misled(evidence: Evidence) -> bool:
     """Whether single steps are no evidence, so that windows of simulation alone have to decide.
 
     They go on in one another, or took more effects than can be missing, or showed a timing fault beside others,
-    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer. Readings
-    that are held go on in one another by themselves: beside that effect no such fault is taken for misleading.
+    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer. So do
+    effects that leave more than half of the error where steps go on in one another. Readings that are held do so by
+    themselves: beside that effect no such fault is taken for misleading.
     """
-    if is_idle(evidence.record):
+    record = evidence.record
+    if is_idle(record):
         return True
-    if verdict_of(evidence.record) != "unexplained":
-        return False
     if any("scatter" in effect.terms for effect, _ in evidence.explanation.found):
         return False
+    if record.found and record.colour > COLOURED and record.nearer > LIMITS.confirmed:
+        return True
+    if verdict_of(record) != "unexplained":
+        return False
     late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
-    several = evidence.record.named > 1
-    return evidence.record.colour > COLOURED or (late and several) or is_patchwork(evidence.record)
+    several = record.named > 1
+    return record.colour > COLOURED or (late and several) or is_patchwork(record)
 
 
 def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
@@ -161,9 +165,11 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, prog
 
     A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
     have to be explained, and most of what was left. Found effects that leave more than `nearly` get a second look, too.
+    So does a plant without any that errs by more than the tolerance, though open parameters may be all that it lacks.
     """
-    explained = verdict_of(evidence.record) == "explained" and evidence.record.remaining <= LIMITS.nearly
-    if explained or verdict_of(evidence.record) == "adequate":
+    verdict, record = verdict_of(evidence.record), evidence.record
+    settled = {"explained": record.remaining <= LIMITS.nearly, "adequate": record.remaining <= 1.0}
+    if settled.get(verdict, False):
         return evidence
     progress("looking again at what was refused")
     helps: Evidence | None = None
@@ -172,7 +178,7 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, prog
         if verdict_of(more.record) == "explained" and _is_much_nearer(evidence, more):
             return replace(more, needless=evidence.needless)
         helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
-    return helps if helps and not evidence.record.found else evidence
+    return helps if helps and verdict == "unexplained" and not record.found else evidence
 
 
 def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
@@ -184,13 +190,13 @@ def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
 
 def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
     """`evidence` without the effects that no simulation needs, the weakest first; each is weighed beside the others."""
-    needless: list[Effect] = []
+    needless: list[LeftOut] = []
     while is_needless(evidence.record) or may_be_superfluous(counted_once(evidence.record)):
         weakest = _weakest(evidence)
         lesser = _less(simulator, evidence, weakest, rng)
         if not is_needless(evidence.record) and not is_superfluous(beside_the_others(evidence, lesser)):
             break
-        needless.append(weakest)
+        needless.append(LeftOut(weakest, overall(evidence.final_runs)))
         evidence = lesser
     return replace(evidence, needless=tuple(needless))
 
@@ -266,7 +272,8 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         *at_bounds(problem, evidence.final.plant),
         *moved_notably(problem.plant, evidence.final.plant),
         *words.loose(effects),
-        *words.too_small([one.name for one in evidence.needless]),
+        *words.too_small([one.effect.name for one in evidence.needless]),
+        *words.too_weak([effect.name for effect, _, _ in too_weak(evidence, verdict)]),
         *words.unnamed([one.name for one in evidence.explanation.unnamed]),
     )
     rest = _what_is_left(evidence, verdict)
@@ -282,7 +289,7 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         refit=refit,
         mismatch=mismatch_of(simulator, evidence, verdict, seed),
         effects=effects,
-        alternatives=alternatives(simulator, evidence),
+        alternatives=alternatives(simulator, evidence, verdict),
         fit=fit,
         next_experiment=next_experiment(simulator, evidence, verdict, excitation, fit, rng),
         notes=_notes(simulator, evidence, held_out, fit),

@@ -263,7 +263,7 @@ def test_physics_of_nobodys_library_is_counted_by_its_kind():
 
 def test_floors_are_held_against_the_true_structure_where_the_library_holds_it():
     low = replace(judged("stiff"), floors={2.0: 0.5})
-    met = replace(judged(), reached={2.0: 0.9})
+    met = replace(judged(), floors={2.0: 0.9}, reached={2.0: 1.0})
     rows = floor_rows([met, low, judged(kind="unknown")])
     row = row_of(rows, EVERY)
     assert (row["windows"], row["cases"], row["median"], row["within 0.8 to 1.25"]) == (
@@ -273,7 +273,14 @@ def test_floors_are_held_against_the_true_structure_where_the_library_holds_it()
         "0.50",
     )
     assert row["where named exactly"] == "0.50 of 2"
-    assert row["is the error reached"] == "0.50"
+    assert row["is the error reached"] == "0.00"
+
+
+def test_a_floor_is_held_against_the_best_known_fit_of_the_true_structure():
+    nearer = replace(judged(), floors={2.0: 0.4}, reached={2.0: 0.4})
+    other = replace(nearer, named=("stiction",))
+    assert row_of(floor_rows([nearer]), EVERY)["median"] == "1.00"
+    assert row_of(floor_rows([other]), EVERY)["median"] != "1.00"
 
 
 def test_floors_of_models_that_lack_an_effect_are_told_apart():

@@ -33,7 +33,17 @@ def bench(tmp_path):
 
     class Bench:
         def __call__(
-            self, name, hidden, verdict=None, named=(), *, rms_deg=5.0, refit=None, floor=0.5, mismatch=None
+            self,
+            name,
+            hidden,
+            verdict=None,
+            named=(),
+            *,
+            rms_deg=5.0,
+            refit=None,
+            floor=0.5,
+            mismatch=None,
+            others=(),
         ):
             answer = encoded(
                 {
@@ -55,6 +65,7 @@ def bench(tmp_path):
                     "verdict": verdict,
                     "refit": refit or {},
                     "effects": list(named),
+                    "alternatives": [{"id": other} for other in others],
                     "mismatch": mismatch
                     or {"channel": "a_tacho_deg", "when": [], "regimes": [], "equation": None},
                     "fit": {"baseline": 9.0, "improved": 1.0, "floor": floor},
@@ -66,6 +77,15 @@ def bench(tmp_path):
             return score(tmp_path / "cases", tmp_path / "answers", tmp_path / "diagnoses")
 
     return Bench()
+
+
+def test_the_set_holds_what_an_adequate_answer_tells_as_left_out(bench):
+    hidden = [effect("shaft_compliance", stiffness_nm_per_rad=1.0)]
+    bench("told", hidden, "adequate", others=["shaft_compliance"])
+    bench("silent", hidden, "adequate")
+    bench("other", hidden, "explained", [found("backlash")], others=["shaft_compliance"])
+    holds = {case.name: case.holds for case in bench.score().cases}
+    assert holds == {"told": True, "silent": False, "other": False}
 
 
 def test_a_single_effect_is_exact_only_when_named_alone(bench):

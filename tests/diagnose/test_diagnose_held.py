@@ -52,3 +52,13 @@ def test_coloured_steps_mislead_but_for_those_of_held_readings(terms, misled):
     effect = SimpleNamespace(terms=terms, equation_of="timing")
     evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
     assert _misled(evidence) is misled
+
+
+@pytest.mark.parametrize(
+    ("nearer", "colour", "misled"), [(0.51, 1.41, True), (0.5, 1.41, False), (0.51, 1.4, False)]
+)
+def test_coloured_steps_mislead_to_effects_that_leave_most_of_the_error(nearer, colour, misled):
+    record = replace(FOUND, nearer=nearer, colour=colour)
+    effect = SimpleNamespace(terms={"outlier": None}, equation_of="torque_balance")
+    evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
+    assert _misled(evidence) is misled

@@ -78,6 +78,7 @@ def test_what_was_tried_beside_an_effect_that_has_gone_is_not_looked_at():
 
 LACKING = replace(QUIET, left_nats=100.0, torque_before=0.1, torque_after=0.1)
 NAMED = replace(FOUND, nearer=0.3, surprise=0.5, remaining=9.0)
+SILENT = replace(LACKING, matters=False)
 
 
 class Evidence(SimpleNamespace):
@@ -136,7 +137,19 @@ def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monke
     assert (found is before) is not named
 
 
-@pytest.mark.parametrize("record", [replace(LACKING, matters=False), replace(NAMED, remaining=2.0)])
+@pytest.mark.parametrize(("record", "found"), [(NAMED, True), (replace(NAMED, moved=9.0), False)])
+def test_an_adequate_plant_that_errs_by_more_than_matters_is_looked_at_again(monkeypatch, record, found):
+    more, before = evidence(record, 4.9), evidence(replace(SILENT, remaining=1.1), 10.0)
+    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(engine, "gather", lambda *_: more)
+    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
+    chosen = engine._reconsidered(None, before, None, lambda _: None)
+    assert chosen.record.found is found
+    assert (chosen is before) is not found
+
+
+@pytest.mark.parametrize("record", [replace(SILENT, remaining=1.0), replace(NAMED, remaining=2.0)])
 def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, record):
     monkeypatch.setattr(engine, "with_refused", lambda *_: pytest.fail("looked again"))
     before = evidence(record, math.inf)

@@ -37,8 +37,8 @@ def errors(*rms):
     [
         ((2.0, 5.9, 5.9), 1.0, False),
         ((2.0, 6.1, 2.0), 1.0, True),
-        ((2.0, 2.0, 6.1), 1.0, True),
-        ((2.0, 2.0, 6.1), 4.2, False),
+        ((2.0, 3.1, 6.1), 1.0, True),
+        ((2.0, 3.1, 6.1), 4.2, False),
         ((2.0, 2.0, np.inf), 4.2, True),
     ],
 )
@@ -47,6 +47,15 @@ def test_most_of_an_error_is_left_where_half_of_it_above_what_is_expected_is_and
 ):
     before, expected = errors(10.0, 10.0, 10.0), np.array([2.0, 2.0, 2.0])
     assert _leaves_most(SimpleNamespace(tolerance=tolerance), before, errors(*after), expected) is left
+
+
+@pytest.mark.parametrize(
+    ("windows", "whole", "left"), [(2.9, 10.9, False), (2.9, 11.1, True), (3.1, 6.1, True)]
+)
+def test_where_windows_err_as_expected_a_longer_simulation_may_err_as_much_as_before(windows, whole, left):
+    before, expected = errors(10.0, 10.0, 10.0), np.array([2.0, 2.0, 2.0])
+    after = errors(2.0, windows, whole)
+    assert _leaves_most(SimpleNamespace(tolerance=1.0), before, after, expected) is left
 
 
 @pytest.mark.parametrize(("viscous", "told"), [(0.0, "to 0: these recordings"), (0.0011, None)])

@@ -84,6 +84,7 @@ def test_a_found_effect_explains_what_checks_before_held_out_readings_alone_surp
         ({}, False),
         ({"nearer": 0.151}, True),
         ({"run_ratio": 0.151}, True),
+        ({"named": 0}, False),
         ({"named": 2, "least_nats": 200.0}, True),
     ],
 )

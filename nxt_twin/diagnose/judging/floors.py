@@ -14,6 +14,7 @@ from scipy.special import ndtri
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
+from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.target import Target
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
@@ -53,7 +54,9 @@ def refitted_floors(
     has the noise's unknown torque, against which dry friction holds. The plant is re-fitted to such
     recordings, by windows of simulation. Even the equations of a `complete` model are a little off. Its dry friction
     is therefore judged off by `DRY_FRICTION_OFF`, and floors grow where it simulates fitted readings worse
-    than synthetic ones. No floor lies above what some plant has `reached` on the real ones.
+    than synthetic ones. Errors that are too small to show in windows add up in longer simulations. Where its windows
+    are at their floors, nothing shows that a correct model would err less in these. No floor lies above what some plant
+    has `reached` on the real ones, of which the last is the error of `final`.
     """
     made = [
         _replicate(simulator, problem, final, rng, math.exp(off if complete else 0.0)) for off in _offs(rng)
@@ -64,7 +67,15 @@ def refitted_floors(
     if complete:
         real = errors_of(simulator, _seen(problem), final.plant, final.plant, final.noise)
         floors = floors * _off(reached[0].seconds, real, [errors for _, errors in made])
+    if complete and _at_the_floor(reached[-1], floors, problem.tolerance):
+        floors = np.where(np.array(reached[-1].seconds) > WINDOW_S, np.inf, floors)
     return tuple(float(min(own)) for own in zip(floors, *(errors.rms for errors in reached), strict=True))
+
+
+def _at_the_floor(errors: Errors, floors: FloatArray, tolerance: float) -> bool:
+    """Whether no window of two seconds or shorter errs by more than its floor and the tolerance."""
+    own = zip(errors.seconds, errors.rms, floors, strict=True)
+    return all(rms <= floor + tolerance for seconds, rms, floor in own if seconds <= WINDOW_S)
 
 
 def _offs(rng: Generator) -> FloatArray:

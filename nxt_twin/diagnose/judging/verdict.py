@@ -22,8 +22,7 @@ class VerdictLimits:
         structured_torque: least unknown torque, as a fraction of an ordinary one, that counts as structured.
         large_torque: unknown torque, as such a fraction, that counts whatever predicts it.
         most_left: share of all that there was to explain that may be left structured beside found effects.
-        unsettled: unknown torque times the share of the error that is left, which found effects may leave.
-        hardly: share of the error left below which `unsettled` and `surprising` are not asked.
+        hardly: share of the error left below which `surprising` is not asked.
         most_named: effects, beside those that plant files state, that are likely to be missing at once.
         most_stalled: share of a recording in which the host or the link stood still, from which no effect is sure.
         worse: error over that of the re-fitted baseline from which found effects are worse than nothing.
@@ -49,8 +48,8 @@ class VerdictLimits:
             that no stall of the host explains.
         surprising_by_windows: as `surprising`, where windows alone tell of it: these were fitted, so that they err as
             little on fitted readings as the plant lets them.
-        nearly: remaining error over the tolerance below which `unsettled` is not asked of effects that halve the error,
-            nor `forgiven` and `coloured` of any. Nor is `excused` asked of a plant without one.
+        nearly: remaining error over the tolerance below which `forgiven` and `coloured` are asked of no effect, nor
+            `excused` of a plant without one.
         forgiven: unknown torque, as such a fraction, that excuses no error of effects which leave over `cleared` of it.
             Of 1932 answers on the four families and two foreign simulators, right names left at most 0.013 beside such
             an error. Clocks left more, and dry friction of a real drive 0.017. Three names of unknown physics left 0.04
@@ -78,7 +77,6 @@ class VerdictLimits:
     structured_torque: float = 6e-3
     large_torque: float = 3e-2
     most_left: float = 0.14
-    unsettled: float = 6e-3
     hardly: float = 0.15
     most_named: int = 3
     most_stalled: float = 0.15
@@ -241,7 +239,7 @@ def is_stalled(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     One effect that leaves no error above the tolerance, or hardly any of the error, is trusted nevertheless. No stall
     explains the rest of a recording. So are several that are all loud.
     """
-    alone = record.named == 1 and _takes_nearly_all(record, limits)
+    alone = record.named <= 1 and _takes_nearly_all(record, limits)
     in_doubt = (record.matters and not alone) or (record.named > 1 and record.least_nats < limits.loud)
     return record.stalled_share > limits.most_stalled and in_doubt
 
@@ -368,9 +366,8 @@ def _lacks_more(record: Record, limits: VerdictLimits) -> bool:
     surprising = record.surprise > (limits.surprising_by_windows if record.by_windows else limits.surprising)
     if not record.found:
         return structured or large or surprising or _is_pushed(record, limits)
-    little = min(record.nearer, record.run_ratio) <= limits.hardly and record.nearer <= limits.confirmed
     mostly_left = structured and record.left_nats > limits.most_left * (record.left_nats + record.gained_nats)
-    return mostly_left or (surprising and not little) or _hardly_explained(record, limits)
+    return mostly_left or (surprising and record.nearer > limits.hardly)
 
 
 def _takes_nearly_all(record: Record, limits: VerdictLimits) -> bool:
@@ -395,14 +392,3 @@ def _is_cleared(record: Record, limits: VerdictLimits) -> bool:
     kept = record.torque_after / max(record.torque_before, 1e-15)
     halved = record.nearer < limits.confirmed and record.surprise < 1.0
     return record.of_readings and halved and (kept <= limits.cleared or record.wanders)
-
-
-def _hardly_explained(record: Record, limits: VerdictLimits) -> bool:
-    """Whether found effects leave much of the error, and a torque behind it.
-
-    Not asked of windows: how far coloured readings let a simulation come is not known. Nor of what halves the error
-    and leaves next to none: a filter does not see a load behind play, and takes its motion for an unknown torque.
-    """
-    nearly_all = record.nearer < limits.confirmed and record.remaining < limits.nearly
-    much = record.run_ratio > limits.hardly and not nearly_all and not _is_cleared(record, limits)
-    return not record.by_windows and much and record.run_ratio * record.torque_after > limits.unsettled

@@ -7,17 +7,19 @@ from collections.abc import Sequence
 from nxt_twin.diagnose.diagnosis import Alternative, Confusion, FoundEffect, Nearest, Verdict
 from nxt_twin.diagnose.judging.confusion import alike, without
 from nxt_twin.diagnose.judging.evidence import Evidence
-from nxt_twin.diagnose.judging.judge import free_runs, overall
+from nxt_twin.diagnose.judging.judge import FreeRun, free_runs, overall
 from nxt_twin.diagnose.judging.verdict import Record, is_in_vain, is_loose, is_patchwork, is_stalled
+from nxt_twin.diagnose.search.explain import Ranked
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.rivals import Rival, share_of_belief
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.diagnose.telling import words
-from nxt_twin.diagnose.telling.calibration import told_probability
+from nxt_twin.diagnose.telling.calibration import LEFT_OUT, told_probability
 from nxt_twin.diagnose.telling.estimates import estimates
 from nxt_twin.diagnose.telling.payload import as_a_payload
 from nxt_twin.diagnose.where.moment import with_bounds
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
 _SHOWN_ALTERNATIVES = 3  # structures that are listed, at most
@@ -71,13 +73,43 @@ def _confusions(
     )
 
 
-def alternatives(simulator: Simulator, evidence: Evidence) -> tuple[Alternative, ...]:
-    """The structures with one effect exchanged that came nearest, with their own error on what is held out."""
+def alternatives(simulator: Simulator, evidence: Evidence, verdict: Verdict) -> tuple[Alternative, ...]:
+    """Effects that were left out, then the structures with one effect exchanged that came nearest.
+
+    Each stands with its own error on held-out readings.
+    """
+    factor = evidence.units.reading_factor
+    left = [Alternative(one.effect.id, LEFT_OUT, one.rms * factor) for one in evidence.needless]
+    for effect, _, structure in too_weak(evidence, verdict):
+        runs = _runs(simulator, evidence, structure.plant)
+        left.append(Alternative(effect.id, LEFT_OUT, overall(runs) * factor))
+    return (*left, *_exchanged(simulator, evidence))
+
+
+def too_weak(evidence: Evidence, verdict: Verdict) -> list[Ranked]:
+    """Effects that the search refused though fitted and checking readings speak for them, where nothing is missing.
+
+    Beside found effects such a gain may come from equations that are a little off.
+    """
+    if verdict != "adequate":
+        return []
+    dropped = {one.effect.id for one in evidence.needless}
+    return [
+        (effect, weight, structure)
+        for effect, weight, structure in evidence.explanation.refused
+        if weight.gain > LIMITS.gain_nats and weight.borne_out(LIMITS.check_nats) and effect.id not in dropped
+    ]
+
+
+def _runs(simulator: Simulator, evidence: Evidence, plant: Plant) -> list[FreeRun]:
+    return free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
+
+
+def _exchanged(simulator: Simulator, evidence: Evidence) -> tuple[Alternative, ...]:
     rivals = [rival for near in evidence.explanation.rivals.values() for rival in near]
     listed = []
     for rival in sorted(rivals, key=lambda rival: rival.doubt_nats)[:_SHOWN_ALTERNATIVES]:
-        plant = rival.structure.plant
-        runs = free_runs(simulator, evidence.problem, plant, evidence.final.plant, evidence.final.noise)
+        runs = _runs(simulator, evidence, rival.structure.plant)
         behind = [0.0, *(other.doubt_nats for other in rivals if other is not rival)]
         rmse = overall(runs) * evidence.units.reading_factor
         share = share_of_belief(rival.doubt_nats, behind)

@@ -128,6 +128,16 @@ def too_small(names: Sequence[str]) -> tuple[str, ...]:
     )
 
 
+def too_weak(names: Sequence[str]) -> tuple[str, ...]:
+    """A sentence on effects that readings speak for without calling them missing, if there are any."""
+    if not names:
+        return ()
+    them = "them" if len(names) > 1 else "it"
+    return (
+        f"Readings speak for {listed(names)}, but too weakly, or in too few moments, to call {them} missing.",
+    )
+
+
 def unnamed(names: Sequence[str]) -> tuple[str, ...]:
     """A sentence on effects that are too small for a name and improve the model, if there are any."""
     if not names:
