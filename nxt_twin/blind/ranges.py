@@ -167,6 +167,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the engine after decision 35, looked at by nobody before",
             singles=200,
         ),
+        SeedRange(
+            "ninth",
+            (5013, 5014),
+            Amounts(None, 38, 13, 7, 13),
+            None,
+            "the engine after decision 36, looked at by nobody before",
+            singles=504,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -203,6 +203,23 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
     assert max(each) - min(each) <= 4  # one family cannot express every effect
 
 
+def test_the_range_ninth_is_as_large_as_a_scored_range_has_to_be():
+    found = RANGES["ninth"]
+    assert found.seeds == (5013, 5014)
+    assert not {seed for name, one in RANGES.items() if name != "ninth" for seed in one.seeds} & set(
+        found.seeds
+    )
+    orders = [case.order for case in found.cases(tuple(FAMILIES.values()))]
+    strange = [set(o.plan.effects) & set(FAMILIES[o.family].unknown) for o in orders]
+    counts = [
+        sum(len(o.plan.effects) == n for o, s in zip(orders, strange, strict=True) if not s) for n in range(4)
+    ]
+    kinds = {name for own in strange for name in own}
+    assert counts == [304, 504, 104, 56]
+    assert sum(map(bool, strange)) == 104
+    assert len(kinds) >= 10
+
+
 def test_a_sample_is_a_fair_beginning_of_development_seeds():
     sample = RANGES["sample"]
     cases = sample.cases(tuple(FAMILIES.values()))
