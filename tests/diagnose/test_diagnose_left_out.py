@@ -48,6 +48,7 @@ def test_what_is_left_out_is_listed_with_the_error_of_the_plant_that_has_it(monk
         (one.id, one.probability, round(one.holdout_rmse, 6)) for one in alternatives(None, held, "adequate")
     ]
     assert listed == [("shaft_compliance", LEFT_OUT, 2.0), ("quadratic_drag", LEFT_OUT, 3.0)]
+    assert alternatives(None, held, "explained") == ()
 
 
 def test_the_sentence_names_what_readings_speak_for():

@@ -270,6 +270,14 @@ def test_tiny_huge_and_missing_numbers_are_drawn_without_warning():
         assert shown in page.text("numbers")
 
 
+def test_an_adequate_answer_lists_what_was_left_out(pages):
+    left = (Alternative("shaft_compliance", 0.5, 1.2),)
+    told = Page(render_report(replace(samples.adequate(), alternatives=left))).text("doubt")
+    assert "left out" in told
+    assert "shaft_compliance" in told
+    assert "left out" not in pages["unexplained"].text("doubt")
+
+
 def test_spells_of_other_runs_and_times_are_not_shaded():
     diagnosis = samples.explained(runs=1, samples=300)
     elsewhere = (Spell("another.csv", 0.5, 1.0, 33.0), Spell("run_01.csv", 90.0, 91.0, 44.0))

@@ -74,16 +74,18 @@ def _confusions(
 
 
 def alternatives(simulator: Simulator, evidence: Evidence, verdict: Verdict) -> tuple[Alternative, ...]:
-    """Effects that were left out, then the structures with one effect exchanged that came nearest.
+    """The structures with one effect exchanged that came nearest; where nothing is missing, what was left out.
 
     Each stands with its own error on held-out readings.
     """
+    if verdict != "adequate":
+        return _exchanged(simulator, evidence)
     factor = evidence.units.reading_factor
     left = [Alternative(one.effect.id, LEFT_OUT, one.rms * factor) for one in evidence.needless]
     for effect, _, structure in too_weak(evidence, verdict):
         runs = _runs(simulator, evidence, structure.plant)
         left.append(Alternative(effect.id, LEFT_OUT, overall(runs) * factor))
-    return (*left, *_exchanged(simulator, evidence))
+    return tuple(left)
 
 
 def too_weak(evidence: Evidence, verdict: Verdict) -> list[Ranked]:
