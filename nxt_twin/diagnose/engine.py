@@ -26,8 +26,9 @@ from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.parted import FEWEST_PARTED
 from nxt_twin.diagnose.fitting.problem import Problem, problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.inquiry import inquire
 from nxt_twin.diagnose.judging.colour import COLOURED
-from nxt_twin.diagnose.judging.evidence import Evidence, LeftOut, beside_the_others, gather
+from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.floors import refitted_floors
 from nxt_twin.diagnose.judging.horizons import nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall, stale_readings
@@ -35,32 +36,22 @@ from nxt_twin.diagnose.judging.sight import in_sight
 from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
     Record,
-    counted_once,
-    is_idle,
-    is_needless,
     is_patchwork,
-    is_spoiled,
     is_stalled,
-    is_superfluous,
     is_unseen,
     leaves_little,
-    may_be_superfluous,
     verdict_of,
 )
 from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
-from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.bounds import at_bounds
-from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
+from nxt_twin.diagnose.telling.estimates import refitted
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, moved_notably, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect, too_weak
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
 from nxt_twin.diagnose.telling.signs import lost_signs
-from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.diagnose.where.mismatch import mismatch_of
-from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
@@ -107,119 +98,15 @@ def diagnose(
     problem = replace(problem_for(case, tolerance), without=without, leaning=leaning or {})
     with Simulator(problem.plant.layout) as simulator:
         rng = np.random.default_rng(seed)
-        evidence = _weighed(simulator, problem, rng, progress)
+        evidence = inquire(simulator, problem, rng, progress)
         if is_unseen(evidence.record) and holds_others_out(case):
             progress("only what was held out errs: once more, with others held out")
             first = tuple(part.signals.name for part in problem.held_out)
             other = replace(problem_for(case, tolerance, second=True), instead_of=first)
             other = replace(other, without=problem.without, leaning=problem.leaning)
-            turned = _weighed(simulator, other, rng, progress)
+            turned = inquire(simulator, other, rng, progress)
             evidence = turned if verdict_of(turned.record) == "explained" else evidence
         return MotorAnswer(_diagnosis(simulator, evidence, seed, rng), evidence.written, evidence.record)
-
-
-def _weighed(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
-    """The evidence on one choice of what is held out, with all that its verdict rests on."""
-    evidence = _evidence(simulator, problem, rng, progress)
-    if _misled(evidence):
-        progress("single steps are coloured: by windows of simulation alone")
-        evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-    evidence = _reconsidered(simulator, evidence, rng, progress)
-    return _with_sizes(with_shapes(simulator, evidence))
-
-
-def _misled(evidence: Evidence) -> bool:
-    """Whether single steps are no evidence, so that windows of simulation alone have to decide.
-
-    They go on in one another, or took more effects than can be missing, or showed a timing fault beside others,
-    and leave something unexplained; or they call for several effects that hardly bring a simulation nearer. So do
-    effects that leave more than half of the error where steps go on in one another. Readings that are held do so by
-    themselves: beside that effect no such fault is taken for misleading.
-    """
-    record = evidence.record
-    if is_idle(record):
-        return True
-    if any("scatter" in effect.terms for effect, _ in evidence.explanation.found):
-        return False
-    if record.found and record.colour > COLOURED and record.nearer > LIMITS.confirmed:
-        return True
-    if verdict_of(record) != "unexplained":
-        return False
-    late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
-    several = record.named > 1
-    return record.colour > COLOURED or (late and several) or is_patchwork(record)
-
-
-def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
-    """Search for what the baseline lacks, and gather all that the verdict rests on."""
-    found = searched(simulator, problem, progress)
-    progress("judging on what was held out")
-    evidence = gather(simulator, problem, found, rng)
-    while (vague := vague_effect(evidence)) is not None:
-        evidence = _less(simulator, evidence, vague, rng)
-    return _without_needless(simulator, _unspoiled(simulator, evidence, rng), rng)
-
-
-def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, progress: Progress) -> Evidence:
-    """`evidence` with a refused effect that explains what is missing, or that helps where nothing was found.
-
-    A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
-    have to be explained, and most of what was left. Found effects that leave more than `nearly` get a second look, too.
-    So does a plant without any that errs by more than the tolerance, though open parameters may be all that it lacks.
-    """
-    verdict, record = verdict_of(evidence.record), evidence.record
-    settled = {"explained": record.remaining <= LIMITS.nearly, "adequate": record.remaining <= 1.0}
-    if settled.get(verdict, False):
-        return evidence
-    progress("looking again at what was refused")
-    helps: Evidence | None = None
-    for found in with_refused(simulator, evidence.problem, evidence.explanation):
-        more = gather(simulator, evidence.problem, found, rng)
-        if verdict_of(more.record) == "explained" and _is_much_nearer(evidence, more):
-            return replace(more, needless=evidence.needless)
-        helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
-    return helps if helps and verdict == "unexplained" and not record.found else evidence
-
-
-def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
-    """Whether windows of unseen readings err by half of what they did, or by a third less beside found effects."""
-    window = nearest_horizon(after.final_errors, after.problem.window_s)
-    asked = SEARCH_LIMITS.nearer if before.record.found else LIMITS.confirmed
-    return after.final_errors.rms[window] < asked * before.final_errors.rms[window]
-
-
-def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
-    """`evidence` without the effects that no simulation needs, the weakest first; each is weighed beside the others."""
-    needless: list[LeftOut] = []
-    while is_needless(evidence.record) or may_be_superfluous(counted_once(evidence.record)):
-        weakest = _weakest(evidence)
-        lesser = _less(simulator, evidence, weakest, rng)
-        if not is_needless(evidence.record) and not is_superfluous(beside_the_others(evidence, lesser)):
-            break
-        needless.append(LeftOut(weakest, overall(evidence.final_runs)))
-        evidence = lesser
-    return replace(evidence, needless=tuple(needless))
-
-
-def _unspoiled(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
-    """`evidence` without the weakest effects as long as they spoil what the others predict of unseen readings."""
-    while is_spoiled(evidence.record):
-        lesser = _less(simulator, evidence, _weakest(evidence), rng)
-        if lesser.record.nearer >= evidence.record.nearer:
-            break
-        evidence = lesser
-    return evidence
-
-
-def _weakest(evidence: Evidence) -> Effect:
-    """The found effect for which the fewest nats speak."""
-    return min(evidence.explanation.found, key=lambda pair: pair[1].total)[0]
-
-
-def _less(simulator: Simulator, evidence: Evidence, effect: Effect, rng: Generator) -> Evidence:
-    """The evidence once a found effect is taken out again."""
-    problem = evidence.problem
-    return gather(simulator, problem, lessened(simulator, problem, evidence.explanation, effect), rng)
 
 
 def fit_as_it_stands(case: Case) -> Structure:
@@ -228,12 +115,6 @@ def fit_as_it_stands(case: Case) -> Structure:
     with Simulator(problem.plant.layout) as simulator:
         noise = first_noise(problem.plant, problem.signals, problem.scale.torque)
         return fit_everything(Fitter(simulator, problem), problem.plant, noise)
-
-
-def _with_sizes(evidence: Evidence) -> Evidence:
-    """`evidence` with how sure its sizes are, and how far the fit surely moved the given numbers, in its record."""
-    moved = surely_moved(refitted(evidence))
-    return replace(evidence, record=replace(evidence.record, moved=moved, loose=has_loose_size(evidence)))
 
 
 def problem_for(case: Case, tolerance: float | None = None, *, second: bool = False) -> Problem:

@@ -8,8 +8,9 @@ import pytest
 from diagnose_motors import clean_case, settled
 from diagnose_records import FOUND
 
-from nxt_twin.diagnose.engine import _misled, diagnose, problem_for
+from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.baselines import standing
+from nxt_twin.diagnose.inquiry import _errs_in_colour, _misled
 from nxt_twin.physics.simulate import Simulator
 
 HELD_S = 0.08
@@ -62,3 +63,12 @@ def test_coloured_steps_mislead_to_effects_that_leave_most_of_the_error(nearer, 
     effect = SimpleNamespace(terms={"outlier": None}, equation_of="torque_balance")
     evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
     assert _misled(evidence) is misled
+
+
+@pytest.mark.parametrize(
+    ("changes", "misled"),
+    [({}, True), ({"remaining": 3.0}, False), ({"colour": 1.4}, False), ({"found": True}, False)],
+)
+def test_coloured_steps_that_call_for_nothing_mislead_where_windows_err(changes, misled):
+    record = replace(FOUND, found=False, remaining=3.01, colour=1.41)
+    assert _errs_in_colour(replace(record, **changes)) is misled

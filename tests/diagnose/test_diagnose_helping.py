@@ -8,7 +8,7 @@ import pytest
 from diagnose_records import FOUND, QUIET
 
 from nxt_twin.blind.case import NOMINAL
-from nxt_twin.diagnose import engine
+from nxt_twin.diagnose import inquiry
 from nxt_twin.diagnose.search import helping as helpers
 from nxt_twin.diagnose.search.explain import Explanation
 from nxt_twin.diagnose.search.helping import helping
@@ -100,14 +100,14 @@ def evidence(record, error):
 )
 def test_a_refused_effect_is_named_where_unseen_readings_bear_it_out(monkeypatch, record, error, helps):
     more = evidence(record, error)
-    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
-    monkeypatch.setattr(engine, "gather", lambda *_: more)
-    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
-    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
+    monkeypatch.setattr(inquiry, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(inquiry, "gather", lambda *_: more)
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(inquiry, "replace", lambda one, **changes: _replaced(one, changes))
     told: list[str] = []
-    found = engine._reconsidered(None, evidence(LACKING, 10.0), None, told.append)
+    found = inquiry._reconsidered(None, evidence(LACKING, 10.0), None, told.append)
     assert found.record.helps is helps
-    assert (engine.verdict_of(found.record) == "unexplained") is helps
+    assert (inquiry.verdict_of(found.record) == "unexplained") is helps
     assert found.needless == ("x",)
     assert len(told) == 1
 
@@ -126,13 +126,13 @@ def _replaced(one, changes):
 )
 def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monkeypatch, record, error, named):
     more = evidence(replace(NAMED, named=2), error)
-    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
-    monkeypatch.setattr(engine, "gather", lambda *_: more)
-    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
-    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
+    monkeypatch.setattr(inquiry, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(inquiry, "gather", lambda *_: more)
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(inquiry, "replace", lambda one, **changes: _replaced(one, changes))
     before = evidence(record, 10.0)
     told: list[str] = []
-    found = engine._reconsidered(None, before, None, told.append)
+    found = inquiry._reconsidered(None, before, None, told.append)
     assert found.record.named == (2 if named else 1)
     assert (found is before) is not named
 
@@ -140,18 +140,18 @@ def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monke
 @pytest.mark.parametrize(("record", "found"), [(NAMED, True), (replace(NAMED, moved=9.0), False)])
 def test_an_adequate_plant_that_errs_by_more_than_matters_is_looked_at_again(monkeypatch, record, found):
     more, before = evidence(record, 4.9), evidence(replace(SILENT, remaining=1.1), 10.0)
-    monkeypatch.setattr(engine, "with_refused", lambda *_: iter([None]))
-    monkeypatch.setattr(engine, "gather", lambda *_: more)
-    monkeypatch.setattr(engine, "nearest_horizon", lambda *_: 0)
-    monkeypatch.setattr(engine, "replace", lambda one, **changes: _replaced(one, changes))
-    chosen = engine._reconsidered(None, before, None, lambda _: None)
+    monkeypatch.setattr(inquiry, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(inquiry, "gather", lambda *_: more)
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(inquiry, "replace", lambda one, **changes: _replaced(one, changes))
+    chosen = inquiry._reconsidered(None, before, None, lambda _: None)
     assert chosen.record.found is found
     assert (chosen is before) is not found
 
 
 @pytest.mark.parametrize("record", [replace(SILENT, remaining=1.0), replace(NAMED, remaining=2.0)])
 def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, record):
-    monkeypatch.setattr(engine, "with_refused", lambda *_: pytest.fail("looked again"))
+    monkeypatch.setattr(inquiry, "with_refused", lambda *_: pytest.fail("looked again"))
     before = evidence(record, math.inf)
     told: list[str] = []
-    assert engine._reconsidered(None, before, None, told.append) is before
+    assert inquiry._reconsidered(None, before, None, told.append) is before
