@@ -207,7 +207,9 @@ def _nats(simulator: Simulator, other: Structure, jobs: Sequence[Job]) -> list[F
     sets, widths = moves(other.plant, variables)
     _, active = other.plant.vectors()
     scale = np.array([v.scale for v in variables])
-    free = np.linalg.pinv(other.fitted.covariance / np.outer(scale, scale), hermitian=True)
+    free: FloatArray = np.asarray(
+        np.linalg.pinv(other.fitted.covariance / np.outer(scale, scale), hermitian=True), dtype=np.float64
+    )
     found = []
     for job, run in zip(
         jobs, simulator.run(sets, np.repeat(active[None], len(sets), axis=0), jobs), strict=True
@@ -216,14 +218,20 @@ def _nats(simulator: Simulator, other: Structure, jobs: Sequence[Job]) -> list[F
         apart = np.nan_to_num((job.signals.measured - run.predicted[-1]) / std)
         slopes = np.nan_to_num((run.predicted[:-1:2] - run.predicted[1:-1:2]) / widths[:, None] / std)
         ends = np.searchsorted(job.signals.time_s, np.arange(1.0, _TRIED_S + 0.5)) - 1
-        curve = []
-        for end in ends:
-            part = slopes[:, : end + 1]
-            along = part @ apart[: end + 1]
-            taken = np.linalg.solve(free + part @ part.T + 1e-9 * np.eye(len(free)), along)
-            curve.append(0.5 * float(apart[: end + 1] @ apart[: end + 1] - along @ taken))
+        curve = [_left(free, slopes[:, : end + 1], apart[: end + 1]) for end in ends]
         found.append(np.maximum(np.array(curve), 0.0))
     return found
+
+
+def _left(free: FloatArray, slopes: FloatArray, apart: FloatArray) -> float:
+    """Nats of what is `apart` that no move along the `slopes` takes, with `free` for the prior's precision.
+
+    Numbers that fix nothing may leave the equation singular: its shortest solution counts then.
+    """
+    along = slopes @ apart
+    equation = free + slopes @ slopes.T + 1e-9 * np.eye(len(free))
+    taken = np.linalg.lstsq(equation, along, rcond=None)[0]
+    return 0.5 * float(apart @ apart - along @ taken)
 
 
 def _is_safe(stage: _Stage, signals: Signals, predicted: FloatArray) -> bool:
