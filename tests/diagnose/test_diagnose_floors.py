@@ -10,7 +10,7 @@ from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging import floors
-from nxt_twin.diagnose.judging.floors import refitted_floors, synthetic
+from nxt_twin.diagnose.judging.floors import _at_the_floor, refitted_floors, synthetic
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording, SignalKinds
@@ -103,3 +103,24 @@ def test_the_dry_friction_of_a_complete_model_may_be_off_by_a_tenth(made, monkey
         for complete in (False, True)
     )
     assert high / low == pytest.approx(grows, rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("rms", "at"), [((1.5, 3.0, 99.0), True), ((1.6, 3.0, 99.0), False), ((1.5, 3.1, 99.0), False)]
+)
+def test_windows_are_at_their_floors_up_to_the_tolerance_however_long_runs_err(rms, at):
+    errors = Errors((0.5, 2.0, np.inf), rms)
+    assert _at_the_floor(errors, np.array([1.0, 2.5, 5.0]), 0.5) is at
+
+
+@pytest.mark.parametrize(
+    ("window", "complete", "met"), [(1e-9, True, True), (1e-9, False, False), (1e6, True, False)]
+)
+def test_longer_floors_of_a_complete_model_are_the_errors_reached_where_windows_are_at_theirs(
+    made, window, complete, met
+):
+    simulator, problem, noise = made
+    final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
+    reached = Errors((0.5, 2.0, 10.0, np.inf), (window, window, 1e6, 1e6))
+    found = refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0), complete=complete)
+    assert (found[2:] == (1e6, 1e6)) is met

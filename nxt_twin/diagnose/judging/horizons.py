@@ -142,4 +142,5 @@ def _without_stale(simulator: Simulator, part: HeldOut, best: Plant, noise: Nois
 
 def _rms(errors: Sequence[FloatArray]) -> float:
     every = np.concatenate(errors)
-    return float(np.sqrt(np.mean(every**2))) if np.isfinite(every).all() else float("inf")
+    with np.errstate(over="ignore"):  # a run that ran away errs infinitely
+        return float(np.sqrt(np.mean(every**2))) if np.isfinite(every).all() else float("inf")
