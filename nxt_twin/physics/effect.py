@@ -42,6 +42,7 @@ Stage = Literal[
     "torque",
     "damping",
     "friction",
+    "lean",
     "hold",
     "advance",
     "stop",

@@ -263,6 +263,7 @@ free = _free_speed(momentum - coupling - damping, before, force + load_torque + 
 direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
+{lean}
 {hold}
 """
 """What acts in a step: drive, loads, damping, dry friction's level."""

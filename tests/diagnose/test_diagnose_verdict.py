@@ -47,6 +47,7 @@ EDGES = {
         replace(WANDERING, torque_after=0.02),
         "torque_after",
     ),
+    "hardly_any": (replace(FOUND, kin_nats=30.0, remaining=2.9, nearer=0.06, run_ratio=0.06), "nearer"),
     "sober": (replace(FOUND, sober_nats=60.0, gained_nats=360.0, remaining=0.6, matters=False), "sober_nats"),
     "surprising": (replace(FOUND, surprise=5.0, run_ratio=0.5), "surprise"),
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.0), "surprise"),
@@ -130,13 +131,17 @@ def test_an_unknown_torque_excuses_no_error_by_windows_where_single_steps_are_ev
 
 
 @pytest.mark.parametrize(("kin_nats", "another"), [(18.0, False), (18.1, True)])
-def test_a_drag_or_a_spring_beside_which_another_sets_in_somewhere_is_refused_however_near_it_comes(
+def test_a_drag_or_a_spring_beside_which_another_sets_in_somewhere_is_refused_unless_hardly_an_error_is_left(
     kin_nats, another
 ):
     record = replace(FOUND, kin_nats=kin_nats, remaining=0.1, matters=False)
     assert is_another_law(record) is another
     assert verdict_of(record) == ("unexplained" if another else "explained")
     assert not is_another_law(replace(record, found=False))
+    near = replace(record, nearer=0.06, run_ratio=0.06)
+    assert not is_another_law(near)
+    assert is_another_law(replace(near, remaining=3.01)) is another
+    assert is_another_law(replace(near, run_ratio=0.061)) is another
 
 
 def test_what_goes_with_the_time_at_rest_speaks_against_a_found_effect_alone():
@@ -321,6 +326,8 @@ def test_what_was_refused_and_helps_explains_nothing():
         ({"found": False}, False),
         ({"remaining": 0.51}, True),
         ({"remaining": 0.5}, False),
+        ({"remaining": 3.0, "nearer": 0.06, "run_ratio": 0.06}, False),
+        ({"remaining": 3.01, "nearer": 0.06, "run_ratio": 0.06}, True),
     ],
 )
 def test_an_unknown_torque_may_not_stand_for_a_law_that_readings_call_for(changes, swallowed):

@@ -201,6 +201,7 @@ class _Axis:
         free = ((2 * inertia / step_s - damping) * before + 2 * pull) / (2 * inertia / step_s + damping)
         direction = scope["direction"] = math.copysign(1.0, before if before != 0.0 else free)
         level = self.chained("friction", scope, "level", 0.0)
+        level = self.chained("lean", scope, "level", level)
         for call in self._calls("hold"):
             grasp, grip = self._value(call, {**scope, "level": level})
             pull, damping, level = pull - grasp, damping + grip, 0.0

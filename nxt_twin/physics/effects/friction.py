@@ -75,8 +75,14 @@ VISCOUS_FRICTION = Effect(
 )
 
 
-def _asymmetric(direction: float, level: float, forward: float, reverse: float) -> float:
-    return level + (forward if direction > 0.0 else reverse)
+def _mean(level: float, forward: float, reverse: float) -> float:
+    return level + 0.5 * (forward + reverse)
+
+
+def _lean(level: float, direction: float, forward: float, reverse: float) -> float:
+    return level + 0.5 * direction * (
+        forward - reverse
+    )  # after all else: stiction's excess is alike both ways
 
 
 ASYMMETRIC_FRICTION = Effect(
@@ -109,7 +115,7 @@ ASYMMETRIC_FRICTION = Effect(
             elsewhere={"rotary": ("coulomb_reverse_nm", "N·m"), "linear": ("coulomb_reverse_n", "N")},
         ),
     ),
-    terms={"friction": _asymmetric},
+    terms={"friction": _mean, "lean": _lean},
     confusable_with={
         "constant_load": "a rest at small commands both ways: a load still pushes there, friction does not"
     },
