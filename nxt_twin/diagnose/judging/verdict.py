@@ -71,7 +71,7 @@ class VerdictLimits:
         cleared: share of the unknown torque of the baseline up to which effects may leave it. Beside right names of
             wandering stamps 0.1 was left, beside dry friction of a real drive 0.07.
         hardly_any: share of the error left on readings that check and on held-out ones, up to which no near relative is
-            asked for, where an error below `nearly` is left. In 2497 answers, five right names left at most 0.052, names
+            asked for, where an error below `nearly` is left. In 2497 answers, five right names left up to 0.052, names
             of unknown physics 0.067 and more.
         moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
             one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
