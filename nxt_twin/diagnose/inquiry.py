@@ -86,12 +86,11 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, prog
     """`evidence` with a refused effect that explains what is missing, or that helps where nothing was found.
 
     A search refuses effects by a few seconds that check. What no fit has seen may tell otherwise: then all readings
-    have to be explained, and most of what was left. Found effects that leave more than `nearly` get a second look, too.
-    So does a plant without any that errs by more than the tolerance, though open parameters may be all that it lacks.
+    have to be explained, and most of what was left. Found effects that leave more than the tolerance get a second look,
+    too. So does a plant without any, though open parameters may be all that it lacks.
     """
     verdict, record = verdict_of(evidence.record), evidence.record
-    settled = {"explained": record.remaining <= LIMITS.nearly, "adequate": record.remaining <= 1.0}
-    if settled.get(verdict, False):
+    if verdict != "unexplained" and record.remaining <= 1.0:
         return evidence
     progress("looking again at what was refused")
     helps: Evidence | None = None

@@ -14,14 +14,14 @@ GIVEN_KG_M2 = 1e-3
 GRAVITY_NM = 0.05
 
 
-def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM):
+def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM, plant=PLAIN):
     """How an arm is told beside an inertia that rose by that share of the given one, with its deviation."""
     inertia = Moved(GIVEN_KG_M2, GIVEN_KG_M2 * (1.0 + rise), GIVEN_KG_M2 * std, "kg·m²")
     monkeypatch.setattr(payload, "refitted", lambda _: {"inertia_kg_m2": inertia})
     params = {"gravity_torque_nm": Estimate(gravity, 0.001, "N·m"), "phase_deg": Estimate(10.0, 1.0, "deg")}
     near = (Confusion("spring_load", "…"), Confusion("hanging_payload", "…"))
     found = FoundEffect(effect_id, "arm", "…", params, 0.9, near)
-    return payload.as_a_payload(SimpleNamespace(final=SimpleNamespace(plant=PLAIN)), found)
+    return payload.as_a_payload(SimpleNamespace(final=SimpleNamespace(plant=plant)), found)
 
 
 @pytest.mark.parametrize(
@@ -38,6 +38,23 @@ def test_an_arm_is_a_payload_where_the_inertia_surely_rose(monkeypatch, rise, st
     assert found.id == effect_id
     other = {"hanging_payload": "gravity_load", "gravity_load": "hanging_payload"}[effect_id]
     assert sorted(one.id for one in found.confusable_with) == sorted([other, "spring_load"])
+
+
+@pytest.mark.parametrize(
+    ("beside", "effect_id"),
+    [("backlash", "gravity_load"), ("shaft_compliance", "gravity_load"), ("presliding", "hanging_payload")],
+)
+def test_an_arm_behind_play_or_a_soft_shaft_stays_an_arm_that_may_be_a_payload(
+    monkeypatch, beside, effect_id
+):
+    parameters = PLAIN.layout.effect(beside).parameters
+    plant = PLAIN.with_effect(beside, {p.symbol: p.starts[0] * p.si for p in parameters})
+    found = told(monkeypatch, 0.6, plant=plant)
+    assert found.id == effect_id
+    assert {found.id, found.confusable_with[0].id, found.confusable_with[-1].id} >= {
+        "gravity_load",
+        "hanging_payload",
+    }
 
 
 def test_a_payload_tells_the_inertia_that_it_adds_with_an_interval(monkeypatch):

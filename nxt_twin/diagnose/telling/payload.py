@@ -36,7 +36,10 @@ def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
         return found
     rise = f"the inertia rose by {100.0 * added / given:.0f} %"
     brings = f"a payload on a lever of {100.0 * lever_m:.0f} cm brings"
-    if added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
+    behind = any(
+        effect.moving for effect in evidence.final.plant.effects
+    )  # readings part a body behind play badly
+    if behind or added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
         others = [one for one in found.confusable_with if one.id != _PAYLOAD]
         return replace(
             found, confusable_with=(*others, Confusion(_PAYLOAD, f"{rise} as well: {brings} both"))
