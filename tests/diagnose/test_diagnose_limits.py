@@ -88,7 +88,7 @@ def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_ba
 
 
 @pytest.mark.parametrize(
-    ("ratio", "share"), [(0.5, 0.04), (0.65, 0.04), (0.825, 0.1), (1.0, 0.16), (1.2, 0.16)]
+    ("ratio", "share"), [(0.5, 0.04), (0.65, 0.04), (0.825, 0.145), (1.0, 0.25), (1.2, 0.25)]
 )
 def test_a_silent_simulation_asks_for_more_the_less_nearer_it_gets(ratio, share):
     assert not likelier(1e3 * share - 1.0, explained=1e3, silent=True, ratio=ratio, check=2.5)
@@ -371,8 +371,8 @@ EDGES = {
     "half": (lambda _, v: likelier(v, check=20.0), 3.9, 4.1),
     "altogether": (lambda _, v: likelier(6.0, check=v), 5.9, 6.1),
     "form_share": (lambda _, v: likelier(v, explained=1e3), 39.0, 41.0),
-    "idle_share": (lambda _, v: likelier(v, explained=1e3, silent=True), 158.0, 162.0),
-    "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.81, 0.83),
+    "idle_share": (lambda _, v: likelier(v, explained=1e3, silent=True), 247.0, 253.0),
+    "nearer": (lambda _, v: likelier(99.0, explained=1e3, silent=True, ratio=v), 0.74, 0.76),
     "much_nearer": (lambda _, v: likelier(25.0, explained=1e3, ratio=v), 0.49, 0.51),
     "much_nearer_share": (lambda _, v: likelier(v - 2.5, explained=1e3, ratio=0.4), 19.7, 20.3),
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),

@@ -57,7 +57,7 @@ class SearchLimits:
     half: float = 0.5
     altogether: float = 1.5
     form_share: float = 0.04
-    idle_share: float = 0.16
+    idle_share: float = 0.25
     nearer: float = 0.65
     much_nearer: float = 0.5
     much_nearer_share: float = 0.02
