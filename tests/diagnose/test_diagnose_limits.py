@@ -383,7 +383,7 @@ EDGES = {
     "keep_nats": (is_kept, 2.95, 3.05),
     "swap_nats": (lambda _, v: swapped(v) is None, -0.98, -1.02),
     "rival_nats": (lambda _, v: is_near(v), 7.9, 8.1),
-    "twin_nats": (lambda _, v: is_near(v, is_twin=True), 64.0, 66.0),
+    "twin_nats": (lambda _, v: is_near(v, is_twin=True), 148.0, 152.0),
     "rival_ratio": (rival_is_worse, 1.025, 1.035),
     "sure_rival_ratio": (lambda patch, v: rival_is_worse(patch, v, -150.0, ("twist",)), 1.29, 1.31),
     "sure_nats": (lambda patch, v: rival_is_worse(patch, 1.2, v, ("twist",)), -99.0, -101.0),

@@ -29,7 +29,7 @@ def rival(monkeypatch, behind, *, found, twins=True, worse=False):
     return own._rival(structure(), effect_named(found), effect_named(other), structure())
 
 
-@pytest.mark.parametrize("behind", [-64.0, 0.0, 64.0])
+@pytest.mark.parametrize("behind", [-148.0, 0.0, 148.0])
 @pytest.mark.parametrize("worse", [False, True])
 def test_a_hidden_load_gives_way_to_friction_whatever_likelihood_says(monkeypatch, behind, worse):
     assert likelier_structure({"load": (rival(monkeypatch, behind, found="load", worse=worse),)})
@@ -37,8 +37,8 @@ def test_a_hidden_load_gives_way_to_friction_whatever_likelihood_says(monkeypatc
 
 
 def test_what_is_no_twin_or_clearly_likelier_stays(monkeypatch):
-    assert not likelier_structure({"load": (rival(monkeypatch, 64.0, found="load", twins=False),)})
-    assert not likelier_structure({"load": (rival(monkeypatch, 67.0, found="load"),)})
+    assert not likelier_structure({"load": (rival(monkeypatch, 148.0, found="load", twins=False),)})
+    assert not likelier_structure({"load": (rival(monkeypatch, 152.0, found="load"),)})
     assert not likelier_structure({"load": (rival(monkeypatch, 0.0, found="load", twins=False, worse=True),)})
 
 

@@ -42,8 +42,8 @@ class SearchLimits:
             8 of 31 constant loads of the sets 693, 700 and 720 and of two foreign simulators. The logarithm of that
             share is -1.35.
         twin_nats: distance up to which likelihood does not tell apart two effects that move a motor alike. In the
-            ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 5 of 6 cases at 31 to 59 nats,
-            and the right one at 71 and 258.
+            ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 6 of 7 cases at 31 to 78 nats,
+            and the right one at 258.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
@@ -72,7 +72,7 @@ class SearchLimits:
     sure_rival_ratio: float = 1.3
     sure_nats: float = 100.0
     coincidence_nats: float = 1.35
-    twin_nats: float = 65.0
+    twin_nats: float = 150.0
     left_out_nats: float = 3.0
     late_polls: float = 0.25
 
