@@ -203,12 +203,11 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
     assert max(each) - min(each) <= 4  # one family cannot express every effect
 
 
-def test_the_range_ninth_is_as_large_as_a_scored_range_has_to_be():
-    found = RANGES["ninth"]
-    assert found.seeds == (5013, 5014)
-    assert not {seed for name, one in RANGES.items() if name != "ninth" for seed in one.seeds} & set(
-        found.seeds
-    )
+@pytest.mark.parametrize(("name", "seeds"), [("ninth", (5013, 5014)), ("tenth", (5015, 5016))])
+def test_a_range_is_as_large_as_a_scored_range_has_to_be(name, seeds):
+    found = RANGES[name]
+    assert found.seeds == seeds
+    assert not {seed for other, one in RANGES.items() if other != name for seed in one.seeds} & set(seeds)
     orders = [case.order for case in found.cases(tuple(FAMILIES.values()))]
     strange = [set(o.plan.effects) & set(FAMILIES[o.family].unknown) for o in orders]
     counts = [
