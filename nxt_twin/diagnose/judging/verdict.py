@@ -70,8 +70,8 @@ class VerdictLimits:
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
         cleared: share of the unknown torque of the baseline up to which effects may leave it. Beside right names of
             wandering stamps 0.1 was left, beside dry friction of a real drive 0.07.
-        hardly_any: share of the error left on readings that check and on held-out ones, up to which no near relative is
-            asked for, where an error below `nearly` is left. In 2497 answers, five right names left up to 0.052, names
+        hardly_any: share of the error, on checking and on held-out readings, that a found effect may leave with no near
+            relative asked for. The error must lie below `nearly`, too. In 2497 answers, five right names left up to 0.052, names
             of unknown physics 0.067 and more.
         moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
             one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
@@ -331,9 +331,9 @@ def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects stand for a near relative, which goes otherwise with speed, angle or time.
 
     No effect goes with the time at rest. Readings that call for such a law speak against a found effect however small
-    the error is, and so does an effect that is strained to a law which it is not. Unless hardly an error is left, those
-    do that call for a drag or a spring which sets in somewhere. So do those that call for any law once less unknown
-    torque stands for it.
+    the error is. So does an effect that is strained to a law which it is not. Unless hardly an error is left, readings
+    that call for a drag or a spring which sets in somewhere speak against it, too. So do those that call for any law
+    once less unknown torque stands for it.
     """
     if is_swallowed(record, limits) or (
         record.found and (record.strained or record.rested_nats > limits.rested)

@@ -42,8 +42,8 @@ class SearchLimits:
             8 of 31 constant loads of the sets 693, 700 and 720 and of two foreign simulators. The logarithm of that
             share is -1.35.
         twin_nats: distance up to which likelihood does not tell apart two effects that move a motor alike. In the
-            ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 6 of 8 cases at 31 to 78 nats,
-            and the right one at 258.
+            ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 6 of 8 cases at 31 to 78 nats.
+            It took the right one at 258.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
