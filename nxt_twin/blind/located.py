@@ -116,10 +116,11 @@ def locate_score(answer: Mapping[str, Any], place: OnsetPlace) -> Located:
     )
 
 
-def _equation(effect: Mapping[str, Any]) -> Equation:
+def _equation(effect: Mapping[str, Any]) -> Equation | None:
     """The equation that an effect changes, as its answer says or, in answers that do not, the library."""
     told: Equation | None = effect.get("equation")
-    return told or EFFECTS[effect["id"]].equation
+    held = EFFECTS.get(effect["id"])
+    return told or (held.equation if held else None)
 
 
 def _of_four(equation: Equation) -> str:
@@ -129,6 +130,6 @@ def _of_four(equation: Equation) -> str:
 def _event(params: Mapping[str, float]) -> LocatedOnset | None:
     """The moment from which an effect acts, if it is within a recording."""
     from_s = params.get("from_s", 0.0)
-    if from_s <= 0.0:
+    if from_s <= 0.0 or "from_recording" not in params:
         return None
     return LocatedOnset(f"r{int(params['from_recording'])}.csv", from_s, from_s, from_s)

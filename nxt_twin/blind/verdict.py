@@ -224,7 +224,8 @@ def is_exact(case: Judged, verdict: str) -> bool:
 
 
 def _compares(given: Given, effect: Mapping[str, Any]) -> bool:
-    return effect["id"] in given.params and effect["main"] in given.params[effect["id"]]
+    told = given.params.get(effect["id"], {})
+    return effect["main"] in told and effect["main"] in effect["params"]
 
 
 def _covers(given: Given, effect: Mapping[str, Any]) -> bool:

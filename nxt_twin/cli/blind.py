@@ -101,6 +101,27 @@ def families() -> None:
 
 
 @blind.command()
+def seal(
+    cases: Annotated[Path, typer.Argument(help="Folder of the cases.")],
+    truths: Annotated[Path, typer.Argument(help="Folder of what each hides: NAME.yaml or NAME.json.")],
+    answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
+) -> None:
+    """Seal what cases of your own simulator hide, so that they can be solved and scored."""
+    from nxt_twin.blind.sealed import seal_case
+    from nxt_twin.blind.solve import case_folders
+    from nxt_twin.errors import CaseError
+
+    folders = case_folders(cases)
+    if not folders:
+        raise CaseError(
+            "holds no case", where=str(cases), mend="name the folder of the folders with a case.yaml"
+        )
+    for folder in folders:
+        seal_case(folder, truths, answers)
+    print(f"{len(folders)} cases sealed, answers in {answers}")
+
+
+@blind.command()
 def solve(
     cases: Annotated[Path, typer.Argument(help="Folder of the cases.")],
     out: Annotated[Path, typer.Argument(help="Folder for one JSON a case.")],
