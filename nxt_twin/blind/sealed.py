@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -13,6 +13,7 @@ from nxt_twin.blind.answer import ANSWER_SCHEMA, encoded, seal
 from nxt_twin.blind.case import NOMINAL, SEAL_FILE
 from nxt_twin.blind.kinds import Size
 from nxt_twin.blind.make import SALT_BYTES
+from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.blind.whole import write_whole
 from nxt_twin.errors import CaseError
 from nxt_twin.physics.library import library
@@ -61,23 +62,39 @@ class TruthFile(BaseModel):
     effect_rms_deg: float = Field(default=0.0, ge=0.0)
 
 
-def seal_case(folder: Path, truths: Path, answers: Path) -> None:
-    """Write the sealed answer of one case, and its seal into the case's folder.
+def seal_cases(folders: Sequence[Path], truths: Path, answers: Path) -> int:
+    """Write the sealed answers of cases, and the seals into their folders: of all cases, or of none.
+
+    Cases that a killed run has sealed already are passed over.
 
     Args:
-        folder: of the case.
-        truths: folder that holds a `TruthFile` named after the case.
-        answers: folder for the answer.
+        folders: of the cases.
+        truths: folder that holds a `TruthFile` named after each case.
+        answers: folder for the answers.
+
+    Returns:
+        How many were sealed now.
 
     Raises:
-        CaseError: where the case has a seal already, or its truth is missing or wrong.
+        CaseError: where a case has the seal of another answer, or its truth is missing or wrong.
     """
-    if (folder / SEAL_FILE).exists():
-        raise CaseError("has a seal already", where=str(folder), mend=f"remove {SEAL_FILE} to seal it anew")
-    file = _truth_file(truths, folder.name)
-    answer = encoded(_answer(folder, read_model(file, TruthFile, CaseError), str(file)))
-    write_whole(answers / f"{folder.name}.json", answer.decode())
-    write_whole(folder / SEAL_FILE, seal(answer) + "\n")
+    waiting = [folder for folder in folders if not _is_sealed(folder, answers)]
+    made = [(folder, encoded(_answer(folder, truths))) for folder in waiting]
+    for folder, answer in made:
+        write_whole(answers / f"{folder.name}.json", answer.decode())
+        write_whole(folder / SEAL_FILE, seal(answer) + "\n")  # last: a case with a seal has its answer
+    return len(made)
+
+
+def _is_sealed(folder: Path, answers: Path) -> bool:
+    if not (folder / SEAL_FILE).exists():
+        return False
+    answer = answers / f"{folder.name}.json"
+    if not answer.exists():
+        mend = f"remove {SEAL_FILE} to seal it anew"
+        raise CaseError(f"has a seal, and no answer stands in {answers}", where=str(folder), mend=mend)
+    read_sealed(answer, folder)
+    return True
 
 
 def _truth_file(truths: Path, name: str) -> Path:
@@ -88,10 +105,14 @@ def _truth_file(truths: Path, name: str) -> Path:
     return files[0]
 
 
-def _answer(folder: Path, truth: TruthFile, where: str) -> dict[str, Any]:
+def _answer(folder: Path, truths: Path) -> dict[str, Any]:
+    file = _truth_file(truths, folder.name)
+    truth, where = read_model(file, TruthFile, CaseError), str(file)
     plant = read_case(folder).plant
     stated = load_plant_config(plant) if isinstance(plant, str) else plant
-    baseline = {key: float(stated.get(key, 0.0)) for key in NOMINAL}  # what is left out acts with nothing
+    baseline = {
+        key: _number(stated.get(key, 0.0), key, folder) for key in NOMINAL
+    }  # left out: it does not act
     unknown = sorted(set(truth.motor) - set(NOMINAL))
     if unknown:
         raise CaseError(f"a motor has no {', '.join(unknown)}", where=f"{where}, key motor")
@@ -105,6 +126,12 @@ def _answer(folder: Path, truth: TruthFile, where: str) -> dict[str, Any]:
         "effect_rms_deg": truth.effect_rms_deg,
         "salt": secrets.token_hex(SALT_BYTES),
     }
+
+
+def _number(value: object, key: str, folder: Path) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise CaseError(f"{value!r} is no number", where=f"{folder}, plant, key {key}")
+    return float(value)
 
 
 def _hidden(effect: HiddenEffectFile, where: str) -> Mapping[str, Any]:

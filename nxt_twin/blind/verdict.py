@@ -247,5 +247,7 @@ def _ratios(answer: Mapping[str, Any], given: Given, effect: Mapping[str, Any]) 
 
 
 def _believed(answer: Mapping[str, Any], given: Given, key: str) -> float:
-    """A base parameter as the diagnosis has it, over its true value."""
+    """A base parameter as the diagnosis has it, over its true value; one where the plant has no such parameter."""
+    if not answer["base"][key]:
+        return 1.0
     return float(given.refit.get(key, answer["baseline"][key])) / float(answer["base"][key])

@@ -107,7 +107,7 @@ def seal(
     answers: Annotated[Path, typer.Argument(help="Another folder, for the sealed answers.")],
 ) -> None:
     """Seal what cases of your own simulator hide, so that they can be solved and scored."""
-    from nxt_twin.blind.sealed import seal_case
+    from nxt_twin.blind.sealed import seal_cases
     from nxt_twin.blind.solve import case_folders
     from nxt_twin.errors import CaseError
 
@@ -116,9 +116,7 @@ def seal(
         raise CaseError(
             "holds no case", where=str(cases), mend="name the folder of the folders with a case.yaml"
         )
-    for folder in folders:
-        seal_case(folder, truths, answers)
-    print(f"{len(folders)} cases sealed, answers in {answers}")
+    print(f"{seal_cases(folders, truths, answers)} of {len(folders)} cases sealed, answers in {answers}")
 
 
 @blind.command()

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from nxt_twin.blind.case import NOMINAL, SEAL_FILE
 from nxt_twin.blind.score import score
-from nxt_twin.blind.sealed import seal_case
+from nxt_twin.blind.sealed import seal_cases
 from nxt_twin.blind.verdict import read_sealed
 from nxt_twin.cli.blind import blind
 from nxt_twin.errors import CaseError
@@ -53,7 +53,7 @@ def test_a_sealed_truth_is_scored_under_its_simulators_name(stranger, suffix, tm
     cases, truths, answers = stranger(truth, suffix=suffix)
     done = CliRunner().invoke(blind, ["seal", str(cases), str(truths), str(answers)])
     assert done.exit_code == 0, done.output
-    assert "1 cases sealed" in done.output
+    assert "1 of 1 cases sealed" in done.output
     given = tmp_path / "given"
     given.mkdir()
     (given / "one.json").write_text(diagnosis("explained", "constant_load"))
@@ -67,7 +67,7 @@ def test_a_sealed_truth_is_scored_under_its_simulators_name(stranger, suffix, tm
 
 def test_physics_of_nobodys_library_has_to_be_refused(stranger, tmp_path):
     cases, truths, answers = stranger({"effects": [{"id": "freewheel", "known": False}]})
-    seal_case(cases / "one", truths, answers)
+    seal_cases([cases / "one"], truths, answers)
     given = tmp_path / "given"
     given.mkdir()
     (given / "one.json").write_text(diagnosis("unexplained"))
@@ -77,7 +77,7 @@ def test_physics_of_nobodys_library_has_to_be_refused(stranger, tmp_path):
 
 def test_a_clean_case_hides_nothing_and_a_changed_answer_is_refused(stranger):
     cases, truths, answers = stranger({})
-    seal_case(cases / "one", truths, answers)
+    seal_cases([cases / "one"], truths, answers)
     answer = answers / "one.json"
     assert read_sealed(answer, cases / "one")["effects"] == []
     answer.write_text(answer.read_text().replace("another", "other"))
@@ -89,7 +89,7 @@ def test_two_answers_with_one_content_have_seals_of_their_own(stranger):
     cases, truths, answers = stranger({}, "one")
     stranger({}, "two")
     for name in ("one", "two"):
-        seal_case(cases / name, truths, answers)
+        seal_cases([cases / name], truths, answers)
     one, two = (json.loads((answers / f"{name}.json").read_text())["salt"] for name in ("one", "two"))
     assert one != two
 
@@ -106,7 +106,7 @@ def test_two_answers_with_one_content_have_seals_of_their_own(stranger):
 def test_a_wrong_truth_is_one_line_and_seals_nothing(stranger, truth, told):
     cases, truths, answers = stranger(truth)
     with pytest.raises(CaseError, match=told) as failure:
-        seal_case(cases / "one", truths, answers)
+        seal_cases([cases / "one"], truths, answers)
     assert "one.yaml" in str(failure.value)
     assert not (cases / "one" / SEAL_FILE).exists()
     assert not answers.exists()
@@ -116,15 +116,16 @@ def test_a_missing_truth_two_truths_and_a_second_seal_are_refused(stranger):
     cases, truths, answers = stranger({})
     (truths / "one.json").write_text("{}")
     with pytest.raises(CaseError, match="hold only one"):
-        seal_case(cases / "one", truths, answers)
+        seal_cases([cases / "one"], truths, answers)
     (truths / "one.json").rename(truths / "other.json")
-    seal_case(cases / "one", truths, answers)
-    with pytest.raises(CaseError, match="has a seal already"):
-        seal_case(cases / "one", truths, answers)
+    assert seal_cases([cases / "one"], truths, answers) == 1
+    assert seal_cases([cases / "one"], truths, answers) == 0
+    with pytest.raises(CaseError, match="has a seal, and no answer"):
+        seal_cases([cases / "one"], truths, truths / "elsewhere")
     (truths / "one.yaml").unlink()
     (cases / "one" / SEAL_FILE).unlink()
     with pytest.raises(CaseError, match="has to hold one"):
-        seal_case(cases / "one", truths, answers)
+        seal_cases([cases / "one"], truths, answers)
 
 
 def test_a_folder_without_cases_is_refused(tmp_path):
@@ -138,10 +139,27 @@ def test_the_page_shows_a_truth_that_can_be_sealed(stranger):
     text = page[page.index("    family: my_simulator") :].split("\n\n")[0]
     cases, truths, answers = stranger({})
     (truths / "one.yaml").write_text(dedent(text))
-    seal_case(cases / "one", truths, answers)
+    seal_cases([cases / "one"], truths, answers)
     answer = read_sealed(answers / "one.json", cases / "one")
     assert [(one["id"], one["known"]) for one in answer["effects"]] == [
         ("stiction", True),
         ("my_clutch", False),
     ]
     assert answer["base"]["inertia_kg_m2"] == 0.0011
+
+
+def test_one_wrong_truth_seals_no_case(stranger):
+    cases, truths, answers = stranger({}, "one")
+    stranger({"effects": [{"id": "constant_lode"}]}, "two")
+    with pytest.raises(CaseError, match="constant_lode"):
+        seal_cases([cases / "one", cases / "two"], truths, answers)
+    assert not (cases / "one" / SEAL_FILE).exists()
+    assert not answers.exists()
+
+
+def test_a_plant_whose_number_is_a_word_is_one_line(stranger):
+    cases, truths, answers = stranger({})
+    file = cases / "one" / "case.yaml"
+    file.write_text(file.read_text().replace("inertia_kg_m2: 0.0012", "inertia_kg_m2: heavy"))
+    with pytest.raises(CaseError, match=r"inertia_kg_m2: 'heavy' is no number"):
+        seal_cases([cases / "one"], truths, answers)

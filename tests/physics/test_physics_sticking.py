@@ -73,6 +73,17 @@ def test_friction_that_differs_by_direction_holds_differently_by_direction(rotar
     assert moved[1][-1] < -0.5
 
 
+@pytest.mark.parametrize(("torque_nm", "moves"), [(0.069, 0), (0.071, 1), (-0.029, 0), (-0.031, -1)])
+def test_stiction_beside_friction_by_direction_has_one_excess_both_ways(rotary_simulator, torque_nm, moves):
+    effects = {
+        "asymmetric_friction": {"coulomb_forward_nm": 0.05, "coulomb_reverse_nm": 0.01},
+        "stiction": {"breakaway_torque_nm": 0.05, "stribeck_speed_rad_s": 1.0},  # 0.02 above the mean of 0.03
+    }
+    run = commanded([(0.0, torque_nm)], seconds=0.5, kind="torque_nm")
+    angle = motion(rotary_simulator, disc(effects=effects), run)["angle"]
+    assert np.sign(angle[-1]) == moves
+
+
 def test_sliding_friction_takes_the_same_energy_however_fine_the_step(rotary_simulator):
     run = commanded([(0.0, 0.0)], seconds=2.0, kind="torque_nm")
     found = motion(rotary_simulator, disc(coulomb_friction=0.02), run, speed=8.0)

@@ -72,7 +72,7 @@ class VerdictLimits:
             wandering stamps 0.1 was left, beside dry friction of a real drive 0.07.
         hardly_any: share of the error, on checking and on held-out readings, that a found effect may leave with no near
             relative asked for. The error must lie below `nearly`, too. In 2497 answers, five right names
-            left up to 0.052, names of unknown physics 0.067 and more.
+            left up to 0.052, one wrong pair 0.02, names of unknown physics 0.067 and more.
         moved: factor by which a positive number of the given model may surely change beside found effects. A motor of
             one make differs by a fifth, and a careless guess is off by two. More speaks of another law.
     """

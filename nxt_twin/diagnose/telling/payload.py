@@ -38,7 +38,7 @@ def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
     brings = f"a payload on a lever of {100.0 * lever_m:.0f} cm brings"
     behind = any(
         effect.moving for effect in evidence.final.plant.effects
-    )  # readings part a body behind play badly
+    )  # readings hardly part two inertias
     if behind or added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
         others = [one for one in found.confusable_with if one.id != _PAYLOAD]
         return replace(

@@ -80,9 +80,8 @@ def _mean(level: float, forward: float, reverse: float) -> float:
 
 
 def _lean(level: float, direction: float, forward: float, reverse: float) -> float:
-    return level + 0.5 * direction * (
-        forward - reverse
-    )  # after all else: stiction's excess is alike both ways
+    """After all other friction, since the excess of stiction is alike both ways."""
+    return level + 0.5 * direction * (forward - reverse)
 
 
 ASYMMETRIC_FRICTION = Effect(
