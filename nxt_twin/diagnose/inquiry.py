@@ -40,8 +40,8 @@ def inquire(simulator: Simulator, problem: Problem, rng: Generator, progress: Pr
         evidence = _reconsidered(simulator, evidence, rng, progress)
     if misled or _errs_in_colour(evidence.record):
         progress("single steps are coloured: by windows of simulation alone")
-        evidence = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
-        evidence = _reconsidered(simulator, evidence, rng, progress)
+        by_windows = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
+        evidence = _nearer(evidence, _reconsidered(simulator, by_windows, rng, progress))
     return _with_sizes(with_shapes(simulator, evidence))
 
 
@@ -65,6 +65,13 @@ def _misled(evidence: Evidence) -> bool:
     late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
     several = record.named > 1
     return record.colour > COLOURED or (late and several) or is_patchwork(record)
+
+
+def _nearer(by_steps: Evidence, by_windows: Evidence) -> Evidence:
+    """`by_windows`, unless neither explains what is missing, and what steps found brings unseen windows much nearer."""
+    neither = verdict_of(by_steps.record) == verdict_of(by_windows.record) == "unexplained"
+    helped = bool(by_steps.record.found) and not by_windows.record.found
+    return by_steps if neither and helped and _is_much_nearer(by_windows, by_steps) else by_windows
 
 
 def _errs_in_colour(record: Record) -> bool:

@@ -32,8 +32,11 @@ LEAST_LEVER_M = 0.005
 A payload m on a lever l brings τg = m·g·l and J = m·l², so that l = J·g/τg. On the sets 700 and 721 an arm without any
 added inertia was named a payload on levers of 1.5 and 1.9 mm.
 """
-LONGEST_LEVER_M = 1.0
-"""Lever above which a payload hangs on no arm: it is a disc, whatever torque is found beside it."""
+LONGEST_LEVER_M = 2.0
+"""Lever above which a payload hangs on no arm: it is a disc, whatever torque is found beside it.
+
+A wheel of radius of gyration k, off its centre by r, has J·g/τg = r + k²/r: 2 m with k of 45 mm and r of 1 mm.
+"""
 _HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
 _G = 9.81  # m/s²: standard gravity
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse

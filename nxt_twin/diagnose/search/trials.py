@@ -16,7 +16,6 @@ from nxt_twin.diagnose.search.limits import EFFORT
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard
-from nxt_twin.diagnose.search.weight import RESTORED_NATS
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
@@ -191,7 +190,7 @@ class Trials:
         A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
         limited; a look from the given numbers does.
         """
-        if best.fitted.prior_cost < RESTORED_NATS:
+        if best.fitted.prior_cost < EFFORT.restoring_nats:
             return []
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
