@@ -265,7 +265,7 @@ class _Search:
     def _forward(self, best: Structure) -> tuple[list[Ranked], list[Ranked]]:
         """Every candidate added to `best`, ranked; apart from these those that are too small for a name.
 
-        What brings a plain term with it that `best` lacks is not small: that term would lose its name to it.
+        What brings a plain term with it that the baseline lacks is not small: that term would lose its name to it.
         """
         settled = self._trials.beside(best)
         for effect, trial in settled:
@@ -275,7 +275,7 @@ class _Search:
         smaller = [
             (effect, trial)
             for effect, trial in settled
-            if best.plant.active.issuperset(effect.supersedes)
+            if self._baseline.plant.active.issuperset(effect.supersedes)
             and self._standard.is_too_small(trial, effect.id)
             and effect.id not in self._standard.loud
         ]
