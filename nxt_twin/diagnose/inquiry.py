@@ -51,20 +51,23 @@ def _misled(evidence: Evidence) -> bool:
     They go on in one another, or took more effects than can be missing, or showed a timing fault beside others,
     and leave something unexplained; or they call for several effects that hardly bring a simulation nearer. So do
     effects that leave more than half of the error where steps go on in one another. Readings that are held do so by
-    themselves: beside that effect no such fault is taken for misleading.
+    themselves: beside that effect no such fault is taken for misleading. Nor is it beside late stamps that leave less
+    than the tolerance: errors leave doubted readings out, so that they tell nothing of how much nearer a plant got.
     """
     record = evidence.record
     if is_idle(record):
         return True
     if any("scatter" in effect.terms for effect, _ in evidence.explanation.found):
         return False
-    if record.found and record.colour > COLOURED and record.nearer > LIMITS.confirmed:
+    late = any("outlier" in effect.terms for effect, _ in evidence.explanation.found)
+    no_nearer = record.nearer > LIMITS.confirmed and not (late and record.remaining <= 1.0)
+    if record.found and record.colour > COLOURED and no_nearer:
         return True
     if verdict_of(record) != "unexplained":
         return False
-    late = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
+    timed = any(effect.equation_of == "timing" for effect, _ in evidence.explanation.found)
     several = record.named > 1
-    return record.colour > COLOURED or (late and several) or is_patchwork(record)
+    return record.colour > COLOURED or (timed and several) or is_patchwork(record)
 
 
 def _nearer(by_steps: Evidence, by_windows: Evidence) -> Evidence:

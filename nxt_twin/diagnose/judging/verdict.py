@@ -348,10 +348,12 @@ def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     Fitted readings call for that law beside all that the effects gained, once less of the torque is allowed. By windows
     alone it is asked where single steps are evidence. What brings given numbers back gains by those, and not by
     readings: so no share tells, and it is not asked. Nor is it where less than half of the tolerance is left: beside a
-    right name, the equations of another simulator leave as much.
+    right name, the equations of another simulator leave as much. Faults of the readings move no motor: beside them, all
+    of the tolerance may be left.
     """
     told = (not record.by_windows or record.colour < limits.coloured) and not record.restores
-    hardly = record.remaining <= limits.silent or _leaves_hardly_any(record, limits)
+    little = record.remaining <= (1.0 if record.of_readings else limits.silent)
+    hardly = little or _leaves_hardly_any(record, limits)
     heard = record.found and not hardly and not _is_cleared(record, limits)
     share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
     return heard and told and record.sober_nats > limits.sober and share > limits.most_left

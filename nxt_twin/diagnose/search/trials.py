@@ -80,6 +80,7 @@ class Trials:
             or (effect.states and cost - draft.cost > EFFORT.in_reach * leading)
         ]
         settled = self._leaders(best, cost, within)
+        settled += self._rugged(best, cost, drafts, {effect.id for effect, _ in settled})
         settled += self._scattering(best, [effect for effect, _ in settled])
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
@@ -128,6 +129,24 @@ class Trials:
                 lifted = max(lifted, gain / promise)
             settled.append((effect, trial))
         return settled
+
+    def _rugged(
+        self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]], listed: set[str]
+    ) -> list[tuple[Effect, Structure]]:
+        """Effects that promise enough and whose drafts are worse than `best`, settled under a first guess of the noise.
+
+        Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
+        noise of a settled plant. Under a larger noise it leads to the highest.
+        """
+        needed, noise = self._standard.needed(best), self._fits.first_noise()
+        prospects = self._drafts.prospects(best, [effect for effect, _ in drafts])
+        failed = [
+            prospects[effect.id][0]
+            for effect, draft in drafts
+            if effect.id not in listed and draft.cost > cost and prospects[effect.id][0].gain > needed
+        ]
+        failed.sort(key=lambda prospect: -prospect.gain)
+        return [(p.effect, self._settled.settle(p.plant, noise)) for p in failed[: EFFORT.rugged]]
 
     def _scattering(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
         """Effects that scatter readings, settled where these are rough.
@@ -195,10 +214,10 @@ class Trials:
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
         drafts = self._drafts.of(
-            self._fits.standing(home, best.noise), self.candidates(home), EFFORT.restoring
+            self._fits.standing(home, best.noise), self.candidates(home), EFFORT.drafted
         )
         return [
             (effect, self._settled.settle(draft.fitted.plant, best.noise))
-            for effect, draft in drafts
+            for effect, draft in drafts[: EFFORT.restoring]
             if effect.id not in listed
         ]
