@@ -66,6 +66,16 @@ def test_coloured_steps_mislead_to_effects_that_leave_most_of_the_error(nearer, 
 
 
 @pytest.mark.parametrize(
+    ("term", "remaining", "misled"), [("outlier", 1.0, False), ("outlier", 1.01, True), ("force", 1.0, True)]
+)
+def test_late_stamps_that_leave_less_than_the_tolerance_mislead_no_steps(term, remaining, misled):
+    record = replace(FOUND, nearer=1.02, colour=2.0, remaining=remaining)
+    effect = SimpleNamespace(terms={term: None}, equation_of="timing")
+    evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
+    assert _misled(evidence) is misled
+
+
+@pytest.mark.parametrize(
     ("changes", "misled"),
     [({}, True), ({"remaining": 3.0}, False), ({"colour": 1.4}, False), ({"found": True}, False)],
 )

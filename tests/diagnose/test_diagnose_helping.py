@@ -79,6 +79,7 @@ def test_what_was_tried_beside_an_effect_that_has_gone_is_not_looked_at():
 LACKING = replace(QUIET, left_nats=100.0, torque_before=0.1, torque_after=0.1)
 NAMED = replace(FOUND, nearer=0.3, surprise=0.5, remaining=9.0)
 SILENT = replace(LACKING, matters=False)
+LACKING_MORE = replace(NAMED, moved=9.0)
 
 
 class Evidence(SimpleNamespace):
@@ -155,3 +156,22 @@ def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, recor
     before = evidence(record, math.inf)
     told: list[str] = []
     assert inquiry._reconsidered(None, before, None, told.append) is before
+
+
+@pytest.mark.parametrize(
+    ("by_steps", "error", "by_windows", "kept"),
+    [
+        (LACKING_MORE, 4.9, LACKING, True),
+        (LACKING_MORE, 5.1, LACKING, False),
+        (LACKING_MORE, 4.9, LACKING_MORE, False),
+        (LACKING_MORE, 4.9, replace(SILENT, remaining=1.0), False),
+        (NAMED, 4.9, LACKING, False),
+        (LACKING, 4.9, LACKING, False),
+    ],
+)
+def test_what_steps_found_stays_where_windows_find_nothing_and_neither_explains(
+    monkeypatch, by_steps, error, by_windows, kept
+):
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    steps, windows = evidence(by_steps, error), evidence(by_windows, 10.0)
+    assert inquiry._nearer(steps, windows) is (steps if kept else windows)

@@ -205,6 +205,22 @@ def restored(prior_cost):
     return len(made._restoring(best, {"0"}))
 
 
+def rugged(*promised, cost=1.0, listed=frozenset()):
+    """How many effects that promise so much are settled, where 8 nats are needed and each draft costs `cost` more."""
+    effects = [effect_named(str(n)) for n in range(len(promised))]
+    pairs = zip(effects, promised, strict=True)
+    prospects = {e.id: [SimpleNamespace(effect=e, plant=None, gain=nats)] for e, nats in pairs}
+    made = trials(
+        _standard=SimpleNamespace(needed=lambda _: 8.0),
+        _fits=SimpleNamespace(first_noise=lambda: "first"),
+        _drafts=SimpleNamespace(prospects=lambda *_: prospects),
+        _settled=SimpleNamespace(settle=lambda _, noise: noise),
+    )
+    found = made._rugged(structure(), 0.0, [(e, SimpleNamespace(cost=cost)) for e in effects], listed)
+    assert all(noise == "first" for _, noise in found)
+    return len(found)
+
+
 def is_kept(monkeypatch, total):
     monkeypatch.setattr(explaining, "weigh", lambda *_: Weight(total - 1.0, 1.0, 1.0, runs_worse=False))
     standard = SimpleNamespace(is_notable=lambda *_: True)
@@ -394,6 +410,7 @@ EDGES = {
     "settled_share": (lambda _, v: forward(100.0, -99.0, v)["within"], 9.9, 10.1),
     "in_reach": (lambda _, v: forward(100.0, *[-99.0] * 5, v, states=("twist",))["within"], 24.5, 25.5),
     "lifted": (lambda _, v: leaders(v), 39.5, 40.5),
+    "restoring_nats": (lambda _, v: restored(v), 1.98, 2.02),
     "fine": (is_rough, 1.48, 1.52),
     "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
 }
@@ -409,6 +426,7 @@ COUNTS = {
     "promised": (lambda _: forward(1.0)["least"], pytest.approx(0.8)),
     "exchanges": (rounds, 5),
     "restoring": (lambda _: 1 + restored(10.1), 3),
+    "rugged": (lambda _: rugged(20.0, 30.0, 40.0), 2),
     "sober": (sober_std, pytest.approx(0.3)),
 }
 
@@ -425,8 +443,14 @@ def test_so_many_are_tried(limit, monkeypatch):
     assert count(monkeypatch) == expected
 
 
-def test_nothing_is_sought_from_given_numbers_that_a_re_fit_hardly_moved():
-    assert restored(9.9) == 0
+@pytest.mark.parametrize(
+    ("promised", "drafted", "settled"), [(8.1, 1.0, True), (7.9, 1.0, False), (99.0, -1.0, False)]
+)
+def test_an_effect_whose_draft_breaks_its_promise_is_settled_under_a_first_guess_of_the_noise(
+    promised, drafted, settled
+):
+    assert rugged(promised, cost=drafted) == settled
+    assert rugged(promised, cost=drafted, listed={"0"}) == 0
 
 
 def test_by_windows_a_free_curve_gives_way_to_what_it_cannot_be_told_from():

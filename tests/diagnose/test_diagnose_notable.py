@@ -80,8 +80,8 @@ def test_a_load_has_a_name_in_either_direction():
     [
         (0.0049, 5.0, 1e6, False),
         (0.0051, 5.0, 1e6, True),
-        (0.99, 5.0, 1e6, True),
-        (1.01, 5.0, 1e6, False),
+        (1.99, 5.0, 1e6, True),
+        (2.01, 5.0, 1e6, False),
         (0.3, 0.11, 1e6, True),
         (0.3, 0.09, 1e6, False),
         (0.3, 0.09, 9.0, True),

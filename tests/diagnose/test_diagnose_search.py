@@ -260,18 +260,20 @@ def test_what_a_smaller_effect_clearly_explains_names_no_larger_one(smaller_rank
     assert search._unnamed == ({"presliding"} if ahead else set())
 
 
-@pytest.mark.parametrize(("active", "small"), [({"coulomb_friction"}, True), (set(), False)])
-def test_what_brings_a_plain_term_with_it_is_small_only_beside_that_term(active, small):
-    """Else plain friction that the baseline lacks would come in without a name, and never get one."""
+@pytest.mark.parametrize(
+    ("stated", "found", "small"), [({"coulomb_friction"}, set(), True), (set(), {"coulomb_friction"}, False)]
+)
+def test_what_brings_a_plain_term_with_it_is_small_only_if_the_baseline_has_that_term(stated, found, small):
+    """Else plain friction that the baseline lacks would lose its name, found or not."""
     search = object.__new__(_Search)
     asymmetric = SimpleNamespace(id="asymmetric_friction", supersedes=("coulomb_friction",))
     search._trials = SimpleNamespace(beside=lambda _: [(asymmetric, None)])
     search._standard = SimpleNamespace(
         is_notable=lambda *_: False, is_too_small=lambda *_: True, loud=frozenset()
     )
-    search._baseline = None  # which `best` is not
+    search._baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset(stated)))
     search._ranked = lambda _, settled: settled
-    best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(active)))
+    best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(stated | found)))
     assert search._forward(best) == ([], [(asymmetric, None)] if small else [])
 
 

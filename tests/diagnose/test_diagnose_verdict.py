@@ -326,6 +326,8 @@ def test_what_was_refused_and_helps_explains_nothing():
         ({"found": False}, False),
         ({"remaining": 0.51}, True),
         ({"remaining": 0.5}, False),
+        ({"remaining": 1.0, "of_readings": True}, False),
+        ({"remaining": 1.01, "of_readings": True}, True),
         ({"remaining": 3.0, "nearer": 0.06, "run_ratio": 0.06}, False),
         ({"remaining": 3.01, "nearer": 0.06, "run_ratio": 0.06}, True),
     ],

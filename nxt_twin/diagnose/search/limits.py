@@ -100,8 +100,8 @@ class SearchEffort:
         sober: share of the unknown torque under which other starts are followed.
         fine: how many times an encoder's step readings have to scatter before held readings are looked for.
         restoring: effects that are settled from the given numbers where a re-fit has moved these far.
-        restoring_nats: what the priors of given numbers cost from which these are far: 2 nats are one number that is
-            off by two of its standard deviations. Coulomb friction that grew fivefold cost 6, and hid a voltage drop.
+        restoring_nats: what the priors of given numbers cost from which these are far. One number that is off by two of
+            its standard deviations costs 2. Coulomb friction that grew fivefold cost 6, and hid a voltage drop.
         comb: starts of a period from which its likelihood has separate peaks.
     """
 

@@ -213,9 +213,7 @@ class Trials:
             return []
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
-        drafts = self._drafts.of(
-            self._fits.standing(home, best.noise), self.candidates(home), EFFORT.drafted
-        )
+        drafts = self._drafts.of(self._fits.standing(home, best.noise), self.candidates(home), EFFORT.drafted)
         return [
             (effect, self._settled.settle(draft.fitted.plant, best.noise))
             for effect, draft in drafts[: EFFORT.restoring]
