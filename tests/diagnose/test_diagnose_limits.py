@@ -205,20 +205,23 @@ def restored(prior_cost):
     return len(made._restoring(best, {"0"}))
 
 
-def rugged(*promised, cost=1.0, listed=frozenset()):
+def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
     """How many effects that promise so much are settled, where 8 nats are needed and each draft costs `cost` more."""
     effects = [effect_named(str(n)) for n in range(len(promised))]
     pairs = zip(effects, promised, strict=True)
     prospects = {e.id: [SimpleNamespace(effect=e, plant=None, gain=nats)] for e, nats in pairs}
     made = trials(
         _standard=SimpleNamespace(needed=lambda _: 8.0),
-        _fits=SimpleNamespace(first_noise=lambda: "first"),
+        _fits=SimpleNamespace(
+            first_noise=lambda: "first", problem=SimpleNamespace(plant=SimpleNamespace(active=frozenset()))
+        ),
         _drafts=SimpleNamespace(prospects=lambda *_: prospects),
         _settled=SimpleNamespace(settle=lambda _, noise: noise),
     )
-    found = made._rugged(structure(), 0.0, [(e, SimpleNamespace(cost=cost)) for e in effects], listed)
-    assert all(noise == "first" for _, noise in found)
-    return len(found)
+    drafts = [(e, SimpleNamespace(cost=cost)) for e in effects]
+    settled = made._rugged(structure(*found), 0.0, drafts, listed)
+    assert all(noise == "first" for _, noise in settled)
+    return len(settled)
 
 
 def is_kept(monkeypatch, total):
@@ -451,6 +454,7 @@ def test_an_effect_whose_draft_breaks_its_promise_is_settled_under_a_first_guess
 ):
     assert rugged(promised, cost=drafted) == settled
     assert rugged(promised, cost=drafted, listed={"0"}) == 0
+    assert rugged(promised, cost=drafted, found=("a",)) == 0
 
 
 def test_by_windows_a_free_curve_gives_way_to_what_it_cannot_be_told_from():

@@ -136,8 +136,11 @@ class Trials:
         """Effects that promise enough and whose drafts are worse than `best`, settled under a first guess of the noise.
 
         Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
-        noise of a settled plant. Under a larger noise it leads to the highest.
+        noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, promises are broken
+        more often, and each costs a fit: there it is not tried.
         """
+        if best.plant.active - self._fits.problem.plant.active:
+            return []
         needed, noise = self._standard.needed(best), self._fits.first_noise()
         prospects = self._drafts.prospects(best, [effect for effect, _ in drafts])
         failed = [
