@@ -136,8 +136,8 @@ class Trials:
         """Effects that promise enough and whose drafts are worse than `best`, settled under a first guess of the noise.
 
         Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
-        noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, promises are broken
-        more often, and each costs a fit: there it is not tried.
+        noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, more promises are
+        broken, and each costs a fit: there it is not tried.
         """
         if best.plant.active - self._fits.problem.plant.active:
             return []
