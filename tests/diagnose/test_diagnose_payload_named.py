@@ -67,7 +67,7 @@ def test_a_payload_tells_the_inertia_that_it_adds_with_an_interval(monkeypatch):
 
 @pytest.mark.parametrize(
     ("rise", "gravity", "effect_id"),
-    [(0.05, GRAVITY_NM, "gravity_load"), (0.6, 5.0, "gravity_load"), (0.6, 0.005, "gravity_load")],
+    [(0.05, GRAVITY_NM, "gravity_load"), (0.6, 5.0, "gravity_load"), (0.6, 0.002, "gravity_load")],
 )
 def test_an_arm_whose_lever_no_motor_carries_stays_an_arm(monkeypatch, rise, gravity, effect_id):
     assert told(monkeypatch, rise, gravity=gravity).id == effect_id
