@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,11 +13,11 @@ from nxt_twin.blind.families.family import Family
 from nxt_twin.blind.limits_in_turn import Recorded
 from nxt_twin.blind.peers.answers import PEERS
 from nxt_twin.blind.peers.localised import ChosenCells
-from nxt_twin.blind.prove import ReadClock, Shelf, prove
+from nxt_twin.blind.prove import DELETION, ReadClock, Shelf, delete, is_deleted, prove
 from nxt_twin.blind.ranges import RangeCase, SeedRange
 from nxt_twin.blind.score import judged_case
 from nxt_twin.blind.solve import record_file
-from nxt_twin.blind.spread import CaseTask, NameAndFailure, spread
+from nxt_twin.blind.spread import CaseTask, CaseWork, NameAndFailure, spread
 from nxt_twin.blind.told import Deleted
 from nxt_twin.blind.verdict import NO_ANSWER, Judged
 from nxt_twin.diagnose.judging.verdict import Record
@@ -72,7 +72,26 @@ class Proof:
         self, place: Place, clock: ReadClock, goes_on: Callable[[], bool], *, peers: bool
     ) -> Iterator[NameAndFailure]:
         """Do the cases that wait, as long as it `goes_on`; cases that have begun are ended. Yields their outcomes."""
-        yield from spread(self._tasks(clock, goes_on, peers=peers), place)
+        tasks = [(case, self._shelf(case), clock, peers) for case in self.waiting()]
+        yield from spread(_begun(prove, tasks, goes_on), place)
+
+    def undeleted(self) -> list[RangeCase]:
+        """The finished cases of the first seed that are to be diagnosed once more without their effect."""
+        own = [one for one in self.finished() if one.case.seed == self.chosen.seeds[0]]
+        own = [one for one in own if not any(why.startswith(DELETION) for why in one.failed)]
+        return [
+            one.case
+            for one in own
+            if (shelf := self._shelf(one.case))
+            and (name := one.case.order.plan.name)
+            and not shelf.file("deleted", name).exists()
+            and is_deleted(shelf.judged(name))
+        ]
+
+    def delete(self, place: Place, clock: ReadClock, goes_on: Callable[[], bool]) -> Iterator[NameAndFailure]:
+        """Diagnose those without their effect, as `run` does the others."""
+        tasks = [(case, self._shelf(case), clock) for case in self.undeleted()]
+        yield from spread(_begun(delete, tasks, goes_on), place)
 
     def finished(self) -> list[FinishedCase]:
         """The cases of which everything was tried."""
@@ -138,16 +157,18 @@ class Proof:
         files = [self._shelf(one.case).file("localised", one.case.order.plan.name) for one in self.finished()]
         return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.exists()]
 
-    def _tasks(self, clock: ReadClock, goes_on: Callable[[], bool], *, peers: bool) -> Iterator[CaseTask]:
-        first = self.chosen.seeds[0]
-        for case in self.waiting():
-            if not goes_on():
-                return
-            task = (case, self._shelf(case), clock, case.seed == first, peers)
-            yield CaseTask(case.order.plan.name, prove, task)
-
     def _shelf(self, case: RangeCase) -> Shelf:
         return Shelf(self.folder.resolve() / str(case.seed))
 
     def _file(self, case: RangeCase) -> Path:
         return self._shelf(case).file("finished", case.order.plan.name)
+
+
+def _begun(
+    work: CaseWork, tasks: Iterable[tuple[Any, ...]], goes_on: Callable[[], bool]
+) -> Iterator[CaseTask]:
+    """What is to be done with each case, which comes first in its task, as long as it `goes_on`."""
+    for task in tasks:
+        if not goes_on():
+            return
+        yield CaseTask(task[0].order.plan.name, work, task)

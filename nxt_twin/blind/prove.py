@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -23,6 +23,8 @@ from nxt_twin.fleet.version import engine_version
 
 ReadClock = Callable[[], float]
 """Processor time of the process that asks, s."""
+DELETION: Final = "diagnose without the effect"
+"""The step that comes last, once all cases have their answers."""
 Step = tuple[str, Callable[[], NameAndFailure]]
 
 _CONTAINED_IN: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -83,15 +85,31 @@ def is_deleted(case: Judged) -> bool:
     return case.kind == "single" and case.sizes[0] != "small" and is_detectable(case)
 
 
-def prove(case: RangeCase, shelf: Shelf, clock: ReadClock, deletes: bool, peers: bool) -> NameAndFailure:
+def prove(case: RangeCase, shelf: Shelf, clock: ReadClock, peers: bool) -> NameAndFailure:
     """Make the case, diagnose it, fit its truth, and let others answer; `finished` says that all was tried.
 
     A step that fails leaves no file: the case has no answer there, and the proof goes on. A case that cannot be made
     is not finished.
     """
-    name, failed = case.order.plan.name, []
+    return _tried(case.order.plan.name, _steps(case, shelf, peers=peers), shelf, clock)
+
+
+def delete(case: RangeCase, shelf: Shelf, clock: ReadClock) -> NameAndFailure:
+    """Diagnose a finished case once more, without its effect in the library; `finished` says that this was tried."""
+    name = case.order.plan.name
+    without = taken_out(shelf.judged(name).hidden[0])
+    target = shelf.file("deleted", name)
+    step = (DELETION, lambda: solve_one(shelf.of("cases") / name, target, 0, without))
+    return _tried(name, [step], shelf, clock)
+
+
+def _tried(name: str, steps: Iterable[Step], shelf: Shelf, clock: ReadClock) -> NameAndFailure:
+    """Do one step after the other, and add to `finished` how long each took and what failed."""
+    file = shelf.file("finished", name)
+    before = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {"seconds": {}, "failed": []}
     seconds: dict[str, float] = {}
-    for step, work in _steps(case, shelf, deletes=deletes, peers=peers):
+    failed: list[str] = []
+    for step, work in steps:
         began = clock()
         why = _why(work)
         seconds[step] = clock() - began
@@ -99,25 +117,25 @@ def prove(case: RangeCase, shelf: Shelf, clock: ReadClock, deletes: bool, peers:
             failed.append(f"{step}: {why}")
         if why and step == "make":
             return name, failed[0]
-    held = {"engine": engine_version(), "seconds": seconds, "failed": failed}
-    write_whole(shelf.file("finished", name), json.dumps(held))
+    held = {
+        "engine": engine_version(),
+        "seconds": {**before["seconds"], **seconds},
+        "failed": [*before["failed"], *failed],
+    }
+    write_whole(file, json.dumps(held))
     return name, "; ".join(failed)
 
 
-def _steps(case: RangeCase, shelf: Shelf, *, deletes: bool, peers: bool) -> Iterator[Step]:
+def _steps(case: RangeCase, shelf: Shelf, *, peers: bool) -> Iterator[Step]:
     """Each step that is not done yet, when those before it are."""
     name = case.order.plan.name
     folder = shelf.of("cases") / name
     yield "make", lambda: make_one(case.order, shelf.of("cases"), shelf.of("answers"))
-    diagnosis, reached, deleted = (shelf.file(part, name) for part in ("diagnoses", "reached", "deleted"))
+    diagnosis, reached = shelf.file("diagnoses", name), shelf.file("reached", name)
     if not diagnosis.exists():
         yield "diagnose", lambda: solve_one(folder, diagnosis, 0, frozenset())
     if not reached.exists():
         yield "fit the truth", lambda: reach_one(folder, reached, shelf.file("answers", name))
-    judged = shelf.judged(name)
-    if deletes and is_deleted(judged) and not deleted.exists():
-        without = taken_out(judged.hidden[0])
-        yield "diagnose without the effect", lambda: solve_one(folder, deleted, 0, without)
     if peers:
         yield "let others answer", lambda: answer_one(folder, shelf.of("peers"))
         yield "localise", lambda: shelf.localise(name)

@@ -58,8 +58,11 @@ def proof(
     work = Proof(folder, RANGES[chosen], families_of(names), cases)
     tell_of_compiling()
     others = peers and find_spec("pysindy") is not None
-    outcomes = work.run(place_of(jobs, cluster), time.process_time, _until(minutes), peers=others)
+    place, goes_on = place_of(jobs, cluster), _until(minutes)
+    outcomes = work.run(place, time.process_time, goes_on, peers=others)
     failed = followed("proving", outcomes, len(work.waiting()))
+    deletions = work.delete(place, time.process_time, goes_on)
+    failed |= followed("without the effect", deletions, len(work.undeleted()))
     tables, status = tables_of(work), proof_status(work)
     text = "\n".join([f"{status}\n", *(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items())])
     (folder / "tables.txt").write_text(text, encoding="utf-8")

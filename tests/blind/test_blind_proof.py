@@ -60,6 +60,43 @@ def test_a_piece_does_the_first_cases_and_the_next_piece_goes_on(proof):
     assert tables_of(proof)["families"][1][1] == "4"
 
 
+def test_effects_are_taken_out_last_and_once(proof, monkeypatch):
+    seen = []
+
+    def solved(folder, target, _, without):
+        seen.append((folder.name, without))
+        return answered({"verdict": "unexplained"})(folder, target)
+
+    monkeypatch.setattr("nxt_twin.blind.prove.solve_one", solved)
+    monkeypatch.setattr("nxt_twin.blind.proof.is_deleted", lambda case: case.kind == "single")
+    run(proof)
+    assert {without for _, without in seen} == {frozenset()}
+    stictions = [case.order.plan.name for case in proof.undeleted()]
+    assert len(stictions) == 3
+    seen.clear()
+    left = iter([True, False])
+    assert len(list(proof.delete(HERE, lambda: 0.0, lambda: next(left)))) == 1
+    assert len(list(proof.delete(HERE, lambda: 0.0, lambda: True))) == 2
+    assert seen == [(name, frozenset({"stiction"})) for name in stictions]
+    assert proof.undeleted() == []
+    assert [len(ended.seconds) for ended in proof.finished()].count(4) == 3
+    assert [deleted.verdict for deleted in proof.deletions()["stiction"]] == ["unexplained"] * 3
+
+
+def test_a_case_that_fails_without_its_effect_is_not_tried_again(proof, monkeypatch):
+    monkeypatch.setattr("nxt_twin.blind.proof.is_deleted", lambda case: case.kind == "single")
+    run(proof)
+
+    def broken(*_):
+        raise ZeroDivisionError("no speed")
+
+    monkeypatch.setattr("nxt_twin.blind.prove.solve_one", broken)
+    told = list(proof.delete(HERE, lambda: 0.0, lambda: True))
+    assert ["no speed" in why for _, why in told] == [True] * 3
+    assert proof.undeleted() == []
+    assert "no speed" in tables_of(proof)["no answer"][1][1]
+
+
 def test_a_case_that_was_killed_half_way_is_done_again_and_keeps_its_files(proof):
     run(proof, many=1)
     case = proof.cases[0]
