@@ -117,8 +117,9 @@ def _tried(name: str, steps: Iterable[Step], shelf: Shelf, clock: ReadClock) -> 
             failed.append(f"{step}: {why}")
         if why and step == "make":
             return name, failed[0]
+    engines = dict.fromkeys([before.get("engine", engine_version()), engine_version()])
     held = {
-        "engine": engine_version(),
+        "engine": " and ".join(engines),
         "seconds": {**before["seconds"], **seconds},
         "failed": [*before["failed"], *failed],
     }

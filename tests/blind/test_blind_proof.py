@@ -83,6 +83,16 @@ def test_effects_are_taken_out_last_and_once(proof, monkeypatch):
     assert [deleted.verdict for deleted in proof.deletions()["stiction"]] == ["unexplained"] * 3
 
 
+def test_an_effect_that_another_engine_takes_out_hides_no_engine(proof, monkeypatch):
+    monkeypatch.setattr("nxt_twin.blind.proof.is_deleted", lambda case: case.kind == "single")
+    monkeypatch.setattr("nxt_twin.blind.prove.engine_version", lambda: "first")
+    run(proof)
+    monkeypatch.setattr("nxt_twin.blind.prove.engine_version", lambda: "second")
+    list(proof.delete(HERE, lambda: 0.0, lambda: True))
+    assert sorted(ended.engine for ended in proof.finished()) == ["first", *["first and second"] * 3]
+    assert "several engines" in proof_status(proof)
+
+
 def test_a_case_that_fails_without_its_effect_is_not_tried_again(proof, monkeypatch):
     monkeypatch.setattr("nxt_twin.blind.proof.is_deleted", lambda case: case.kind == "single")
     run(proof)
