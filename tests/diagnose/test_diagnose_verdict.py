@@ -28,9 +28,8 @@ ABOVE = 1.01
 
 # Numbers, and not the limits themselves: a limit that is moved fails its test.
 EDGES = {
-    "structured_torque": (replace(STRUCTURED, torque_after=6e-3, remaining=3.0), "torque_after"),
-    "large_torque": (replace(QUIET, torque_after=3e-2, remaining=3.0), "torque_after"),
-    "excused": (replace(QUIET, torque_after=5.5e-3, remaining=3.01), "torque_after"),
+    "structured_torque": (replace(STRUCTURED, torque_after=8.5e-3, remaining=3.0), "torque_after"),
+    "excused": (replace(QUIET, torque_after=6e-3, remaining=3.01), "torque_after"),
     "rested": (replace(FOUND, rested_nats=60.0, remaining=0.1, matters=False), "rested_nats"),
     "moved": (replace(FOUND, moved=3.0), "moved"),
     "most_left": (
@@ -85,6 +84,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "idle",
         "no_nearer",
         "silent",
+        "faint",
         "sure",
         "unheard",
         "unmistakable",
@@ -122,12 +122,6 @@ def test_windows_alone_name_nothing_where_single_steps_are_evidence_too(changes,
     assert verdict_of(record) == (
         "unexplained" if contradicted else "explained" if record.found else "adequate"
     )
-
-
-def test_an_unknown_torque_excuses_no_error_by_windows_where_single_steps_are_evidence_too():
-    pushed = replace(QUIET, by_windows=True, torque_after=2.7e-2, remaining=3.01)
-    assert verdict_of(replace(pushed, colour=1.4)) == "adequate"
-    assert verdict_of(replace(pushed, colour=1.39)) == "unexplained"
 
 
 @pytest.mark.parametrize(("kin_nats", "another"), [(18.0, False), (18.1, True)])
@@ -191,9 +185,9 @@ def test_of_several_effects_that_predict_unseen_readings_worse_than_none_one_may
         ({"nearer": 0.99 * 0.98}, False),
         ({"least_nats": 40.0}, False),
         ({"found": False}, False),
-        ({"nearer": 0.3, "at_first": 0.49}, True),
-        ({"nearer": 0.3, "at_first": 0.5}, False),
-        ({"nearer": 0.3, "at_first": 0.49, "least_nats": 40.0}, False),
+        ({"nearer": 0.3, "at_first": 1.59}, True),
+        ({"nearer": 0.3, "at_first": 1.6}, False),
+        ({"nearer": 0.3, "at_first": 1.59, "least_nats": 40.0}, False),
         ({"restores": True}, False),
     ],
 )
@@ -279,10 +273,10 @@ def test_an_unknown_torque_that_the_effects_leave_does_not_excuse_their_error(ch
 
 @pytest.mark.parametrize(
     ("changes", "forgiven"),
-    [({}, True), ({"named": 2}, False), ({"torque_after": 5.5e-3}, False), ({"of_readings": True}, False)],
+    [({}, True), ({"named": 2}, False), ({"torque_after": 6e-3}, False), ({"of_readings": True}, False)],
 )
 def test_three_effects_that_leave_a_torque_and_an_error_stand_for_another(changes, forgiven):
-    record = replace(FORGIVEN, named=3, torque_after=5.51e-3, torque_before=1.0)
+    record = replace(FORGIVEN, named=3, torque_after=6.01e-3, torque_before=1.0)
     assert is_forgiven(replace(record, **changes)) is forgiven
 
 
