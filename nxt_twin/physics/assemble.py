@@ -45,6 +45,7 @@ _FRAME = (
     frame.log_scales,
     frame.anywhere,
     frame.same,
+    frame.probes,
     frame.free_speed,
     frame.slowed,
     frame.scattered,

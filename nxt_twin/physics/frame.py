@@ -119,6 +119,11 @@ def same(one: FloatArray, other: FloatArray) -> bool:
     return bool(np.all(one == other))
 
 
+def probes(time_s: FloatArray) -> FloatArray:
+    """The first of the stamps, and some evenly spaced ones after it, shape (up to 16,)."""
+    return time_s[:: max(time_s.shape[0] // 8, 1)].copy()
+
+
 def free_speed(kept: float, before: float, pull: float, inverse: float) -> float:
     """The speed at a step's end were there no dry friction, by the trapezoidal rule.
 

@@ -188,6 +188,9 @@ def run_together(
     sets, rows = values.shape[0], out_time_s.shape[0]
     target_s, other_s = np.empty(rows), np.empty(rows)
     acts_s, other_acts_s = np.empty(command_time_s.shape[0]), np.empty(command_time_s.shape[0])
+    probe_s, probe_command_s = _probes(out_time_s), _probes(command_time_s)
+    probed_s, other_probed_s = np.empty(probe_s.shape[0]), np.empty(probe_s.shape[0])
+    probed_acts_s, other_probed_acts_s = np.empty(probe_command_s.shape[0]), np.empty(probe_command_s.shape[0])
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
     log_scale = _log_scales(reading_std)
     judged = reading_std[0, 0] > 0.0
@@ -198,11 +201,19 @@ def run_together(
         if not left[i]:
             continue
         timing = _timing(values[i], active[i], out_time_s, target_s, command_time_s, acts_s)
+        _timing(values[i], active[i], probe_s, probed_s, probe_command_s, probed_acts_s)
         alike = 0
         for j in range(i, sets):
             if alike < {most} and left[j] and _same(active[i], active[j]):
-                other = _timing(values[j], active[j], out_time_s, other_s, command_time_s, other_acts_s)
-                if other == timing and _same(target_s, other_s) and _same(acts_s, other_acts_s):
+                # A lag at a few stamps tells most sets apart; without one the rest says all.
+                other = _timing(values[j], active[j], probe_s, other_probed_s, probe_command_s, other_probed_acts_s)
+                equal = other == timing
+                if equal and timing[2]:
+                    equal = _same(probed_s, other_probed_s) and _same(probed_acts_s, other_probed_acts_s)
+                    if equal:
+                        _timing(values[j], active[j], out_time_s, other_s, command_time_s, other_acts_s)
+                        equal = _same(target_s, other_s) and _same(acts_s, other_acts_s)
+                if equal:
                     left[j] = False
                     row[alike] = j
                     alike += 1

@@ -155,6 +155,8 @@ def test_what_surprises_on_held_out_readings_is_missing_whether_or_not_an_effect
         ({"nearer": 0.99 * 0.85}, False),
         ({"named": 1}, False),
         ({"matters": False}, False),
+        ({"least_nats": 999.0}, True),
+        ({"least_nats": 1000.0}, False),
     ],
 )
 def test_several_effects_that_bring_no_simulation_nearer_are_idle(changes, idle):

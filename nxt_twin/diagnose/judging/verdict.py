@@ -255,8 +255,12 @@ def leaves_little(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_idle(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether several effects were found that hardly bring a simulation nearer, though it is not near."""
-    return record.named > 1 and record.matters and record.nearer > limits.idle
+    """Whether several effects were found that hardly bring a simulation nearer, though it is not near.
+
+    Not those of which each is unmistakable: readings that are held err as they do, however right the plant is.
+    """
+    quietly = record.least_nats < limits.unmistakable
+    return record.named > 1 and record.matters and record.nearer > limits.idle and quietly
 
 
 def is_spoiled(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -210,13 +210,14 @@ class Trials:
         """Effects settled from the given numbers, where `best` has moved these far.
 
         A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
-        limited; a look from the given numbers does.
+        limited; a look from the given numbers does. Faults of the readings move no motor, and so none of its numbers.
         """
         if best.fitted.prior_cost < EFFORT.restoring_nats:
             return []
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
-        drafts = self._drafts.of(self._fits.standing(home, best.noise), self.candidates(home), EFFORT.drafted)
+        moving = [effect for effect in self.candidates(home) if not effect.fault]
+        drafts = self._drafts.of(self._fits.standing(home, best.noise), moving, EFFORT.drafted)
         return [
             (effect, self._settled.settle(draft.fitted.plant, best.noise))
             for effect, draft in drafts[: EFFORT.restoring]
