@@ -33,7 +33,8 @@ class VerdictLimits:
         large_by_windows: unknown torque, as such a fraction, that counts where windows alone tell of it.
         no_nearer: error over that of the re-fitted baseline from which effects that a simulation does not need make
             no difference to it.
-        silent: remaining error over the tolerance below which no law is asked for under less unknown torque.
+        silent: error of a plant over the tolerance below which nothing that matters can be missing beside its effects.
+            No law is asked for under less unknown torque beside effects that leave less.
         faint: error of the re-fitted baseline over the tolerance below which little that matters can be missing. Set
             on 5300 answers to spent ranges and to two foreign simulators. Below it, and with less than `sure`, four
             clean motors and one of unknown physics had got a name. Two right names had.
@@ -284,7 +285,8 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     asked = limits.unmistakable if record.at_first < limits.unheard else limits.heard
     if hardly and record.least_nats < asked and not record.doubts:
         return True
-    unneeded = record.nearer >= limits.no_nearer or record.at_first < limits.faint
+    faint = limits.faint if record.named <= 1 else limits.silent
+    unneeded = record.nearer >= limits.no_nearer or record.at_first < faint
     return unneeded and record.least_nats < limits.sure
 
 
