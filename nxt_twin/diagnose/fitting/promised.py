@@ -114,11 +114,14 @@ class _Nuisance:
             along += signature @ slopes.T
             fit += signature @ residual
             power += np.einsum("ij,ij->i", signature, signature)
+        believed = fit - 0.5 * power  # what is gained outright in readings that the structure does not doubt
         fit -= along @ self._solve @ self._gradient
         power -= np.einsum("ij,jk,ik->i", along, self._solve, along)
         stretch = np.clip(fit / np.maximum(power, 1e-9), 0.0, _LARGEST_STRETCH)
         linear = stretch * fit - 0.5 * stretch**2 * power
-        outright = np.nan_to_num(self._cost - self._target.cost(results), neginf=-1e9)
+        outright = believed
+        if not self._outliers:
+            outright = np.nan_to_num(self._cost - self._target.cost(results), neginf=-1e9)
         gains = np.maximum(linear, outright)
         doubting = np.array([self._has_outliers_of_its_own(plant) for plant in plants])
         stretch = np.where((outright > linear) & ~doubting, 1.0, stretch)

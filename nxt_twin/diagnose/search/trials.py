@@ -139,7 +139,8 @@ class Trials:
         noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, more promises are
         broken, and each costs a fit: there it is not tried.
         """
-        if best.plant.active - self._fits.problem.plant.active:
+        found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
+        if found and not any("outlier" in effect.terms for effect in found):
             return []
         needed, noise = self._standard.needed(best), self._fits.first_noise()
         prospects = self._drafts.prospects(best, [effect for effect, _ in drafts])
