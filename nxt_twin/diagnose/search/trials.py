@@ -12,10 +12,11 @@ import numpy as np
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
-from nxt_twin.diagnose.search.limits import EFFORT
+from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard
+from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
@@ -84,6 +85,7 @@ class Trials:
         settled += self._scattering(best, [effect for effect, _ in settled])
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
+        settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
         lowest = min(trial.fitted_cost for _, trial in settled)
         in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
         return [
@@ -129,6 +131,15 @@ class Trials:
                 lifted = max(lifted, gain / promise)
             settled.append((effect, trial))
         return settled
+
+    def _rested(self, best: Structure, trial: Structure) -> Structure:
+        """`trial`, settled once more under the noise of `best` where it simulates much nearer and is not likelier.
+
+        Under a noise that has grown beside a gap or a stop, its fit has come to rest on the way to a likelier place.
+        """
+        weight = weigh(best, trial)
+        stuck = weight.gain < 0.0 and weight.free_run_ratio < LIMITS.much_nearer
+        return self._settled.settle(trial.plant, best.noise) if stuck else trial
 
     def _rugged(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]], listed: set[str]
