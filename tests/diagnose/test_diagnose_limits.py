@@ -27,6 +27,7 @@ def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),), supe
         id=name,
         parameters=parameters,
         plain=False,
+        fault=False,
         source=source,
         states=states,
         confusable_with=(),
@@ -219,7 +220,9 @@ def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
         _settled=SimpleNamespace(settle=lambda _, noise: noise),
     )
     drafts = [(e, SimpleNamespace(cost=cost)) for e in effects]
-    settled = made._rugged(structure(*found), 0.0, drafts, listed)
+    best = structure(*found)
+    best.plant.effects = tuple(effect_named(each) for each in found)
+    settled = made._rugged(best, 0.0, drafts, listed)
     assert all(noise == "first" for _, noise in settled)
     return len(settled)
 

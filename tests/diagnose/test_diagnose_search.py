@@ -66,6 +66,16 @@ def test_a_screen_costs_about_one_run_a_start(lacking):
     assert lacking.steps - before < 2.6 * starts * seconds / DRAFT_STEP_S
 
 
+def test_beside_late_stamps_an_effect_promises_what_believed_readings_gain():
+    bench = Bench(("stale_samples", "voltage_drop"), seed=151)
+    late = bench.baseline.plant.with_effect("stale_samples", {"stale_fraction": 0.02})
+    best = settled(bench.fitter, late, bench.baseline.noise)
+    further = screen(bench.fits, best, addable_effects(best.plant, bench.problem.signals[0]))
+    true = settled(bench.fitter, best.plant.with_effect("voltage_drop", {"brush_drop": 1.0}), best.noise)
+    assert further[0].effect.id == "voltage_drop"
+    assert further[0].gain < best.fitted_cost - true.fitted_cost
+
+
 def test_small_batches_promise_the_same(lacking, monkeypatch):
     whole = {(p.effect.id, tuple(p.plant.values.values())): p.gain for p in lacking.screened()}
     monkeypatch.setattr(batch, "_MOST_READINGS", 20_000)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from physics_samples import NXT, commanded, job_with_readings, moving
 
-from nxt_twin.physics.abreast import LANES, abreast
+from nxt_twin.physics.abreast import FEWEST, LANES, abreast
 from nxt_twin.physics.layout import layout
 from nxt_twin.physics.observer import Observer
 from nxt_twin.physics.plant import plant_from_config
@@ -37,6 +37,27 @@ def assert_as_alone(simulator, plants, job):
 def test_sets_abreast_run_as_alone(motor_simulator, effect_id):
     plants = [with_effect(effect_id, 1.0 + 0.02 * n) for n in range(LANES - 2)]
     assert_as_alone(motor_simulator, plants, job_with_readings(motor_simulator, seconds=0.5))
+
+
+def test_sets_whose_lags_differ_between_some_stamps_alone_run_as_alone(motor_simulator):
+    # The lags agree at whole seconds, where sets are first told apart: the sine passes zero there.
+    run = commanded([(10.0, 60.0), (14.0, -60.0)], seconds=8.0, stamps=10.0 + 0.01 * np.arange(801))
+    skew = MOTOR.effect("clock_skew")
+    usual = {p.symbol: p.starts[0] * p.si for p in skew.parameters}
+    wandering = [
+        {
+            **usual,
+            "rate_error": 0.0,
+            "lag_mean": 0.0,
+            "lag_period": 1.0,
+            "lag_phase": 0.25,
+            "lag_span": span_s,
+        }
+        for span_s in (0.0, 0.02, 0.05)
+    ]
+    plant = plant_from_config(NXT, "power_pct")
+    plants = [plant.with_effect("clock_skew", own) for own in wandering for _ in range(FEWEST)]
+    assert_as_alone(motor_simulator, plants, free_job(run, moving(run)))
 
 
 @pytest.mark.slow

@@ -148,7 +148,7 @@ class Trials:
 
         Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
         noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, more promises are
-        broken, and each costs a fit: there it is not tried.
+        broken, and each costs a fit: there it is tried beside late stamps only, whose noise is the smallest.
         """
         found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
         if found and not any("outlier" in effect.terms for effect in found):

@@ -1,0 +1,73 @@
+"""Trials that are settled in another way, since a draft or a first fit of them came to rest too early."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from nxt_twin.diagnose.search import trials as trying
+from nxt_twin.diagnose.search.trials import Trials
+from nxt_twin.diagnose.search.weight import Weight
+
+
+def effect(name, *terms):
+    return SimpleNamespace(id=name, terms=dict.fromkeys(terms))
+
+
+def structure(*effects, noise="own"):
+    plant = SimpleNamespace(effects=effects, active=frozenset(each.id for each in effects))
+    return SimpleNamespace(plant=plant, noise=noise)
+
+
+def trials(**parts):
+    made = object.__new__(Trials)
+    for name, part in parts.items():
+        setattr(made, name, part)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("gain", "ratio", "again"), [(-1.0, 0.49, True), (1.0, 0.49, False), (-1.0, 0.51, False)]
+)
+def test_what_simulates_much_nearer_and_is_not_likelier_is_settled_once_more(monkeypatch, gain, ratio, again):
+    monkeypatch.setattr(trying, "weigh", lambda *_: Weight(gain, 0.0, ratio, runs_worse=False))
+    made = trials(_settled=SimpleNamespace(settle=lambda _, noise: f"under the noise of {noise}"))
+    trial = structure()
+    expected = "under the noise of the best" if again else trial
+    assert made._rested(structure(noise="the best"), trial) == expected
+
+
+@pytest.mark.parametrize(
+    ("found", "settled"),
+    [
+        ((), 1),
+        ((effect("late", "outlier"),), 1),
+        ((effect("late", "outlier"), effect("drag", "friction")), 1),
+        ((effect("drag", "friction"),), 0),
+    ],
+)
+def test_a_broken_promise_is_settled_at_first_and_beside_late_stamps(found, settled):
+    promising = effect("load", "torque")
+    prospect = SimpleNamespace(effect=promising, plant=None, gain=20.0)
+    made = trials(
+        _standard=SimpleNamespace(needed=lambda _: 8.0),
+        _fits=SimpleNamespace(first_noise=lambda: "first", problem=SimpleNamespace(plant=structure().plant)),
+        _drafts=SimpleNamespace(prospects=lambda *_: {"load": [prospect]}),
+        _settled=SimpleNamespace(settle=lambda *_: structure()),
+    )
+    worse = [(promising, SimpleNamespace(cost=1.0))]
+    assert len(made._rugged(structure(*found), 0.0, worse, set())) == settled
+
+
+@pytest.mark.parametrize(("fault", "asked"), [(False, ["load"]), (True, [])])
+def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, asked):
+    one = SimpleNamespace(id="load", fault=fault)
+    home = SimpleNamespace(values={}, with_values=lambda _: home)
+    best = SimpleNamespace(plant=home, noise="own", fitted=SimpleNamespace(prior_cost=3.0))
+    seen: list[str] = []
+    made = trials(
+        candidates=lambda _: [one],
+        _fits=SimpleNamespace(problem=SimpleNamespace(plant=home), standing=lambda *_: best),
+        _drafts=SimpleNamespace(of=lambda _, effects, __: seen.extend(each.id for each in effects) or []),
+    )
+    assert made._restoring(best, set()) == []
+    assert seen == asked
