@@ -20,6 +20,8 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(
         f"where it gains {LIMITS.sober:g} nats and {100 * LIMITS.most_left:g} % of all gains",
         f"gain {LIMITS.heard:g} nats where it hardly brings a simulation nearer, and {LIMITS.unmistakable:g}",
         f"above {100 * LIMITS.forgiven:g} %. By windows alone",
+        f"gain {LIMITS.sure:g} nats, if no other effect was found",
+        f"errs by less than {LIMITS.faint:g} times the tolerance",
         f"for more than {100 * LIMITS.most_stalled:g} % of a recording",
     ],
 )
