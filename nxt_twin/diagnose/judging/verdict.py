@@ -62,8 +62,8 @@ class VerdictLimits:
             it. Set on seeds 640 to 647 of the four families. Beside right names it gained up to 27, beside wrong ones
             60 to 465 in four of six cases.
         excused: unknown torque, as such a fraction, above which it excuses no error over `nearly` where nothing was
-            found. Set on 5300 answers. Clean motors with such an error left up to 0.0057, but for one with 0.022.
-            Unknown effects left 0.0067 to 0.027.
+            found. Set on the answers of `faint`. Clean motors with such an error left up to 0.0057, but for one with
+            0.022. Unknown effects that nothing else tells of left 0.0063 and more.
         coloured: colour of single steps from which windows alone may tell of an effect that leaves more of the unseen
             error than `confirmed`. Below it steps are evidence, and had refused the effect. Set on seeds 640 to 647 of
             the four families and on a real servo. It was 1.0 to 1.2 beside three wrong names, 1.6 and 2.9 on the servo.
