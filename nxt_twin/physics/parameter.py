@@ -87,6 +87,8 @@ class Parameter:
         lowest: SI value below which recordings rule it out, where that is above `lower`.
         above: owner and symbol of the parameter that it has to exceed to make a difference.
         tried: it acts in steps, so that a search tries values and a fit leaves it alone.
+        shapes: it shapes a course that has no law, so that its bounds mean nothing.
+        part_of: symbol of the share, its own or another's, at whose `otherwise` it means nothing and is not fitted.
     """
 
     name: str
@@ -109,6 +111,8 @@ class Parameter:
     lowest: Callable[[Sequence[Signals]], float] | None = None
     above: tuple[str, str] | None = None
     tried: bool = False
+    shapes: bool = False
+    part_of: str | None = None
 
     def __repr__(self) -> str:
         """Short: name and unit."""
@@ -130,8 +134,9 @@ class Parameter:
         return self.unit in _LIKE_A_CURRENT
 
     def is_idle(self, value: float) -> bool:
-        """Whether an SI `value` of a parameter that a search tries is the one that a plant file may leave out."""
-        return self.tried and self.otherwise is not None and value == self.otherwise * self.si
+        """Whether an SI `value` of what a search tries, or of a part that is not there, may be left out of a file."""
+        optional = self.tried or self.part_of is not None
+        return optional and self.otherwise is not None and value == self.otherwise * self.si
 
     def in_frame(self, frame: Frame) -> Parameter:
         """The same parameter under the name and unit that `frame` uses."""

@@ -5,6 +5,7 @@ from dataclasses import fields
 from types import SimpleNamespace
 
 import pytest
+from diagnose_second_wave import has_second_wave
 
 from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search import rivals as rivalry
@@ -386,6 +387,8 @@ def against_a_hidden_load():
 
 OWN = effect_named(source="our own curve")
 EDGES = {
+    "second_nats": (lambda _, v: has_second_wave(99.0, v), 14.9, 15.1),
+    "second_promised": (lambda _, v: has_second_wave(v, 99.0), 7.4, 7.6),
     "gain_nats": (lambda _, v: likelier(v), 7.9, 8.1),
     "silent_nats": (lambda _, v: likelier(v, silent=True), 11.9, 12.1),
     "windows_nats": (lambda _, v: likelier(v, by_windows=True), 11.9, 12.1),

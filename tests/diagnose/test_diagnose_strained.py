@@ -42,6 +42,9 @@ def test_a_phase_on_its_bound_is_not():
         ({"lag_phase": 1.0}, False),
         ({"lag_mean": 0.7}, False),
         ({"of_commands": 1.0}, False),
+        ({"lag_straightness": 1.0}, False),
+        ({"lag_rise": 0.98}, False),
+        ({"second_share": 0.8}, False),
         ({"lag_span": 0.5}, True),
     ],
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from physics_samples import commanded, job_with_readings, motion, nxt
 
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.stepper import Stepper
 
 STEPS = [(0.0, 0.0), (0.1, 0.7), (0.5, -0.4), (0.9, 0.3)]
@@ -128,3 +129,35 @@ def test_a_clock_that_stamps_whole_rows_late_shows_the_motion_of_earlier_command
     np.testing.assert_allclose(rows, wanted, atol=A_TENTH_OF_A_DEGREE)
     readings = motion(motor_simulator, nxt(effects={"clock_skew": LAG}), run)["angle"]
     assert np.abs(readings - wanted).max() > 10.0 * A_TENTH_OF_A_DEGREE
+
+
+def lag_s(stamp_s, **lag):
+    """What the effect's own term gives, by the names of a plant file."""
+    plant = nxt(effects={"clock_skew": {**LAG, **lag}})
+    effect = plant.layout.effect("clock_skew")
+    values = {p.symbol: plant.values[Slot("clock_skew", p.symbol)] for p in effect.parameters}
+    del values["rate_error"], values["of_commands"]
+    return np.array([effect.terms["lag"](float(at), **values) for at in stamp_s])
+
+
+def test_a_straight_lag_that_rises_for_most_of_a_period_is_a_sawtooth():
+    period_s = LAG["lag_period_s"]
+    saw = {"lag_phase": 0.0, "lag_rise": 0.9, "lag_straightness": 1.0}
+    at_s = np.array([0.0, 0.05, 0.1, 0.55, 1.0, 1.05]) * period_s
+    np.testing.assert_allclose(
+        lag_s(at_s, **saw), 0.08 * np.array([1.0, 0.5, 0.0, 0.5, 1.0, 0.5]), atol=1e-12
+    )
+
+
+def test_a_second_wave_takes_its_share_of_the_span():
+    at_s = np.linspace(0.0, 5.0, 40)
+    first = np.cos(2.0 * np.pi * (at_s / 1.4 + 0.2))
+    second = np.cos(2.0 * np.pi * (at_s / 0.7 - 0.1))
+    both = {"lag_second_share": 0.25, "lag_second_period_s": 0.7, "lag_second_phase": -0.1}
+    wanted = 0.08 * (0.5 + 0.5 * (0.75 * first + 0.25 * second))
+    np.testing.assert_allclose(lag_s(at_s, **both), wanted, atol=1e-12)
+
+
+def test_a_second_wave_that_is_not_there_is_in_no_plant_file():
+    kept = nxt(effects={"clock_skew": LAG}).to_config()["effects"]["clock_skew"]
+    assert not any("second" in name for name in kept)

@@ -13,11 +13,13 @@ from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
 from nxt_twin.diagnose.fitting.lateness import lateness_s
 from nxt_twin.diagnose.fitting.moments import gained_elsewhere, moments_gained
 from nxt_twin.diagnose.fitting.noise import first_noise
+from nxt_twin.diagnose.fitting.nuisance import Nuisance
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.promised import promised
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Draft, Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
+from nxt_twin.diagnose.fitting.wandering import second_waves, wandering_starts
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -43,6 +45,20 @@ class Fits:
     def starts(self, effect: Effect) -> list[dict[str, float]]:
         """Every combination of starting values of `effect`, SI by symbol; the typical one first."""
         return starts_of(effect, self.problem.scale)
+
+    def starts_beside(self, structure: Structure, effect: Effect) -> list[dict[str, float]]:
+        """As `starts`, with what the residuals of `structure` suggest beside them."""
+        if "pace" not in effect.terms:
+            return self.starts(effect)
+        return self.starts(effect) + wandering_starts(self._nuisance(structure), structure.plant, effect)
+
+    def second_waves(self, structure: Structure, effect: Effect) -> list[tuple[float, Plant]]:
+        """The plant of `structure`, whose `effect` is one wave, with second ones and the gain that each promises."""
+        return second_waves(self._nuisance(structure), structure.plant, effect)
+
+    def _nuisance(self, structure: Structure) -> Nuisance:
+        target = self._fitter.tuned(structure.noise, DRAFTED.step_for(structure.plant)).telling()
+        return Nuisance(self._fitter, structure, target)
 
     def promised(self, structure: Structure, plants: Sequence[Plant]) -> list[tuple[int, float, float]]:
         """Of each plant its place in `plants`, the gain over `structure` that it promises, nats, and its stretch."""

@@ -3,22 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import final
 
-import numpy as np
-
-from nxt_twin.arrays import BoolArray, FloatArray
-from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
-from nxt_twin.diagnose.fitting.fit import Variable, values_of
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.nuisance import Nuisance
 from nxt_twin.diagnose.fitting.structure import Structure
-from nxt_twin.diagnose.fitting.target import Target
-from nxt_twin.diagnose.fitting.variables import variables_of
 from nxt_twin.physics.plant import Plant
-
-_LARGEST_STRETCH = 4.0  # of a start along its linear gain: further away it is not linear
-_LARGEST_SIGNATURE = 1e4  # in standard deviations; a run that blew up is no better than that
-_DIFFERENCE = 2e-3  # between parameter sets of a slope, in units of a variable
 
 
 def promised(fitter: Fitter, structure: Structure, plants: Sequence[Plant]) -> list[tuple[int, float, float]]:
@@ -33,112 +22,7 @@ def promised(fitter: Fitter, structure: Structure, plants: Sequence[Plant]) -> l
     found = []
     for step_s in sorted(set(steps_s)):
         places = [place for place, own_s in enumerate(steps_s) if own_s == step_s]
-        nuisance = _Nuisance(fitter, structure, fitter.tuned(structure.noise, step_s).telling())
+        nuisance = Nuisance(fitter, structure, fitter.tuned(structure.noise, step_s).telling())
         gains = nuisance.gains([plants[place] for place in places])
         found += [(place, *promise) for place, promise in zip(places, gains, strict=True)]
     return found
-
-
-@final
-class _Nuisance:
-    """What the structure's own variables can imitate: residuals and slopes at its values."""
-
-    def __init__(self, fitter: Fitter, structure: Structure, target: Target) -> None:
-        self._simulator = fitter.simulator
-        self._target = target
-        plant = structure.plant
-        variables = variables_of(plant, fitter.problem.plant, fitter.problem.scale)
-        values, active = _shifted(plant, variables)
-        self._active = plant.active
-        self._outliers = [
-            n for n, e in enumerate(plant.layout.effects) if "outlier" in e.terms and e.id in plant.active
-        ]
-        weighed = self._simulator.run(values[-1:], active[-1:], target.jobs)
-        self._masks = target.seen()
-        predicted, last = batch_predictions(
-            self._simulator, values, self._believing(active), target.jobs, self._masks
-        )
-        self._cost = float(target.cost(last)[0])
-        self._base = [own[-1].copy() for own in predicted]
-        self._inverse: list[FloatArray] = []
-        self._residual: list[FloatArray] = []
-        self._slopes: list[FloatArray] = []
-        hessian = np.diag([(v.scale / v.spread) ** 2 for v in variables])
-        gradient = np.zeros(len(variables))
-        jobs = zip(target.jobs, self._masks, predicted, weighed, strict=True)
-        for number, (job, seen, moved, own) in enumerate(jobs):
-            weight = target.evidence[number] * target.weight(number, own)[0, seen]
-            inverse = np.sqrt(weight) / job.observer.innovation_std[seen]
-            residual = _bounded((job.signals.measured[seen] - own.predicted[0, seen]) * inverse)
-            slopes = _bounded((moved[:-1] - moved[-1]) * inverse) / _DIFFERENCE
-            hessian += slopes @ slopes.T
-            gradient += slopes @ residual
-            self._inverse.append(inverse)
-            self._residual.append(residual)
-            self._slopes.append(slopes)
-        self._solve = np.linalg.pinv(hessian, hermitian=True)
-        self._gradient = gradient
-
-    def gains(self, plants: Sequence[Plant]) -> list[tuple[float, float]]:
-        """What each of the plants promises, nats, and stretched by how much."""
-        parts = batches(len(plants), samples_of(self._target.jobs))
-        return [gain for part in parts for gain in self._gains_of_batch(plants[part])]
-
-    def _believing(self, active: BoolArray) -> BoolArray:
-        """`active` without the structure's own model of outliers.
-
-        A start that is far off would take every reading for an outlier, and would never be set right again.
-        """
-        believing = active.copy()
-        believing[:, self._outliers] = False
-        return believing
-
-    def _has_outliers_of_its_own(self, plant: Plant) -> bool:
-        return any("outlier" in e.terms and e.id not in self._active for e in plant.effects)
-
-    def _gains_of_batch(self, plants: Sequence[Plant]) -> list[tuple[float, float]]:
-        vectors = [plant.vectors() for plant in plants]
-        values = np.array([values for values, _ in vectors])
-        active = np.array([active for _, active in vectors])
-        results = self._simulator.run(values, self._believing(active), self._target.jobs)
-        along = np.zeros((len(plants), self._gradient.size))  # signature · slopes
-        fit, power = (
-            np.zeros(len(plants)),
-            np.zeros(len(plants)),
-        )  # signature · residual, signature · signature
-        parts = zip(
-            results, self._base, self._masks, self._inverse, self._residual, self._slopes, strict=True
-        )
-        for result, base, mask, inverse, residual, slopes in parts:
-            signature = _bounded((result.predicted[:, mask] - base) * inverse)
-            along += signature @ slopes.T
-            fit += signature @ residual
-            power += np.einsum("ij,ij->i", signature, signature)
-        believed = fit - 0.5 * power  # what is gained outright in readings that the structure does not doubt
-        fit -= along @ self._solve @ self._gradient
-        power -= np.einsum("ij,jk,ik->i", along, self._solve, along)
-        stretch = np.clip(fit / np.maximum(power, 1e-9), 0.0, _LARGEST_STRETCH)
-        linear = stretch * fit - 0.5 * stretch**2 * power
-        outright = believed
-        if not self._outliers:
-            outright = np.nan_to_num(self._cost - self._target.cost(results), neginf=-1e9)
-        gains = np.maximum(linear, outright)
-        doubting = np.array([self._has_outliers_of_its_own(plant) for plant in plants])
-        stretch = np.where((outright > linear) & ~doubting, 1.0, stretch)
-        return [(float(gain), float(by)) for gain, by in zip(gains, stretch, strict=True)]
-
-
-def _bounded(deviations: FloatArray) -> FloatArray:
-    """`deviations`, in standard deviations, of runs that may have blown up: finite, so that their squares are."""
-    return np.clip(np.nan_to_num(deviations), -_LARGEST_SIGNATURE, _LARGEST_SIGNATURE)
-
-
-def _shifted(plant: Plant, variables: Sequence[Variable]) -> tuple[FloatArray, BoolArray]:
-    """Value vectors with one variable after another moved by a little, the plant itself last."""
-    values, active = plant.vectors()
-    sets = np.repeat(values[None], len(variables) + 1, axis=0)
-    index = plant.layout.index
-    for row, (variable, x) in enumerate(zip(variables, values_of(plant, variables), strict=True)):
-        for slot, ratio in zip(variable.slots, variable.ratios, strict=True):
-            sets[row, index[slot]] = (x + _DIFFERENCE * variable.scale) * ratio
-    return sets, np.repeat(active[None], len(variables) + 1, axis=0)

@@ -17,6 +17,7 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import smoothed
 
 _LOOSE = 0.5  # of what a plant file gives with nothing said of its doubt: a factor of three is rare
+_LEAST_SHARE = 0.02  # of a part that is there: at none, the fit would lose its other variables
 _RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 
@@ -48,7 +49,7 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     """The variables that a fit of `plant` moves.
 
     Of the baseline: all parameters except its anchors, each with a prior around its given value. Of added
-    effects: all parameters except a fault's share, which follows from the readings' weights.
+    effects: all parameters except a fault's share, which follows from the readings' weights, and parts that they lack.
     """
     shares = {effect.id for effect in plant.effects if "outlier" in effect.terms}
     driven = scale.recordings[0].input_kind if scale.recordings else None
@@ -57,6 +58,8 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     for slot, parameter in plant.layout.parameters.items():
         if slot not in plant.values or slot.owner in shares or parameter.tied_to or parameter.tried:
             continue
+        if parameter.part_of and plant.values[Slot(slot.owner, parameter.part_of)] == 0.0:
+            continue  # a part that is not there
         if slot.owner == BASE_OWNER and plant.values[slot] == 0.0:  # a servo's loop without that part
             continue
         if slot not in baseline.values or not parameter.frozen:
@@ -87,11 +90,13 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool)
     ]
     if alike and slot == _RESISTANCE:
         tied += _given_with_it(baseline, parameter.likeness)
+    part = parameter.part_of == parameter.symbol
+    least = _LEAST_SHARE if part else min(parameter.lower * parameter.si, centre)
     return Variable(
         slots=(slot, *tied),
         ratios=(1.0, *(baseline.values[other] / centre for other in tied)),
         scale=scale,
-        lower=min(parameter.lower * parameter.si, centre),
+        lower=least,
         upper=max(parameter.upper * parameter.si, centre),
         centre=centre,
         spread=scale * (parameter.spread if given is None else min(parameter.doubt, _LOOSE)),

@@ -33,15 +33,16 @@ _AT_BOUND = 1e-6  # of the bound
 def is_stretched(problem: Problem, plant: Plant, found: Sequence[Effect]) -> bool:
     """Whether a size or a shape of a found effect rests on its upper bound, so that the readings ask for another law.
 
-    A phase comes round, and its bound means nothing. Nor does the mean of a lag that wanders, whose course has no law,
-    or a number that is only tried. Nor does the usual law, such as the exponent 2 of Stribeck's curve: whoever draws
+    A phase comes round, and its bound means nothing. Nor does that of what shapes a lag that wanders by no law, or of a
+    number that is only tried. Nor does the usual law, such as the exponent 2 of Stribeck's curve: whoever draws
     that curve draws it so. The speed of that curve is asked for at its lower bound.
     """
     for effect in found:
         for parameter in effect.parameters:
             scaled = plant.layout.parameters[Slot(effect.id, parameter.symbol)].scaled(problem.scale)
             value = plant.values[Slot(effect.id, parameter.symbol)] / scaled.si
-            means_nothing = _has_no_law(parameter.name) or scaled.otherwise == scaled.upper or scaled.tried
+            free = scaled.shapes or scaled.tried or parameter.name.endswith("phase_deg")
+            means_nothing = free or scaled.otherwise == scaled.upper
             if parameter.name.startswith("stribeck_speed") and value < NO_CURVE * scaled.lower:
                 return True
             if not means_nothing and value >= (1.0 - _AT_BOUND) * scaled.upper > 0.0:
@@ -71,7 +72,3 @@ def _are_alike(one: tuple[float, float], other: tuple[float, float]) -> bool:
     cycles_off = abs(one[0] / other[0] - 1.0)
     apart = (one[1] - other[1]) % math.pi
     return cycles_off < SAME_CYCLES and min(apart, math.pi - apart) < SAME_PHASE_RAD
-
-
-def _has_no_law(name: str) -> bool:
-    return name.endswith(("phase_deg", "lag_phase", "lag_mean"))

@@ -15,11 +15,11 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 
 STARTS_FOLLOWED = 3  # starts of one effect that are fitted, those that promise most
+START_ITERATIONS = 2  # steps of a rough fit from each start, to find the best one
 SLOW_ITERATIONS = 10  # steps of a rough fit of an effect with states of its own
 
 _LEAST_PROMISE_NATS = 2.0  # nats: a start that promises no more, by a score test, is left out
 _STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed
-_START_ITERATIONS = 2  # steps of a rough fit from each start, to find the best one
 _ALIKE_NATS = 0.1  # nats: starts within this distance of the best promise are alike to fitted readings
 _MANY_ALIKE = 2  # starts alike, the best among them, from which checking readings order them
 _QUICK_ITERATIONS = 4  # steps of a rough fit of an effect without states
@@ -82,7 +82,7 @@ class Drafts:
         enough = _STARTS_SHARE * prospects[0].gain
         plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
         if len(plants) > 1:
-            trials = [self._fits.draft(plant, noise, iterations=_START_ITERATIONS) for plant in plants]
+            trials = [self._fits.draft(plant, noise, iterations=START_ITERATIONS) for plant in plants]
             best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
             plants = [best.fitted.plant]
         # Slopes that have followed a start's steps promise too little here: measured anew, a fit goes further.

@@ -47,6 +47,7 @@ class SearchLimits:
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
+        second_nats: what a second wave of a lag has to gain beside the first, with readings that were not fitted.
     """
 
     most_effects: int = 4
@@ -75,6 +76,7 @@ class SearchLimits:
     twin_nats: float = 150.0
     left_out_nats: float = 3.0
     late_polls: float = 0.25
+    second_nats: float = 15.0
 
 
 @final
@@ -102,6 +104,7 @@ class SearchEffort:
         restoring: effects that are settled from the given numbers where a re-fit has moved these far.
         restoring_nats: what the priors of given numbers cost from which these are far. One number that is off by two of
             its standard deviations costs 2. Coulomb friction that grew fivefold cost 6, and hid a voltage drop.
+        second_promised: share of `second_nats` that a second wave has to promise to be fitted.
         comb: starts of a period from which its likelihood has separate peaks.
     """
 
@@ -123,6 +126,7 @@ class SearchEffort:
     fine: float = 1.5
     restoring: int = 3
     restoring_nats: float = 2.0
+    second_promised: float = 0.5
     comb: int = 5
 
 

@@ -47,7 +47,7 @@ def screen(fits: Fits, structure: Structure, effects: Sequence[Effect]) -> list[
     tried = [
         (effect, plant)
         for effect in effects
-        for start in fits.starts(effect)
+        for start in fits.starts_beside(structure, effect)
         for plant in _with_load(structure.plant.with_effect(effect.id, start), effect)
     ]
     promises = fits.promised(structure, [plant for _, plant in tried])

@@ -14,6 +14,7 @@ from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
+from nxt_twin.diagnose.search.second_wave import with_second_wave
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
 from nxt_twin.diagnose.search.standard import Standard
 from nxt_twin.diagnose.search.weight import weigh
@@ -88,6 +89,10 @@ class Trials:
         settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
         lowest = min(trial.fitted_cost for _, trial in settled)
         in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
+        settled = [
+            (effect, self._waved(effect, trial) if trial.fitted_cost <= lowest else trial)
+            for effect, trial in settled
+        ]
         return [
             (
                 effect,
@@ -97,6 +102,11 @@ class Trials:
             )
             for effect, trial in settled
         ]
+
+    def _waved(self, effect: Effect, leading: Structure) -> Structure:
+        """The likeliest trial; of a lag that wanders, with a second wave where that gains enough."""
+        wanders = "pace" in effect.terms
+        return with_second_wave(self._fits, self._settled, leading, effect) if wanders else leading
 
     def candidates(self, plant: Plant) -> list[Effect]:
         """The effects that may be added to `plant`, those left out that a search does without."""

@@ -127,30 +127,117 @@ def _pace(rate_error: float) -> float:
     return rate_error
 
 
-def _lag(stamp_s: float, lag_span: float, lag_mean: float, lag_period: float, lag_phase: float) -> float:
-    return lag_span * (lag_mean + 0.5 * math.cos(math.tau * (stamp_s / lag_period + lag_phase)))
+def _lag(
+    stamp_s: float,
+    lag_span: float,
+    lag_mean: float,
+    lag_period: float,
+    lag_phase: float,
+    lag_rise: float,
+    lag_straightness: float,
+    second_share: float,
+    second_period: float,
+    second_phase: float,
+) -> float:
+    turn = stamp_s / lag_period + lag_phase
+    part = turn - math.floor(turn)
+    fall = 1.0 - lag_rise
+    half = 0.5 * part / fall if part < fall else 1.0 - 0.5 * (1.0 - part) / lag_rise
+    rounded = math.cos(math.tau * half)
+    straight = math.fabs(4.0 * half - 2.0) - 1.0
+    wave = rounded + lag_straightness * (straight - rounded)
+    second = math.cos(math.tau * (stamp_s / second_period + second_phase)) if second_share > 0.0 else 0.0
+    return lag_span * (lag_mean + 0.5 * (wave + second_share * (second - wave)))
 
 
 def _whole_rows(
-    stamp_s: float, lag_span: float, lag_mean: float, lag_period: float, lag_phase: float, of_commands: float
+    stamp_s: float,
+    lag_span: float,
+    lag_mean: float,
+    lag_period: float,
+    lag_phase: float,
+    lag_rise: float,
+    lag_straightness: float,
+    second_share: float,
+    second_period: float,
+    second_phase: float,
+    of_commands: float,
 ) -> float:
-    return of_commands * _lag(stamp_s, lag_span, lag_mean, lag_period, lag_phase)
+    return of_commands * _lag(
+        stamp_s,
+        lag_span,
+        lag_mean,
+        lag_period,
+        lag_phase,
+        lag_rise,
+        lag_straightness,
+        second_share,
+        second_period,
+        second_phase,
+    )
 
+
+# A lag that wanders by no law, beside its slowest wave; without a share there is no second one to be fitted.
+_SECOND_WAVE = (
+    Parameter(
+        "lag_second_share",
+        "second_share",
+        "1",
+        NUMBER,
+        (0.0,),
+        0.0,
+        0.8,
+        otherwise=0.0,
+        shapes=True,
+        part_of="second_share",
+    ),
+    Parameter(
+        "lag_second_period_s",
+        "second_period",
+        "s",
+        NUMBER,
+        (2.0,),
+        0.5,
+        300.0,
+        otherwise=2.0,
+        part_of="second_share",
+    ),
+    Parameter(
+        "lag_second_phase",
+        "second_phase",
+        "1",
+        NUMBER,
+        (0.0,),
+        -1.0,
+        1.0,
+        otherwise=0.0,
+        shapes=True,
+        part_of="second_share",
+    ),
+)
 
 CLOCK_SKEW = Effect(
     id="clock_skew",
     name="clock skew",
-    equation="stamp = (1 + ε)·(t + s·(m + ½·cos(2π·(t/P + φ)))) for readings; for commands as well, or (1 + ε)·t",
-    source="rate error as of Moon, Skelly and Towsley 1999; the lag wanders as a sine, our own",
+    equation=(
+        "stamp = (1 + ε)·(t + s·(m + ½·w(t))) for readings; for commands as well, or (1 + ε)·t; "
+        "w(t) = (1 - q)·v(t/P + φ) + q·cos(2π·(t/P₂ + φ₂)); "
+        "v from 1 to -1 and back in r of a turn, as a cosine (k = 0), by straight lines (k = 1) or between"
+    ),
+    source=(
+        "rate error as of Moon, Skelly and Towsley 1999. The waves are our own: sine, triangle, sawtooth, "
+        "or what two of them make"
+    ),
     equation_of="timing",
     shows=("high_speed", "elapsed_time"),
     notable=2e-3,  # a rate error alone is that of other parameters
     parameters=(
-        # A triangle's first harmonic spans a fifth less than the triangle, a square's a quarter more.
         Parameter("lag_span_s", "lag_span", "s", NUMBER, (0.03, 0.09), 0.0, 0.5, law=0.12),
         # A half for a wander between none and s. As the span found is off by the law's shape, so is half of it: held to
         # a half, the rest would be taken for a delay.
-        Parameter("lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.3, 0.7, spread=0.12, otherwise=0.5),
+        Parameter(
+            "lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.3, 0.7, spread=0.12, otherwise=0.5, shapes=True
+        ),
         Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=2.0),
         Parameter(
             "lag_period_s",
@@ -171,11 +258,15 @@ CLOCK_SKEW = Effect(
             -1.0,
             1.0,
             otherwise=0.0,
+            shapes=True,
         ),
-        # A logger stamps a command with its row, or when it was sent.
+        Parameter("lag_rise", "lag_rise", "1", NUMBER, (0.5,), 0.02, 0.98, otherwise=0.5, shapes=True),
         Parameter(
-            "lag_of_commands", "of_commands", "1", NUMBER, (0.0, 1.0), 0.0, 1.0, otherwise=0.0, tried=True
+            "lag_straightness", "lag_straightness", "1", NUMBER, (0.0,), 0.0, 1.0, otherwise=0.0, shapes=True
         ),
+        *_SECOND_WAVE,
+        # A logger stamps a command with its row, or when it was sent.
+        Parameter("lag_of_commands", "of_commands", "1", NUMBER, (0.0,), 0.0, 1.0, otherwise=0.0, tried=True),
     ),
     terms={"pace": _pace, "lag": _lag, "commanded": _whole_rows},
     confusable_with={
