@@ -30,6 +30,7 @@ _SHAPES = (  # rise, straightness, and as many phases as show its quickest part
 )
 _BEST_OF_A_SHAPE = 3  # phases of one period and shape that are compared with others
 _KEPT = 6  # courses that are run
+_CHANCE_NATS = 10.0  # that the best of so many courses promises where no stamp is late: 4 to 13
 _APART = 0.9  # correlation of two courses above which the lesser one is left out
 _MOST_SPAN_S = 0.3  # of a start
 
@@ -67,7 +68,8 @@ def wandering_starts(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[d
     """
     probe = _start(_PROBE_SPAN_S, _PROBE) | {"lag_mean": 0.0}
     probes = [plant.with_effect(effect.id, {**probe, "lag_phase": phase}) for phase in _QUARTER]
-    return [_start(one.span_s, one.wave) for one in _Response(nuisance, probes).likeliest(_SHAPES, _KEPT)]
+    courses = _Response(nuisance, probes).likeliest(_SHAPES, _KEPT)
+    return [_start(one.span_s, one.wave) for one in courses if one.gain > _CHANCE_NATS]
 
 
 def second_waves(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[tuple[float, Plant]]:
