@@ -205,7 +205,13 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
 
 @pytest.mark.parametrize(
     ("name", "seeds"),
-    [("ninth", (5013, 5014)), ("tenth", (5015, 5016)), ("eleventh", (5017, 5018)), ("twelfth", (5019, 5020))],
+    [
+        ("ninth", (5013, 5014)),
+        ("tenth", (5015, 5016)),
+        ("eleventh", (5017, 5018)),
+        ("twelfth", (5019, 5020)),
+        ("thirteenth", (5021, 5022)),
+    ],
 )
 def test_a_range_is_as_large_as_a_scored_range_has_to_be(name, seeds):
     found = RANGES[name]
