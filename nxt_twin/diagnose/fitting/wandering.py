@@ -122,7 +122,7 @@ class _Response:
         self._nuisance = nuisance
         parts = zip(nuisance.jobs, nuisance.masks, strict=True)
         elapsed_s = [job.signals.time_s[mask] - job.signals.time_s[0] for job, mask in parts]
-        self._length_s = max(float(each[-1]) for each in elapsed_s if each.size)
+        self._length_s = max((float(each[-1]) for each in elapsed_s if each.size), default=0.0)
         self._bin_s = max(_BIN_S, self._length_s / _MOST_BINS)
         bins = int(self._length_s / self._bin_s) + 1
         self._middle_s = (np.arange(bins) + 0.5) * self._bin_s
@@ -152,6 +152,8 @@ class _Response:
     def likeliest(self, shapes: Sequence[tuple[float, float, int]], most: int) -> list[_Course]:
         """The courses that promise most, none like another: of any period, in some shapes, each in some phases."""
         found: list[_Course] = []
+        if self._length_s < _LEAST_PERIODS * _FASTEST_S:
+            return found
         for period_s in self._periods_s():
             for rise, straightness, phases in shapes:
                 waves = [
