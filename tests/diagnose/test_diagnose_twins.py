@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from test_diagnose_limits import effect_named, search, structure
+from diagnose_limits import effect_named, search, structure
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.search import explain as explaining
