@@ -115,7 +115,7 @@ class _Response:
 
     Args:
         nuisance: the residuals, and what else explains them.
-        probes: two plants whose lags wander by `_PROBE`, and by the same a quarter of a turn later.
+        probes: two plants whose lags wander by `_PROBE`, and by that wave a quarter of a turn later.
     """
 
     def __init__(self, nuisance: Nuisance, probes: Sequence[Plant]) -> None:
