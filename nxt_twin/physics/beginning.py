@@ -15,51 +15,60 @@ _SPAN_S = 0.12
 _SPAN_READINGS = 6
 _FEWEST_READINGS = 3
 _LAGS_S = np.geomspace(0.015, 0.5, 11)
-_DELAYS_S = (0.0, 0.01, 0.02, 0.04, 0.08)
-_AS_GOOD = 1.5  # times the error of a motion that need not begin at rest
-_AS_NEAR = 0.5  # of the readings' step
+_DELAYS_S = np.linspace(0.0, 0.08, 17)
+_NOT_OF_FIRST_ORDER = 0.007  # of the way: what friction and the winding leave of such a lag
+_AS_GOOD_NATS = 4.0  # that a motion which need not begin at rest may gain
+_NEAR = 4.0  # times the variance that the readings' step and such a lag leave
+_SHOWN_NATS = 8.0  # that a start from rest gains over a constant speed
 _ANOTHER = 0.1  # of the largest command
 _NOTHING = 1e-300  # a shape that has not begun
-_CLEARLY_WORSE = 4.0  # times the error from rest
 
 
 def begins_at_rest(signals: Signals) -> bool:
-    """Whether the first readings follow, from rest, the command that holds from the first one on.
+    """Whether the first readings follow, from rest, the commands that hold from the first one on.
 
-    Without a drive, they must not move until it changes. With one, a first-order lag of speed behind it is fitted to
+    Before a first drive they must not move. Under one, a first-order lag of speed behind the commands is fitted to
     them, once from rest and once from any speed. Where a constant speed fits as well, nothing shows a rest.
     """
     if signals.is_speed:
         return False
     elapsed_s, moved = _first_readings(signals)
-    if not _drives_at_once(signals):
-        return bool(moved.size and np.abs(moved).max() <= signals.quantum)
+    return _stands(signals, elapsed_s, moved) or _follows(signals, elapsed_s, moved)
+
+
+def _stands(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:
+    """Whether nothing drives at first, and nothing moves until something does."""
+    if signals.command[_in_force(signals)] != 0.0:
+        return False
+    before = moved[elapsed_s <= _first_change_s(signals)]
+    return bool(before.size and np.abs(before).max() <= signals.quantum)
+
+
+def _follows(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:
+    """Whether the readings follow the commands as from rest, and show that it was one."""
     if elapsed_s.size < _FEWEST_READINGS:
         return False
     lag_s, delay_s = (each.reshape(-1, 1) for each in np.meshgrid(_LAGS_S, _DELAYS_S, indexing="ij"))
-    still = _least(_without(moved, _from_rest(elapsed_s - delay_s, lag_s)))
+    still = _least(_without(moved, _from_rest(signals, elapsed_s - delay_s, lag_s)))
     lag_s = _LAGS_S[:, None]
-    risen, dying = _from_rest(elapsed_s, lag_s), _dying(elapsed_s, lag_s)
+    risen, dying = _from_rest(signals, elapsed_s, lag_s), _dying(elapsed_s, lag_s)
     moving = _least(_without(_without(moved, risen), _without(dying, risen)))
     steady = _least(_without(moved, elapsed_s[None]))
-    return still <= max(_AS_GOOD * moving, _AS_NEAR * signals.quantum) and steady > _CLEARLY_WORSE * still
+    variance = signals.quantum**2 / 12.0 + (_NOT_OF_FIRST_ORDER * np.abs(moved).max()) ** 2
+    nats = 0.5 * moved.size / max(variance, _NOTHING)
+    near = still**2 < _NEAR * variance and nats * (still**2 - moving**2) < _AS_GOOD_NATS
+    return bool(near and nats * (steady**2 - still**2) > _SHOWN_NATS)
 
 
 def _first_readings(signals: Signals) -> tuple[FloatArray, FloatArray]:
-    """Stamps and readings under the first command, both counted from the first reading; without that reading."""
+    """Stamps and readings soon after the first one, both counted from it; without that reading."""
     known = np.flatnonzero(np.isfinite(signals.measured))
     if not known.size or known[0] != 0:
         return np.zeros(0), np.zeros(0)
     elapsed_s = signals.time_s[known] - signals.time_s[0]
-    span_s = max(_SPAN_S, _SPAN_READINGS * signals.interval_s)
-    rows = (elapsed_s > 0.0) & (elapsed_s <= min(span_s, _first_change_s(signals)))
+    rows = (elapsed_s > 0.0) & (elapsed_s <= max(_SPAN_S, _SPAN_READINGS * signals.interval_s))
     moved = signals.measured[known] - signals.measured[0]
     return elapsed_s[rows], moved[rows]
-
-
-def _drives_at_once(signals: Signals) -> bool:
-    """Whether the command that holds from the first reading on drives."""
-    return bool(signals.command[_in_force(signals)] != 0.0)
 
 
 def _first_change_s(signals: Signals) -> float:
@@ -76,10 +85,20 @@ def _in_force(signals: Signals) -> int:
     return max(int(np.searchsorted(signals.command_time_s, signals.time_s[0], side="right")) - 1, 0)
 
 
-def _from_rest(elapsed_s: FloatArray, lag_s: FloatArray) -> FloatArray:
-    """Position under a constant command from rest, to a factor: t - τ(1 - exp(-t/τ)), shape (lags, readings)."""
-    after = np.maximum(elapsed_s, 0.0)
-    return np.asarray(after - _dying(after, lag_s))
+def _from_rest(signals: Signals, elapsed_s: FloatArray, lag_s: FloatArray) -> FloatArray:
+    """Position under the commands from rest, to a factor, shape (lags, readings).
+
+    A command of 1 leads to t - τ(1 - exp(-t/τ)); each change of command adds its own.
+    """
+    first = _in_force(signals)
+    begun_s = np.maximum(signals.command_time_s[first:] - signals.time_s[0], 0.0)
+    soon = begun_s < elapsed_s.max()
+    steps = np.diff(signals.command[first:], prepend=0.0)[soon]
+    position = np.zeros(np.broadcast_shapes(elapsed_s.shape, lag_s.shape))
+    for step, since_s in zip(steps[steps != 0.0], begun_s[soon][steps != 0.0], strict=True):
+        after = np.maximum(elapsed_s - since_s, 0.0)
+        position += step * (after - _dying(after, lag_s))
+    return position
 
 
 def _dying(elapsed_s: FloatArray, lag_s: FloatArray) -> FloatArray:

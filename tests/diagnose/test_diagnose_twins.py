@@ -2,17 +2,22 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from diagnose_limits import effect_named, search, structure
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.search import explain as explaining
+from nxt_twin.diagnose.search.coincidence import as_twin
 from nxt_twin.diagnose.search.limits import LIMITS
 from nxt_twin.diagnose.search.notable import is_notable, is_too_small
 from nxt_twin.diagnose.search.rivals import likelier_structure
 from nxt_twin.diagnose.search.weight import Weight
 from nxt_twin.physics.parameter import NXT_SCALE
 from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.simulate import Simulator, free_job
+from nxt_twin.physics.start import at_rest
 
 HEAVY = plant_from_config({"kind": "dc_motor", **NOMINAL, "coulomb_friction_nm": 0.04}, "power_pct")
 
@@ -55,3 +60,51 @@ def test_a_load_has_a_name_from_a_twentieth_of_friction_on(share, named):
     effect = HEAVY.layout.effect("constant_load")
     plant = HEAVY.with_effect(effect.id, {"load": share * 0.04})
     assert is_notable(plant, effect, NXT_SCALE) is named
+
+
+def simulated(plant):
+    """The angle that `plant` turns to under a duty that goes back and forth, rad."""
+    time_s = np.arange(0.0, 4.0, 0.01)
+    signals = Signals(
+        name="back and forth",
+        channel="output",
+        input_kind="power_pct",
+        command_time_s=np.array([0.0, 0.2, 1.4, 2.5, 3.0]),
+        command=np.array([0.0, 0.6, -0.5, 0.0, 0.4]),
+        command_mode=np.zeros(5, dtype=np.int64),
+        command_supply_v=np.full(5, NOMINAL["supply_v"]),
+        time_s=time_s,
+        measured=np.where(time_s == 0.0, 0.0, np.nan),
+        is_speed=False,
+        quantum=0.0,
+    )
+    with Simulator(plant.layout) as simulator:
+        return simulator.trace(plant, free_job(signals, at_rest(signals)))["predicted"]
+
+
+@pytest.mark.parametrize(
+    ("found", "values"),
+    [
+        ("constant_load", {"load": 0.03}),
+        ("constant_load", {"load": -0.01}),
+        ("asymmetric_friction", {"forward": 0.02, "reverse": 0.05}),
+    ],
+)
+def test_what_is_put_in_the_place_of_its_twin_moves_a_motor_alike(found, values):
+    other = {"constant_load": "asymmetric_friction", "asymmetric_friction": "constant_load"}[found]
+    effect = HEAVY.layout.effect
+    plant = HEAVY.with_effect(found, values)
+    twin = as_twin(plant, effect(found), effect(other))
+    assert other in twin.active
+    assert found not in twin.active
+    assert simulated(twin) == pytest.approx(simulated(plant), abs=1e-3)
+    assert np.ptp(simulated(plant)) > 1.0
+    back = as_twin(twin, effect(other), effect(found))
+    assert back.values == pytest.approx(plant.values)
+
+
+def test_a_load_that_turns_a_resting_motor_has_no_twin():
+    effect = HEAVY.layout.effect
+    heavier = HEAVY.with_effect("constant_load", {"load": 0.041})
+    assert as_twin(heavier, effect("constant_load"), effect("asymmetric_friction")) is None
+    assert as_twin(heavier, effect("constant_load"), effect("stiction")) is None

@@ -51,6 +51,7 @@ EDGES = {
     "surprising": (replace(FOUND, surprise=5.0, run_ratio=0.5), "surprise"),
     "surprising_by_windows": (replace(QUIET, by_windows=True, surprise=1.0), "surprise"),
     "forgiven": (replace(FORGIVEN, torque_after=1.5e-2, torque_before=2.9e-2), "torque_after"),
+    "unforgiven": (replace(FORGIVEN, torque_after=2e-2, torque_before=1.0), "torque_after"),
     "large_by_windows": (replace(QUIET, by_windows=True, torque_after=2.8e-2), "torque_after"),
 }
 

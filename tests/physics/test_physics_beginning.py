@@ -38,6 +38,36 @@ def test_a_command_in_the_first_row_sets_a_motor_going_from_rest(interval_s, dut
 
 
 @pytest.mark.parametrize("interval_s", [0.008, 0.03])
+@pytest.mark.parametrize("late_s", [0.0, 0.014, 0.03])
+def test_a_loop_that_turns_its_command_down_at_once_sets_a_motor_going_from_rest(interval_s, late_s):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    levels = np.clip(1.0 - 9.0 * (time_s - 2.0 * interval_s), 0.1, 1.0)
+
+    def duty(t):
+        return levels[int((t - late_s) / interval_s)] if t >= late_s else 0.0
+
+    signals = read(time_s, motion(time_s, duty), list(zip(time_s.tolist(), levels.tolist(), strict=True)))
+    assert begins_at_rest(signals)
+
+
+@pytest.mark.parametrize("interval_s", [0.008, 0.01])
+def test_a_motor_that_makes_a_few_counts_shows_a_start_from_rest(interval_s):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    slow = read(time_s, motion(time_s, lambda _: 0.12), [(0.0, 0.12)])
+    assert np.ptp(slow.measured[time_s < 0.12]) < np.radians(9.0)
+    assert begins_at_rest(slow)
+    rolling = read(time_s, motion(time_s, lambda _: 0.12, speed=1.8), [(0.0, 0.12)])
+    assert not begins_at_rest(rolling)
+
+
+def test_readings_that_neither_motion_fits_show_no_rest():
+    time_s = np.arange(0.0, 2.0, 0.008)
+    held_s = 0.048 * np.floor(time_s / 0.048)
+    angle = np.interp(held_s, time_s, motion(time_s, lambda _: 0.9, speed=4.0))
+    assert not begins_at_rest(read(time_s, angle, [(0.0, 0.9)]))
+
+
+@pytest.mark.parametrize("interval_s", [0.008, 0.03])
 def test_a_command_soon_after_the_first_row_does_not_move_the_motor_before(interval_s):
     time_s = np.arange(0.0, 2.0, interval_s)
     late_s = 1.5 * interval_s

@@ -251,7 +251,6 @@ def _record(
         restores=bool(weight and weight.restores),
         of_readings=bool(found) and not physical,
         by_chance=final.noise.slip > 0.0,
-        wanders=bool(found) and all("pace" in effect.terms for effect in effects),
         doubts=bool(weakest and "outlier" in weakest.terms),
         worst_ratio=_worst(problem, before, after) if physical else 0.0,
         leaves_most=bool(found) and _leaves_most(problem, before, after, expected),

@@ -10,7 +10,7 @@ from typing import final
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.coincidence import are_twins, coincidence_nats
+from nxt_twin.diagnose.search.coincidence import are_twins, as_twin, coincidence_nats
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.latency import after_latency
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
@@ -240,6 +240,7 @@ class _Search:
         bare = self._settled.without(best, effect.id)
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
         allowed = [e for e in self._trials.candidates(bare.plant) if e.id != effect.id and e.id in near]
+        self._settle_twins(best, effect, allowed)
         known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
         rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
@@ -251,6 +252,14 @@ class _Search:
                 rivals.append(self._rival(best, effect, other, trial))
         notable = [one for one in rivals if self._standard.is_notable(one.structure, one.effect.id)]
         return tuple(sorted(notable, key=lambda rival: rival.doubt_nats)[: EFFORT.short_list])
+
+    def _settle_twins(self, best: Structure, effect: Effect, others: list[Effect]) -> None:
+        """Settle what moves a motor as `effect` does from where it does so, unless it has come as far by itself."""
+        for twin in (as_twin(best.plant, effect, other) for other in others):
+            known = twin and self._settled.like(twin)
+            behind = known.fitted_cost - best.fitted_cost if known else math.inf
+            if twin and behind > LIMITS.rival_nats:
+                self._settled.settle(twin, best.noise)
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""
