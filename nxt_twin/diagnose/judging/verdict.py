@@ -71,8 +71,8 @@ class VerdictLimits:
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
         cleared: share of the unknown torque of the baseline up to which effects may leave it. Beside right names of
-            wandering stamps up to 0.16 was left, beside dry friction of a real drive 0.07. Of two supply dips that passed
-            for such stamps 0.20 and 0.26 was left, and beside one right clock 0.23.
+            wandering stamps up to 0.16 was left, beside dry friction of a real drive 0.07. Of two supply dips that
+            passed for such stamps 0.20 and 0.26 was left, and beside one right clock 0.23.
         hardly_any: share of the error, on checking and on held-out readings, that a found effect may leave with no near
             relative asked for. The error must lie below `nearly`, too. In 2497 answers, five right names
             left up to 0.052, one wrong pair 0.02, names of unknown physics 0.067 and more.
