@@ -108,3 +108,16 @@ def test_a_load_that_turns_a_resting_motor_has_no_twin():
     heavier = HEAVY.with_effect("constant_load", {"load": 0.041})
     assert as_twin(heavier, effect("constant_load"), effect("asymmetric_friction")) is None
     assert as_twin(heavier, effect("constant_load"), effect("stiction")) is None
+
+
+@pytest.mark.parametrize(("behind", "settled"), [(None, True), (8.1, True), (7.9, False)])
+def test_the_twin_of_what_was_found_is_settled_unless_it_has_come_as_far(behind, settled):
+    effect = HEAVY.layout.effect
+    plant = HEAVY.with_effect("asymmetric_friction", {"forward": 0.02, "reverse": 0.05})
+    known = None if behind is None else SimpleNamespace(fitted_cost=behind)
+    tried = []
+    kept = SimpleNamespace(like=lambda _: known, settle=lambda twin, _: tried.append(twin))
+    best = SimpleNamespace(plant=plant, fitted_cost=0.0, noise=None)
+    others = [effect("stiction"), effect("constant_load")]
+    search(_settled=kept)._settle_twins(best, effect("asymmetric_friction"), others)
+    assert [one.active - HEAVY.active for one in tried] == ([{"constant_load"}] if settled else [])

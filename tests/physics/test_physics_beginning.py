@@ -22,10 +22,10 @@ def motion(time_s, duty, *, speed=0.0, lag_s=0.06, top_speed=15.0):
     return found.y[0]
 
 
-def read(time_s, angle, pieces):
+def read(time_s, angle, pieces, *, quantum=QUANTUM):
     run = commanded(pieces, seconds=time_s[-1], stamps=time_s)
-    counts = np.floor(angle / QUANTUM) * QUANTUM
-    return Signals(**{**run.__dict__, "measured": counts, "quantum": QUANTUM})
+    counts = np.floor(angle / quantum) * quantum
+    return Signals(**{**run.__dict__, "measured": counts, "quantum": quantum})
 
 
 @pytest.mark.parametrize("interval_s", [0.008, 0.03])
@@ -58,6 +58,25 @@ def test_a_motor_that_makes_a_few_counts_shows_a_start_from_rest(interval_s):
     assert begins_at_rest(slow)
     rolling = read(time_s, motion(time_s, lambda _: 0.12, speed=1.8), [(0.0, 0.12)])
     assert not begins_at_rest(rolling)
+
+
+@pytest.mark.parametrize("interval_s", [0.01, 0.03])
+def test_a_few_counts_of_a_constant_speed_show_no_rest(interval_s):
+    time_s = np.arange(0.0, 2.0, interval_s)
+    creeping = read(time_s, motion(time_s, lambda _: 0.02, speed=0.3), [(0.0, 0.02)])
+    assert np.ptp(creeping.measured[time_s < 0.12]) > 0.0
+    assert not begins_at_rest(creeping)
+
+
+@pytest.mark.parametrize("load", [0.25, 0.35])
+def test_dry_friction_hides_no_rest_from_a_fine_encoder(load):
+    time_s = np.arange(0.0, 2.0, 0.01)
+    levels = np.clip(1.0 - 7.0 * time_s, 0.1, 1.0)
+    angle = motion(time_s, lambda t: levels[int(t / 0.01)] - load)
+    fine = read(
+        time_s, angle, list(zip(time_s.tolist(), levels.tolist(), strict=True)), quantum=np.radians(0.1)
+    )
+    assert begins_at_rest(fine)
 
 
 def test_readings_that_neither_motion_fits_show_no_rest():

@@ -9,9 +9,9 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
-HIDDEN_BY: Final = {"constant_load": Slot("coulomb_friction", "coulomb")}
-"""By effect: what a size has to exceed so that a motor at rest shows it."""
 _LOAD, _FRICTION = "constant_load", "asymmetric_friction"
+HIDDEN_BY: Final = {_LOAD: Slot("coulomb_friction", "coulomb")}
+"""By effect: what a size has to exceed so that a motor at rest shows it."""
 _TWINS: Final = {_LOAD: _FRICTION}
 """By effect: the one that moves a motor just as it does where its size is hidden."""
 
