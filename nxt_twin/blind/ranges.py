@@ -204,7 +204,7 @@ RANGES: Final[dict[str, SeedRange]] = {
             (5021, 5022),
             Amounts(None, 38, 13, 7, 13),
             None,
-            "the mixture of `ninth` for the engine after decision 40, looked at by nobody before",
+            "the mixture of `ninth` for the engine after decision 41, looked at by nobody before",
             singles=504,
         ),
     )
