@@ -8,13 +8,17 @@ import time
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from nxt_twin.cli.compiling import tell_of_compiling
 from nxt_twin.cli.follow import followed
 from nxt_twin.cli.output import JsonOption, emit_json
+from nxt_twin.errors import NxtTwinError
+
+if TYPE_CHECKING:
+    from nxt_twin.blind.proof import Proof
 
 
 def proof(
@@ -49,7 +53,6 @@ def proof(
     from nxt_twin.blind.families.table import FAMILIES
     from nxt_twin.blind.proof import Proof
     from nxt_twin.blind.ranges import RANGES
-    from nxt_twin.blind.tables import as_text, as_values, proof_status, tables_of
     from nxt_twin.fleet.workers.place import place_of
 
     if chosen not in RANGES:
@@ -63,6 +66,19 @@ def proof(
     failed = followed("proving", outcomes, len(work.waiting()))
     deletions = work.delete(place, time.process_time, goes_on)
     failed |= followed("without the effect", deletions, len(work.undeleted()))
+    _tell(work, folder, chosen, json)
+    if failed:
+        raise typer.Exit(1)
+
+
+def _tell(work: Proof, folder: Path, chosen: str, json: str | None) -> None:
+    """Write and print the tables of the finished cases."""
+    from nxt_twin.blind.tables import as_text, as_values, proof_status, tables_of
+
+    if not work.finished():
+        raise NxtTwinError(
+            f"holds no finished case of the range {chosen}", where=str(folder), mend="give it more --minutes"
+        )
     tables, status = tables_of(work), proof_status(work)
     text = "\n".join([f"{status}\n", *(f"{name}\n\n{as_text(rows)}" for name, rows in tables.items())])
     (folder / "tables.txt").write_text(text, encoding="utf-8")
@@ -72,8 +88,6 @@ def proof(
         emit_json(json, json_format.dumps(held))
     if json != "-":
         print(text)
-    if failed:
-        raise typer.Exit(1)
 
 
 def _until(minutes: float | None) -> Callable[[], bool]:

@@ -120,3 +120,10 @@ def test_pairs_without_effects_are_refused_in_one_line(tmp_path):
     assert outcome.err.count("\n") == 1
     assert "--pairs 0" in outcome.err
     assert not any(folder.exists() for folder in folders)
+
+
+def test_a_proof_without_a_finished_case_says_what_to_do(tmp_path):
+    said = run("blind", "proof", tmp_path / "none", "--minutes", "0")
+    assert said.status == 1
+    assert "none: holds no finished case of the range sample (give it more --minutes)" in said.err
+    assert not (tmp_path / "none").exists()
