@@ -246,7 +246,8 @@ def _floors(simulator: Simulator, evidence: Evidence, seed: int, *, complete: bo
     """What a correct model would reach at each horizon, SI."""
     reached = (evidence.given_errors, evidence.baseline_errors, evidence.final_errors)
     own = np.random.default_rng([seed, _FLOORS])
-    return refitted_floors(simulator, evidence.problem, evidence.final, reached, own, complete=complete)
+    problem, final, covariance = evidence.problem, evidence.final, evidence.covariance
+    return refitted_floors(simulator, problem, final, covariance, reached, own, complete=complete)
 
 
 def _fit(evidence: Evidence, floors: tuple[float, ...]) -> Fit:

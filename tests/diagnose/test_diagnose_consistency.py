@@ -29,9 +29,12 @@ from nxt_twin.diagnose.fitting.baselines import (
     best_baseline,
     best_fit,
     is_nearer,
+    is_plainly_nearer,
+    likely_baseline,
     plainly_fitted,
     settled_baseline,
 )
+from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import Fitter
 from nxt_twin.diagnose.judging.evidence import gather
 from nxt_twin.diagnose.judging.horizons import Errors, beaten_at, best_at_every_horizon, errors_of
@@ -67,7 +70,8 @@ def test_a_clean_motor_is_re_fitted_as_well_as_by_a_plain_fit_of_windows(make):
         plain = plain_fit(simulator, problem)
         fitter = Fitter(simulator, problem)
         settled_one = settled_baseline(fitter)
-        refit = best_baseline(fitter, settled_one, settled_one)
+        final = fit_everything(fitter, settled_one.plant, settled_one.noise)
+        refit = likely_baseline(fitter, settled_one, final)
         off = [
             errors_of(simulator, problem, plant, refit.plant, refit.noise).at(WINDOW_S)
             for plant in (problem.plant, plain, refit.plant)
@@ -131,6 +135,23 @@ PLAIN = np.array([2.0, 4.0, 8.0])
 )
 def test_another_fit_replaces_a_plain_one_where_it_is_clearly_nearer_at_each_horizon(errors, nearer):
     assert is_nearer(np.array(errors), PLAIN, TOLERANCE) is nearer
+
+
+@pytest.mark.parametrize(
+    ("plain_nats", "errors", "windows", "replaces"),
+    [
+        (0.0, (0.94, 1.0), 5.0, True),
+        (0.0, (0.96, 1.0), 5.0, False),
+        (0.0, (0.1, 0.5), 5.0, False),  # of what does not matter
+        (9.9, (0.9, 1.0), 5.0, True),
+        (10.1, (0.9, 1.0), 5.0, False),  # four readings a window gain 2.1 nats, which priors outweigh
+        (10.1, (0.9, 1.0), 25.0, True),
+    ],
+)
+def test_a_plain_fit_replaces_a_likely_one_where_its_windows_are_clearly_nearer_and_pay_for_its_priors(
+    plain_nats, errors, windows, replaces
+):
+    assert is_plainly_nearer(np.array([plain_nats, 0.0]), np.array(errors), windows, TOLERANCE) is replaces
 
 
 def test_errors_that_do_not_matter_do_not_keep_a_plain_fit():

@@ -1,15 +1,19 @@
 """The floor: what a correct model would reach on recordings like these."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from nxt_twin.diagnose.fitting.fit import Fitted
+from benchmarks.consistency import home
+from benchmarks.consistency import problem_of as problem_of_made
+from nxt_twin.diagnose.fitting.fit import Fitted, Variable
 from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging import floors
+from nxt_twin.diagnose.judging.doubt import drawn, scattered
 from nxt_twin.diagnose.judging.floors import _at_the_floor, refitted_floors, synthetic
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.simulate import Simulator
@@ -19,6 +23,7 @@ pytestmark = pytest.mark.usefixtures("one_by_one")
 
 PLANT = {"kind": "rigid_body", "inertia": 1e-2, "viscous_friction": 5e-2, "coulomb_friction": 2e-2}
 KINDS = SignalKinds("torque_nm", "position_rad")
+SURE = np.zeros((0, 0))  # of the variables of a plant that has none
 
 
 def bench(seconds=12.0, rate_hz=50.0):
@@ -53,7 +58,7 @@ def test_the_floor_is_near_the_error_of_the_true_plant_on_recordings_of_its_own(
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     seconds = (0.5, 2.0, 10.0, np.inf)
     far = Errors(seconds, (1e9,) * 4)
-    floors = refitted_floors(simulator, problem, final, [far], np.random.default_rng(0), complete=False)
+    floors = refitted_floors(simulator, problem, final, SURE, [far], np.random.default_rng(0), complete=False)
     true = []
     for seed in range(1, 7):
         real = synthetic(simulator, problem.plant, problem.signals[0], noise, np.random.default_rng(seed))
@@ -71,7 +76,7 @@ def test_no_floor_lies_above_what_was_reached(made):
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     reached = Errors((0.5, 2.0, 10.0, np.inf), (1e-9,) * 4)
     assert (
-        refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0), complete=True)
+        refitted_floors(simulator, problem, final, SURE, [reached], np.random.default_rng(0), complete=True)
         == (1e-9,) * 4
     )
 
@@ -81,7 +86,7 @@ def test_floors_grow_where_a_complete_model_simulates_what_was_fitted_worse_than
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     far = Errors((0.5, 2.0, 10.0, np.inf), (1e9,) * 4)
     low, high = (
-        refitted_floors(simulator, problem, final, [far], np.random.default_rng(0), complete=complete)
+        refitted_floors(simulator, problem, final, SURE, [far], np.random.default_rng(0), complete=complete)
         for complete in (False, True)
     )  # the readings of the bench are no plant's, so that the model is far off on them
     assert np.all(np.array(high) > 2.0 * np.array(low))
@@ -99,7 +104,7 @@ def test_the_dry_friction_of_a_complete_model_may_be_off_by_a_tenth(made, monkey
     assert floors.DRY_FRICTION_OFF == 0.1
     monkeypatch.setattr(floors, "DRY_FRICTION_OFF", off)
     low, high = (
-        refitted_floors(simulator, truth, final, [far], np.random.default_rng(0), complete=complete)[1]
+        refitted_floors(simulator, truth, final, SURE, [far], np.random.default_rng(0), complete=complete)[1]
         for complete in (False, True)
     )
     assert high / low == pytest.approx(grows, rel=0.3)
@@ -122,5 +127,58 @@ def test_longer_floors_of_a_complete_model_are_the_errors_reached_where_windows_
     simulator, problem, noise = made
     final = Structure(Fitted(problem.plant, (), np.zeros((0, 0)), 0.0, 0.0, 0), noise, 0.0, ((), ()), 0)
     reached = Errors((0.5, 2.0, 10.0, np.inf), (window, window, 1e6, 1e6))
-    found = refitted_floors(simulator, problem, final, [reached], np.random.default_rng(0), complete=complete)
+    found = refitted_floors(
+        simulator, problem, final, SURE, [reached], np.random.default_rng(0), complete=complete
+    )
     assert (found[2:] == (1e6, 1e6)) is met
+
+
+def open_in(problem, symbol, std):
+    """The plant with one variable whose standard deviation is `std`, and its covariance."""
+    slot = next(slot for slot in problem.plant.values if slot.symbol == symbol)
+    own = problem.plant.values[slot]
+    variable = Variable((slot,), (1.0,), own, 0.0, np.inf, own, own, 0.0)
+    fitted = Fitted(problem.plant, (variable,), np.zeros((1, 1)), 0.0, 0.0, 0)
+    return fitted, np.array([[std**2]])
+
+
+def test_plants_are_drawn_as_far_off_as_readings_leave_open_and_within_bounds(made):
+    _, problem, noise = made
+    fitted, covariance = open_in(problem, "viscous", 1e-2)
+    final = Structure(fitted, noise, 0.0, ((), ()), 0)
+    slot = fitted.variables[0].slots[0]
+    values = [plant.values[slot] for plant in drawn(final, covariance, 8, np.random.default_rng(0))]
+    assert np.mean(values) == pytest.approx(5e-2)
+    assert np.std(values) == pytest.approx(1e-2, rel=0.1)
+    far = [plant.values[slot] for plant in drawn(final, 100.0 * covariance, 8, np.random.default_rng(0))]
+    assert min(far) == 0.0
+
+
+def test_floors_grow_by_what_readings_leave_open_and_what_was_held_out_shows(made, monkeypatch):
+    simulator, problem, noise = made
+    still = SimpleNamespace(simulating=lambda plant, noise, **_: (SimpleNamespace(plant=plant), noise))
+    monkeypatch.setattr(floors, "Fitter", lambda *_: still)  # as if no reading showed the friction
+    fitted, covariance = open_in(problem, "viscous", 1e-2)
+    final = Structure(fitted, replace(noise, disturbance_std=0.0), 0.0, ((), ()), 0)
+    far = Errors((0.5, 2.0, 10.0, np.inf), (1e9,) * 4)
+    sure, unsure = (
+        refitted_floors(simulator, problem, final, spread, [far], np.random.default_rng(0), complete=False)
+        for spread in (np.zeros((1, 1)), covariance)
+    )
+    assert np.all(np.array(unsure) > 3.0 * np.array(sure))
+
+
+def test_synthetic_readings_that_are_held_stray_as_their_effect_says():
+    problem = problem_of_made(home(21, duration_s=6.0))
+    with Simulator(problem.plant.layout) as simulator:
+        signals = problem.signals[0]
+        noise = replace(first_noise(problem.plant, [signals], problem.scale.torque), disturbance_std=0.0)
+        held = problem.plant.with_effect("sample_hold", {"refresh_period": 0.1})
+        spread = scattered(simulator, held, signals)
+        strays = [
+            synthetic(simulator, held, signals, noise, np.random.default_rng(seed)).measured
+            for seed in (1, 2)
+        ]
+    usual = np.sqrt(np.mean((strays[0] - strays[1]) ** 2) / 2.0)
+    assert usual == pytest.approx(np.sqrt(np.nanmean(spread)), rel=0.1)
+    assert usual > 5.0 * noise.reading_std

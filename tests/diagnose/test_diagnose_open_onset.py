@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.record import take
 from nxt_twin.blind.truth.sensing import Sensing
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.judging import onset
 from nxt_twin.diagnose.judging.onset import placed
 from nxt_twin.diagnose.telling.notes import onsets_told
 from nxt_twin.physics.layout import Slot
@@ -63,3 +65,23 @@ def test_an_onset_that_fits_what_was_held_out_stays():
         moved, told = placed(simulator, problem, final)
     assert moved is final
     assert told == ()
+
+
+def costing(nats):
+    """A target on which every plant but the first costs `nats` more."""
+    target = SimpleNamespace(costs_of=lambda _, plants: np.where(np.arange(len(plants)) > 0, nats, 0.0))
+    return SimpleNamespace(tuned=lambda *_: SimpleNamespace(everything=lambda: target))
+
+
+def test_an_open_moment_may_be_less_likely_by_as_much_as_an_effect_has_to_gain(monkeypatch):
+    case = with_payload_from(HELD_OUT)
+    with Simulator(problem_for(case).plant.layout) as simulator:
+        held_out = problem_for(case).held_out[0].signals
+        later_s = held_out.session_s + held_out.time_s[-1]
+        started = {"payload_inertia": {"added_inertia": 8e-4, "onset": later_s}}
+        problem, _, final = settled(simulator, case, added=started)
+        told = []
+        for nats in (7.9, 8.1):
+            monkeypatch.setattr(onset, "Fitter", lambda *_, nats=nats: costing(nats))
+            told.append(len(placed(simulator, problem, final)[1]))
+    assert told == [1, 0]

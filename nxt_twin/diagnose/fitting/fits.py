@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import final
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.fitting.baselines import best_baseline, settled_baseline, standing
+from nxt_twin.diagnose.fitting.baselines import best_baseline, likely_baseline, settled_baseline, standing
 from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, draft_cost, draft_costs, drafted
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
@@ -120,6 +120,10 @@ class Fits:
     def best_baseline(self, baseline: Structure, final: Structure) -> Structure:
         """The re-fitted baseline that simulates best, of fits under the noise of `baseline` and of `final`."""
         return best_baseline(self._fitter, baseline, final)
+
+    def likely_baseline(self, baseline: Structure, final: Structure) -> Structure:
+        """The re-fitted baseline where nothing was found: `final`, or a plain fit that simulates clearly nearer."""
+        return likely_baseline(self._fitter, baseline, final)
 
     def as_given(self, noise: Noise) -> Structure:
         """The given plant with its parameters as they came."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
+from scipy.special import ndtri
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import values_of
@@ -13,6 +15,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.horizons import horizons_of
 from nxt_twin.physics.observer import free
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start, run_in
 
@@ -41,33 +44,58 @@ def doubts_of(
 
 def scatter_of(simulator: Simulator, problem: Problem, plant: Plant) -> float:
     """The RMS by which `plant` lets held-out readings stray beyond ordinary noise, as held readings do, SI."""
+    found = [scattered(simulator, plant, part.signals)[part.counted] for part in problem.held_out]
+    every = np.concatenate(found)
+    return float(np.sqrt(np.mean(every[np.isfinite(every)])))
+
+
+def scattered(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray:
+    """By which variance each reading of a free run may stray beyond ordinary noise, SI, shape (samples,).
+
+    NaN where nothing was read.
+    """
     if not any("scatter" in effect.terms for effect in plant.effects):
-        return 0.0
+        return np.zeros(signals.time_s.size)
     values, active = plant.vectors()
     active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])
-    found = []
-    for part in problem.held_out:
-        job = Job(part.signals, free(part.signals, 1.0), moving_start(part.signals))
-        weight = simulator.run(values[None], active[None], [job])[0].weight[0]
-        found.append(
-            1.0 / weight[part.counted & (weight > 0.0)] - 1.0
-        )  # ordinary noise has a variance of 1 here
-    return float(np.sqrt(np.mean(np.concatenate(found))))
+    job = Job(signals, free(signals, 1.0), moving_start(signals))
+    weight = simulator.run(values[None], active[None], [job])[0].weight[0]
+    return 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here
+
+
+def drawn(structure: Structure, covariance: FloatArray, count: int, rng: Generator) -> list[Plant]:
+    """Plants that the readings leave open, as far off as `covariance` says, each principal direction in `count` strata.
+
+    `covariance` is as in `doubts_of`.
+    """
+    own = values_of(structure.plant, structure.fitted.variables)
+    strata = ndtri((np.arange(count) + 0.5) / count)
+    steps = _steps(structure, covariance)
+    off = np.array([rng.permutation(strata) for _ in steps]).reshape(len(steps), count)
+    return [
+        with_slot_values(structure.plant, structure.fitted.variables, own + each @ steps) for each in off.T
+    ]
 
 
 def _moved(structure: Structure, covariance: FloatArray) -> list[Plant]:
     """The plant moved by one standard deviation along each principal direction, forth and back in turn."""
     variables = structure.fitted.variables
-    if not variables:
-        return []
     own = values_of(structure.plant, variables)
-    scale = np.array([variable.scale for variable in variables])
+    return [
+        with_slot_values(structure.plant, variables, own + sign * step)
+        for step in _steps(structure, covariance)
+        for sign in (1, -1)
+    ]
+
+
+def _steps(structure: Structure, covariance: FloatArray) -> FloatArray:
+    """One standard deviation along each principal direction, SI, shape (directions, variables)."""
+    scale = np.array([variable.scale for variable in structure.fitted.variables])
+    if not scale.size:
+        return np.zeros((0, 0))
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
     kept = values > max(_TINY * float(values[-1]), 1e-300)
-    steps = (vectors[:, kept] * np.sqrt(values[kept])).T * scale
-    return [
-        with_slot_values(structure.plant, variables, own + sign * step) for step in steps for sign in (1, -1)
-    ]
+    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T * scale)
 
 
 def _spread(

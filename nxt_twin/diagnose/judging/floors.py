@@ -17,6 +17,7 @@ from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.target import Target
+from nxt_twin.diagnose.judging.doubt import drawn, scattered
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise, Observer, slips
@@ -43,6 +44,7 @@ def refitted_floors(
     simulator: Simulator,
     problem: Problem,
     final: Structure,
+    covariance: FloatArray,
     reached: Sequence[Errors],
     rng: Generator,
     *,
@@ -50,16 +52,19 @@ def refitted_floors(
 ) -> tuple[float, ...]:
     """The error on held-out readings that a correct model stays below nine times of ten, at each horizon, SI.
 
-    `final` is taken for the truth. A synthetic recording has the inputs, stamps and quantum of a real one. It
-    has the noise's unknown torque, against which dry friction holds. The plant is re-fitted to such
+    The truth is `final`, off by what readings leave open: held-out ones may do what no fitted one did, such as coast. A
+    synthetic recording has the inputs, stamps and quantum of a real one. It has the noise's unknown torque, against
+    which dry friction holds, and strays where an effect lets readings do so. `final` is re-fitted to such
     recordings, by windows of simulation. Even the equations of a `complete` model are a little off. Its dry friction
     is therefore judged off by `DRY_FRICTION_OFF`, and floors grow where it simulates fitted readings worse
     than synthetic ones. Errors that are too small to show in windows add up in longer simulations. Where its windows
     are at their floors, nothing shows that a correct model would err less in these. No floor lies above what some plant
     has `reached` on the real ones, of which the last is the error of `final`.
     """
+    truths = drawn(final, covariance, REPLICATES, rng)
     made = [
-        _replicate(simulator, problem, final, rng, math.exp(off if complete else 0.0)) for off in _offs(rng)
+        _replicate(simulator, problem, final, truth, rng, math.exp(off if complete else 0.0))
+        for truth, off in zip(truths, _offs(rng), strict=True)
     ]
     # A re-fit that ran away counts as large, and not as none.
     held = np.nan_to_num(np.array([errors.rms for errors, _ in made]), posinf=_HUGE)
@@ -109,15 +114,20 @@ def _seen(problem: Problem) -> Problem:
 
 
 def _replicate(
-    simulator: Simulator, problem: Problem, final: Structure, rng: Generator, friction_times: float
+    simulator: Simulator,
+    problem: Problem,
+    final: Structure,
+    truth: Plant,
+    rng: Generator,
+    friction_times: float,
 ) -> tuple[Errors, Errors]:
-    """The errors of a re-fit to synthetic recordings: on held-out readings, and on those that were fitted.
+    """The errors of a re-fit to synthetic recordings of `truth`: on held-out readings, and on those that were fitted.
 
     Held-out readings are judged with the re-fit's dry friction taken `friction_times`.
     """
     plant, noise = final.plant, final.noise
     every = [*problem.signals, *(part.signals for part in problem.held_out)]
-    made = {signals.name: synthetic(simulator, plant, signals, noise, rng) for signals in every}
+    made = {signals.name: synthetic(simulator, truth, signals, noise, rng) for signals in every}
     own = _instead(problem, made)
     fitted = Fitter(simulator, own).simulating(plant, noise, everything=True, rounds=1)[0].plant
     judged = _rubbing(fitted, friction_times)
@@ -143,7 +153,8 @@ def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise
     exact = simulator.trace(plant, job)["predicted"]
     quantum = 0.0 if signals.is_speed else signals.quantum
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
-    read = exact + own_std * rng.standard_normal(rows)
+    strays = np.nan_to_num(scattered(simulator, plant, signals))
+    read = exact + np.sqrt(own_std**2 + strays) * rng.standard_normal(rows)
     if noise.slip:
         read += np.cumsum(np.sqrt(slips(signals, noise)) * rng.standard_normal(rows))
     if quantum > 0.0:

@@ -16,7 +16,11 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
-_OPEN_NATS = 2.0  # nats by which an open moment may be less likely, on all readings that are not held out
+_OPEN_NATS = 8.0
+"""Nats by which an open moment may be less likely, on all readings that are not held out: what an effect has to gain.
+
+A payload that is hung on between two recordings fits best a few readings after the second one began.
+"""
 _CLEARLY = 0.8  # of the error on held-out readings: another onset has to leave less
 _MOMENTS = 12  # tried within each held-out recording, beside its beginning and its end
 _MOST_TRIED = 24  # open moments that are simulated over held-out readings at most

@@ -72,9 +72,11 @@ def _fitted(fits: Fits, explanation: Explanation) -> Searched:
         if _simulates_worse(fits, final, refitted):
             break
         explanation, final = lesser, refitted
-    refit = fits.best_baseline(explanation.baseline, final)
     given = fits.as_given(explanation.baseline.noise)
-    return Searched(explanation, refit, given, final if explanation.found or explanation.unnamed else refit)
+    if not explanation.found and not explanation.unnamed:
+        refit = fits.likely_baseline(explanation.baseline, final)
+        return Searched(explanation, refit, given, refit)
+    return Searched(explanation, fits.best_baseline(explanation.baseline, final), given, final)
 
 
 def _faint(fits: Fits, explanation: Explanation, final: Structure) -> Effect | None:
