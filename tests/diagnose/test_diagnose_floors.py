@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.noise import first_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging import floors
-from nxt_twin.diagnose.judging.doubt import drawn, scattered
+from nxt_twin.diagnose.judging.doubt import drawn, straying
 from nxt_twin.diagnose.judging.floors import _at_the_floor, refitted_floors, synthetic
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.simulate import Simulator
@@ -174,7 +174,7 @@ def test_synthetic_readings_that_are_held_stray_as_their_effect_says():
         signals = problem.signals[0]
         noise = replace(first_noise(problem.plant, [signals], problem.scale.torque), disturbance_std=0.0)
         held = problem.plant.with_effect("sample_hold", {"refresh_period": 0.1})
-        spread = scattered(simulator, held, signals)
+        spread = straying(simulator, held, signals)
         strays = [
             synthetic(simulator, held, signals, noise, np.random.default_rng(seed)).measured
             for seed in (1, 2)

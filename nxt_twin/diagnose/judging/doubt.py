@@ -1,4 +1,4 @@
-"""How far simulations of what is held out may err: parameters are left open, and readings may be scattered."""
+"""How far simulations of what is held out may err: parameters are left open, and readings may be straying."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def doubts_of(
 
 def scatter_of(simulator: Simulator, problem: Problem, plant: Plant) -> float:
     """The RMS by which `plant` lets held-out readings stray beyond ordinary noise, as held readings do, SI."""
-    found = [scattered(simulator, plant, part.signals)[part.counted] for part in problem.held_out]
+    found = [straying(simulator, plant, part.signals)[part.counted] for part in problem.held_out]
     every = np.concatenate(found)
     return float(np.sqrt(np.mean(every[np.isfinite(every)])))
 
 
-def scattered(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray:
+def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray:
     """By which variance each reading of a free run may stray beyond ordinary noise, SI, shape (samples,).
 
     NaN where nothing was read.

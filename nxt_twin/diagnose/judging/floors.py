@@ -17,7 +17,7 @@ from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.fitting.target import Target
-from nxt_twin.diagnose.judging.doubt import drawn, scattered
+from nxt_twin.diagnose.judging.doubt import drawn, straying
 from nxt_twin.diagnose.judging.horizons import Errors, errors_of
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.observer import Noise, Observer, slips
@@ -153,7 +153,7 @@ def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise
     exact = simulator.trace(plant, job)["predicted"]
     quantum = 0.0 if signals.is_speed else signals.quantum
     own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
-    strays = np.nan_to_num(scattered(simulator, plant, signals))
+    strays = np.nan_to_num(straying(simulator, plant, signals))
     read = exact + np.sqrt(own_std**2 + strays) * rng.standard_normal(rows)
     if noise.slip:
         read += np.cumsum(np.sqrt(slips(signals, noise)) * rng.standard_normal(rows))
