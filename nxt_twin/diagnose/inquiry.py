@@ -71,10 +71,19 @@ def _misled(evidence: Evidence) -> bool:
 
 
 def _nearer(by_steps: Evidence, by_windows: Evidence) -> Evidence:
-    """`by_windows`, unless neither explains what is missing, and what steps found brings unseen windows much nearer."""
-    neither = verdict_of(by_steps.record) == verdict_of(by_windows.record) == "unexplained"
-    helped = bool(by_steps.record.found) and not by_windows.record.found
-    return by_steps if neither and helped and _is_much_nearer(by_windows, by_steps) else by_windows
+    """`by_windows`, unless it errs by what matters, and what steps found beyond it brings unseen windows much nearer.
+
+    What steps found explains no more than a part then. Where windows explain what is missing, they decide.
+    """
+    verdicts = verdict_of(by_steps.record), verdict_of(by_windows.record)
+    errs = verdicts[1] == "unexplained" or (verdicts[1] == "adequate" and by_windows.record.remaining > 1.0)
+    helped = verdicts[0] == "unexplained" and _found(by_steps) > _found(by_windows)
+    return by_steps if errs and helped and _is_much_nearer(by_windows, by_steps) else by_windows
+
+
+def _found(evidence: Evidence) -> set[str]:
+    """The ids of the effects that were found."""
+    return {effect.id for effect, _ in evidence.explanation.found}
 
 
 def _errs_in_colour(record: Record) -> bool:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
 from nxt_twin.arrays import FloatArray, IntArray
 from nxt_twin.recording.recording import InputKind
+
+VOLTAGES: Final[tuple[InputKind, ...]] = ("power_pct", "voltage_v", "goal_position_rad")
+"""Inputs that set a voltage, under which a motor's motion tells nothing of the size of its torques."""
 
 
 @final

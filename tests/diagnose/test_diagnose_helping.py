@@ -158,20 +158,44 @@ def test_what_is_adequate_or_explained_is_not_looked_at_again(monkeypatch, recor
     assert inquiry._reconsidered(None, before, None, told.append) is before
 
 
+def with_effects(record, error, *effect_ids):
+    found = tuple((PLAIN.layout.effect(each), None) for each in effect_ids)
+    made = evidence(record, error)
+    made.explanation = SimpleNamespace(found=found)
+    return made
+
+
 @pytest.mark.parametrize(
     ("by_steps", "error", "by_windows", "kept"),
     [
         (LACKING_MORE, 4.9, LACKING, True),
         (LACKING_MORE, 5.1, LACKING, False),
-        (LACKING_MORE, 4.9, LACKING_MORE, False),
+        (LACKING_MORE, 4.9, replace(SILENT, remaining=1.1), True),
         (LACKING_MORE, 4.9, replace(SILENT, remaining=1.0), False),
         (NAMED, 4.9, LACKING, False),
-        (LACKING, 4.9, LACKING, False),
     ],
 )
-def test_what_steps_found_stays_where_windows_find_nothing_and_neither_explains(
+def test_what_steps_found_stays_where_windows_find_nothing_and_err_by_what_matters(
     monkeypatch, by_steps, error, by_windows, kept
 ):
     monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
-    steps, windows = evidence(by_steps, error), evidence(by_windows, 10.0)
+    steps, windows = with_effects(by_steps, error, "end_stop"), with_effects(by_windows, 10.0)
+    assert inquiry._nearer(steps, windows) is (steps if kept else windows)
+
+
+@pytest.mark.parametrize(
+    ("found", "also", "error", "kept"),
+    [
+        (("end_stop", "missed_counts"), ("end_stop",), 6.4, True),
+        (("end_stop", "missed_counts"), ("end_stop",), 6.6, False),
+        (("end_stop",), ("end_stop",), 6.4, False),
+        (("missed_counts",), ("end_stop",), 6.4, False),
+    ],
+)
+def test_what_steps_found_beyond_windows_stays_where_it_brings_them_nearer(
+    monkeypatch, found, also, error, kept
+):
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    steps = with_effects(LACKING_MORE, error, *found)
+    windows = with_effects(LACKING_MORE, 10.0, *also)
     assert inquiry._nearer(steps, windows) is (steps if kept else windows)

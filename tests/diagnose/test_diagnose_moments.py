@@ -10,10 +10,14 @@ from nxt_twin.diagnose.fitting import moments
 TIME_S = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
 
 
-def structure(costs):
+LATE = SimpleNamespace(terms={"outlier": None})
+DRAG = SimpleNamespace(terms={"friction": None})
+
+
+def structure(costs, *effects, noise=None):
     """A structure under which readings cost these nats."""
     vectors = np.array(costs), np.ones(len(costs))
-    return SimpleNamespace(plant=SimpleNamespace(vectors=lambda: vectors), noise=None)
+    return SimpleNamespace(plant=SimpleNamespace(vectors=lambda: vectors, effects=effects), noise=noise)
 
 
 @pytest.fixture
@@ -46,3 +50,27 @@ def test_a_gain_of_one_second_is_nothing_elsewhere(gains):
 
 def test_what_other_seconds_lose_counts_against_it(gains):
     assert gains(moments.gained_elsewhere, [50.0, 1.0, 1.0, 1.0, 1.0, 1.0], [1.0] * 5 + [4.0]) == -3.0
+
+
+@pytest.mark.parametrize(
+    ("simpler", "richer", "under"),
+    [
+        ((), (DRAG,), "simpler"),
+        ((DRAG,), (DRAG, LATE), "richer"),
+        ((LATE,), (LATE, DRAG), "simpler"),
+    ],
+)
+def test_doubted_readings_are_weighed_under_the_noise_that_does_not_hide_them(
+    monkeypatch, simpler, richer, under
+):
+    monkeypatch.setattr(moments, "SETTLED", SimpleNamespace(step_for=lambda _: 1e-3))
+    asked = []
+    jobs = SimpleNamespace(predicting=lambda: SimpleNamespace(jobs=()))
+    fitter = SimpleNamespace(
+        tuned=lambda noise, _: asked.append(noise) or jobs, simulator=SimpleNamespace(run=lambda *_: [])
+    )
+    made = [
+        structure([1.0], *effects, noise=name) for effects, name in ((simpler, "simpler"), (richer, "richer"))
+    ]
+    moments._gained(fitter, *made)
+    assert asked == [under]

@@ -71,3 +71,22 @@ def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, as
     )
     assert made._restoring(best, set()) == []
     assert seen == asked
+
+
+@pytest.mark.parametrize(
+    ("found", "known", "tried"),
+    [("stop", (), True), ("drag", (), False), ("stop", ("loss",), False)],
+)
+def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle(
+    monkeypatch, found, known, tried
+):
+    loss = SimpleNamespace(id="loss", counted=True)
+    monkeypatch.setattr(trying, "lies_in_angle", lambda each: each.id == "stop")
+    monkeypatch.setattr(trying, "losing", lambda *_: [3.0, 1.0, 2.0])
+    made = trials(
+        candidates=lambda _: [loss, SimpleNamespace(id="load", counted=False)],
+        _fits=SimpleNamespace(problem=SimpleNamespace(plant=structure().plant)),
+        _settled=SimpleNamespace(settle=lambda cost, _: SimpleNamespace(fitted_cost=cost)),
+    )
+    settled = made._losing(structure(effect(found)), [loss] if known else [])
+    assert [(each.id, trial.fitted_cost) for each, trial in settled] == ([("loss", 1.0)] if tried else [])

@@ -9,9 +9,6 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 
-VOLTAGES = ("power_pct", "voltage_v", "goal_position_rad")
-"""Inputs under which a motor's motion tells nothing of the size of its torques."""
-
 _ROUNDS = 6  # of a fixed point that is near after three
 
 

@@ -24,9 +24,11 @@ def gained_elsewhere(fitter: Fitter, simpler: Structure, richer: Structure) -> f
 def _gained(fitter: Fitter, simpler: Structure, richer: Structure) -> FloatArray:
     """What `richer` gains in each second of each recording, nats.
 
-    Both under the noise of `simpler`: a noise that one moment forced upon a model costs it all the others.
+    Both under one noise, that of `simpler`: a noise that one moment forced upon a model costs it all the others. Where
+    `richer` doubts readings, it is that of `richer`: in the other these readings hide, however many there are.
     """
-    tuned = fitter.tuned(simpler.noise, SETTLED.step_for(richer.plant)).predicting()
+    noise = richer.noise if _doubts_more(simpler, richer) else simpler.noise
+    tuned = fitter.tuned(noise, SETTLED.step_for(richer.plant)).predicting()
     gains: dict[tuple[str, int], float] = {}
     for sign, structure in ((1.0, simpler), (-1.0, richer)):
         values, active = structure.plant.vectors()
@@ -37,3 +39,12 @@ def _gained(fitter: Fitter, simpler: Structure, richer: Structure) -> FloatArray
                 key = (job.signals.name, second)
                 gains[key] = gains.get(key, 0.0) + sign * float(cost)
     return np.array(list(gains.values()))
+
+
+def _doubts_more(simpler: Structure, richer: Structure) -> bool:
+    """Whether `richer` has a fault that makes readings doubtful, and `simpler` has none."""
+    doubting, trusting = (
+        any("outlier" in effect.terms for effect in structure.plant.effects)
+        for structure in (richer, simpler)
+    )
+    return doubting and not trusting

@@ -8,12 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from nxt_twin.diagnose.fitting.fit import Variable
-from nxt_twin.diagnose.fitting.likeness import VOLTAGES
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter, Scale
 from nxt_twin.physics.plant import Plant
-from nxt_twin.physics.signals import Signals
+from nxt_twin.physics.signals import VOLTAGES, Signals
 from nxt_twin.physics.smooth import smoothed
 
 _LOOSE = 0.5  # of what a plant file gives with nothing said of its doubt: a factor of three is rare

@@ -13,6 +13,7 @@ from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
 from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
+from nxt_twin.diagnose.search.losing import lies_in_angle, losing
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.second_wave import with_second_wave
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
@@ -84,6 +85,7 @@ class Trials:
         settled = self._leaders(best, cost, within)
         settled += self._rugged(best, cost, drafts, {effect.id for effect, _ in settled})
         settled += self._scattering(best, [effect for effect, _ in settled])
+        settled += self._losing(best, [effect for effect, _ in settled])
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
         settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
@@ -192,6 +194,20 @@ class Trials:
             trial = self._settled.settle(plants[int(np.argmin(costs))], noise)
             if self._outlasts_a_poll(trial, effect):
                 settled.append((effect, trial))
+        return settled
+
+    def _losing(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
+        """Lost counts beside what was found and lies in the angle, settled from each share that may be lost."""
+        found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
+        if not any(lies_in_angle(effect) for effect in found):
+            return []
+        settled = []
+        for effect in self.candidates(best.plant):
+            if effect.counted and effect not in known:
+                trials = [
+                    self._settled.settle(plant, best.noise) for plant in losing(self._fits, best, effect)
+                ]
+                settled += [(effect, min(trials, key=lambda trial: trial.fitted_cost))] if trials else []
         return settled
 
     def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:

@@ -10,7 +10,6 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import NORMAL_95, Estimate, Moved, Ratio
-from nxt_twin.diagnose.fitting.likeness import VOLTAGES
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.judging.intervals import FROZEN_DOUBT
@@ -18,6 +17,7 @@ from nxt_twin.diagnose.judging.verdict import LIMITS
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Parameter
+from nxt_twin.physics.signals import VOLTAGES
 
 ANCHORS = ("resistance_ohm", "torque_constant_nm_per_a")
 _ANCHORS_OF_CURRENT = ("torque_constant_nm_per_a",)
