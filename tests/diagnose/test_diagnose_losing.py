@@ -11,7 +11,7 @@ from nxt_twin.blind.case import NOMINAL
 from nxt_twin.blind.make import make_case
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.fits import Fits
-from nxt_twin.diagnose.search.losing import lies_in_angle, losing
+from nxt_twin.diagnose.search.losing import further_away, lies_in_angle, losing
 from nxt_twin.physics.further import turning_further
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import plant_from_config
@@ -58,6 +58,20 @@ def test_a_motor_that_turns_further_and_loses_as_much_reads_alike(effects):
 )
 def test_a_stop_a_gap_and_teeth_lie_in_the_angle(effect, lies):
     assert lies_in_angle(PLAIN.layout.effect(effect)) is lies
+
+
+@pytest.mark.parametrize(
+    ("effect", "lost", "tried"),
+    [("end_stop", 0.2, [4.0, 5.0]), ("end_stop", None, [4.0]), ("constant_load", 0.2, [4.0])],
+)
+def test_where_counts_are_lost_a_stop_is_tried_further_away_too(effect, lost, tried):
+    first = PLAIN.layout.effect(effect).parameters[0].symbol
+    losses = {} if lost is None else {"missed_counts": {"loss_fraction": lost, "speed_threshold_rad_s": 4.0}}
+    plain = plant_from_config({"kind": "dc_motor", **NOMINAL, "effects": losses}, "power_pct")
+    others = {p.symbol: p.starts[0] * p.si for p in PLAIN.layout.effect(effect).parameters[1:]}
+    plant = plain.with_effect(effect, {first: 4.0, **others})
+    plants = further_away(plant, PLAIN.layout.effect(effect))
+    assert [one.values[Slot(effect, first)] for one in plants] == pytest.approx(tried)
 
 
 def test_beside_a_stop_the_loss_is_found_that_no_fit_reaches_from_a_small_one():

@@ -8,16 +8,29 @@ from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.further import CYCLES, turning_further
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.parameter import ANGLE
 from nxt_twin.physics.plant import Plant
 
-_LOSSES: Final = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4)
+_LOSSES: Final = (0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4)
 """Shares of lost counts from which a fit begins: beside a stop it moves one by a tenth, between peaks of likelihood."""
 
 
 def lies_in_angle(effect: Effect) -> bool:
     """Whether the effect has its place or its size in the angle, as a stop, a gap or teeth have."""
     return any(each.dimension == ANGLE or each.name == CYCLES for each in effect.parameters)
+
+
+def further_away(plant: Plant, effect: Effect) -> list[Plant]:
+    """`plant`, and where it loses counts with the stop that is `effect` as much further away as they are fewer.
+
+    A stop's start lies where the readings end.
+    """
+    lost = [Slot(each.id, each.parameters[0].symbol) for each in plant.effects if each.counted]
+    if "stop" not in effect.terms or not lost:
+        return [plant]
+    limit = Slot(effect.id, effect.parameters[0].symbol)
+    return [plant, plant.with_values({limit: plant.values[limit] / (1.0 - plant.values[lost[0]])})]
 
 
 def losing(fits: Fits, best: Structure, effect: Effect) -> list[Plant]:

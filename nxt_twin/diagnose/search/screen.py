@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Structure
+from nxt_twin.diagnose.search.losing import further_away
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.parameter import Scale
@@ -48,7 +49,8 @@ def screen(fits: Fits, structure: Structure, effects: Sequence[Effect]) -> list[
         (effect, plant)
         for effect in effects
         for start in fits.starts_beside(structure, effect)
-        for plant in _with_load(structure.plant.with_effect(effect.id, start), effect)
+        for bare in _with_load(structure.plant.with_effect(effect.id, start), effect)
+        for plant in further_away(bare, effect)
     ]
     promises = fits.promised(structure, [plant for _, plant in tried])
     found = [Prospect(*tried[place], gain, stretch) for place, gain, stretch in promises]
