@@ -74,12 +74,10 @@ def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, as
 
 
 @pytest.mark.parametrize(
-    ("found", "known", "tried"),
-    [("stop", (), True), ("drag", (), False), ("stop", ("loss",), False)],
+    ("found", "tried"),
+    [("stop", True), ("drag", False)],
 )
-def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle(
-    monkeypatch, found, known, tried
-):
+def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle(monkeypatch, found, tried):
     loss = SimpleNamespace(id="loss", counted=True)
     monkeypatch.setattr(trying, "lies_in_angle", lambda each: each.id == "stop")
     monkeypatch.setattr(trying, "losing", lambda *_: [3.0, 1.0, 2.0])
@@ -88,5 +86,5 @@ def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle
         _fits=SimpleNamespace(problem=SimpleNamespace(plant=structure().plant)),
         _settled=SimpleNamespace(settle=lambda cost, _: SimpleNamespace(fitted_cost=cost)),
     )
-    settled = made._losing(structure(effect(found)), [loss] if known else [])
+    settled = made._losing(structure(effect(found)))
     assert [(each.id, trial.fitted_cost) for each, trial in settled] == ([("loss", 1.0)] if tried else [])

@@ -85,7 +85,8 @@ class Trials:
         settled = self._leaders(best, cost, within)
         settled += self._rugged(best, cost, drafts, {effect.id for effect, _ in settled})
         settled += self._scattering(best, [effect for effect, _ in settled])
-        settled += self._losing(best, [effect for effect, _ in settled])
+        lost = self._losing(best)
+        settled = [one for one in settled if one[0] not in [effect for effect, _ in lost]] + lost
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
         settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
@@ -196,14 +197,14 @@ class Trials:
                 settled.append((effect, trial))
         return settled
 
-    def _losing(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
+    def _losing(self, best: Structure) -> list[tuple[Effect, Structure]]:
         """Lost counts beside what was found and lies in the angle, settled from each share that may be lost."""
         found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
         if not any(lies_in_angle(effect) for effect in found):
             return []
         settled = []
         for effect in self.candidates(best.plant):
-            if effect.counted and effect not in known:
+            if effect.counted:
                 trials = [
                     self._settled.settle(plant, best.noise) for plant in losing(self._fits, best, effect)
                 ]
