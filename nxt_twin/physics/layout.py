@@ -58,6 +58,15 @@ class Layout:
         return {Slot(owner, p.symbol): p.in_frame(self.frame) for owner, ps in owned for p in ps}
 
     @cached_property
+    def tied(self) -> dict[Slot, list[Slot]]:
+        """The parameters that go along with each of those that others are tied to, in the order of the value vector."""
+        found: dict[Slot, list[Slot]] = {}
+        for slot, parameter in self.parameters.items():
+            if parameter.tied_to:
+                found.setdefault(Slot(slot.owner, parameter.tied_to), []).append(slot)
+        return found
+
+    @cached_property
     def index(self) -> dict[Slot, int]:
         """Position of each parameter in the value vector."""
         return {slot: i for i, slot in enumerate(self.parameters)}

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.abreast import FEWEST, LANES
 from nxt_twin.physics.assemble import TRACE
 from nxt_twin.physics.kernel import kernel
@@ -63,6 +64,7 @@ class Simulator:
 
     def __init__(self, plan: Layout, workers: int | None = None) -> None:
         self._kernel = kernel(plan)
+        self._states = 1 + sum(len(effect.states) for effect in plan.effects)
         self._pool, self._workers = threads_for(workers)
         self._stop = np.zeros(1, dtype=np.uint8)
         self._groups: dict[tuple[int, ...], tuple[tuple[Job, ...], list[_Group]]] = {}
@@ -82,22 +84,38 @@ class Simulator:
             active: which effects act, shape (sets, effects).
             jobs: the recordings.
         """
-        groups = self._grouped(jobs)
-        chunks = math.ceil(self._workers / max(len(groups), 1))
-        results: dict[int, Result] = {}
-        pending = []
-        for group in groups:
-            whole = _empty_result(len(group.rows) * values.shape[0], group.job)
-            for number, n in enumerate(group.rows):
-                results[n] = _part(whole, number * values.shape[0], (number + 1) * values.shape[0])
-            own = group.sets(values, active)
-            for low, high in itertools.pairwise(_edges(whole.cost.shape[0], chunks)):
-                pending.append(
-                    self._pool.submit(self._call, own.part(low, high), _part(whole, low, high), _NO_TRACE)
-                )
+        groups, size = self._grouped(jobs), len(values)
+        found = self._run([group.sets(values, active) for group in groups])
+        results = {
+            n: _part(whole, number * size, (number + 1) * size)
+            for group, whole in zip(groups, found, strict=True)
+            for number, n in enumerate(group.rows)
+        }
+        return [results[n] for n in range(len(jobs))]
+
+    def run_own(self, values: FloatArray, active: BoolArray, jobs: Sequence[Sequence[Job]]) -> list[Result]:
+        """Run each parameter set over jobs of its own, which differ from those of other sets in gains and starts alone.
+
+        Args:
+            values: SI values in the layout's order, shape (sets, parameters).
+            active: which effects act, shape (sets, effects).
+            jobs: of each recording one job a set.
+        """
+        rows = np.arange(len(values), dtype=np.uint32)
+        return self._run([_Sets(own[0], values, active, rows, _corrections(own)) for own in jobs])
+
+    def _run(self, every: Sequence[_Sets]) -> list[Result]:
+        """What all rows of each give, on all cores."""
+        chunks = math.ceil(self._workers / max(len(every), 1))
+        found = [_empty_result(len(sets.of_job), sets.job) for sets in every]
+        pending = [
+            self._pool.submit(self._call, sets.part(low, high), _part(whole, low, high), _NO_TRACE)
+            for sets, whole in zip(every, found, strict=True)
+            for low, high in itertools.pairwise(_edges(len(sets.of_job), chunks))
+        ]
         for task in pending:
             task.result()
-        return [results[n] for n in range(len(jobs))]
+        return found
 
     def _grouped(self, jobs: Sequence[Job]) -> list[_Group]:
         """`jobs` that may be run abreast together; a fit runs its jobs many times, so the latest are kept."""
@@ -130,19 +148,46 @@ class Simulator:
     def reached(self, plant: Plant, job: Job, at: BoolArray) -> Start:
         """Where one run of one plant has it at the samples `at`, the first included, all its states among it."""
         values, active = plant.vectors()
-        states = 1 + sum(len(effect.states) for effect in plant.layout.effects)
-        trace = np.empty((job.signals.time_s.size, len(TRACE) + states))
-        result = _empty_result(1, job)
-        self._pool.submit(
-            self._call, _abreast([job])[0].sets(values[None], active[None]), result, trace
-        ).result()
+        return self.reached_by(values[None], active[None], [job], [at])[0][0]
+
+    def reached_by(
+        self, values: FloatArray, active: BoolArray, jobs: Sequence[Job], at: Sequence[BoolArray]
+    ) -> list[list[Start]]:
+        """Where the run of each parameter set over each job has it at the samples `at` of the job.
+
+        Args:
+            values: SI values in the layout's order, shape (sets, parameters).
+            active: which effects act, shape (sets, effects).
+            jobs: the recordings.
+            at: samples of each, the first included, shape (samples,).
+
+        Returns:
+            By job, one start a set, with all states.
+        """
+        pending = [
+            [
+                self._pool.submit(self._reached, own.sets(values[n : n + 1], active[n : n + 1]), samples)
+                for n in rows
+            ]
+            for own, samples, rows in (
+                (_abreast([job])[0], samples, range(len(values)))
+                for job, samples in zip(jobs, at, strict=True)
+            )
+        ]
+        return [[task.result() for task in own] for own in pending]
+
+    def _reached(self, sets: _Sets, at: BoolArray) -> Start:
+        """Where the run of the only row of `sets` has it at the samples `at`."""
+        job, names = sets.job, len(TRACE)
+        trace = np.empty((job.signals.time_s.size, names + self._states))
+        self._call(sets, _empty_result(1, job), trace)
         angle, speed = trace[:, TRACE.index("angle")], trace[:, TRACE.index("speed")]
         given = job.start.at
         return Start(
             at,
             np.where(given, job.start.position, angle),
             np.where(given, job.start.speed, speed),
-            trace[at, len(TRACE) :],
+            trace[at, names:],
         )
 
     def _call(self, sets: _Sets, result: Result, trace: FloatArray) -> None:
@@ -193,7 +238,7 @@ class _Sets:
     job: Job
     values: FloatArray
     active: BoolArray
-    of_job: IntArray
+    of_job: NDArray[np.uint32]
     corrections: tuple[FloatArray | BoolArray, ...]
 
     def part(self, low: int, high: int) -> _Sets:

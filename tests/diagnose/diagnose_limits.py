@@ -297,8 +297,8 @@ def is_rough(monkeypatch, quanta):
     return False
 
 
-def rounds(monkeypatch):
-    """How often a search grows that finds a likelier rival each time."""
+def rounds(monkeypatch, gain=10.0):
+    """How often a search grows that finds a likelier rival each time, by `gain` nats."""
     grown = []
 
     class Searching:
@@ -320,8 +320,8 @@ def rounds(monkeypatch):
         def found(self, _):
             return ()
 
-        def pruned(self, best):
-            return best
+        def pruned(self, _):
+            return structure(cost=-gain * len(grown))
 
     monkeypatch.setattr(explaining, "_Search", Searching)
     monkeypatch.setattr(explaining, "likelier_structure", lambda _: structure())

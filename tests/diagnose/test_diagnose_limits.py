@@ -87,6 +87,11 @@ COUNTS = {
 }
 
 
+@pytest.mark.parametrize(("gain", "times"), [(1.02, 5), (0.98, 1), (0.0, 1)])
+def test_a_search_that_comes_back_to_where_it_has_grown_from_does_not_grow_again(monkeypatch, gain, times):
+    assert rounds(monkeypatch, gain) == times
+
+
 @pytest.mark.parametrize(
     ("check", "shows", "kept"),
     [

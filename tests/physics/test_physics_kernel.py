@@ -56,6 +56,22 @@ def test_a_run_started_anew_from_all_that_it_had_reached_is_the_same_run(motor_s
     np.testing.assert_allclose(after, predict(plant, again)["predicted"], rtol=1e-9, atol=1e-9)
 
 
+def test_each_set_of_a_batch_starts_from_its_own_states_as_it_does_alone(motor_simulator):
+    plants = [with_effect(effect_id) for effect_id in ("shaft_compliance", "backlash", "presliding") * 2]
+    values, active = (np.array(part) for part in zip(*(plant.vectors() for plant in plants), strict=True))
+    runs = [free_job(run, at_rest(run)) for run in (signals(seconds=1.0), signals(seconds=1.5, size=60.0))]
+    anew = [np.arange(run.signals.time_s.size) % 25 == 0 for run in runs]
+    with Simulator(MOTOR, workers=3) as simulator:
+        starts = simulator.reached_by(values, active, runs, anew)
+        jobs = [[replace(run, start=one) for one in own] for run, own in zip(runs, starts, strict=True)]
+        found = simulator.run_own(values, active, jobs)
+    for n, plant in enumerate(plants):
+        for run, at, own, result in zip(runs, anew, jobs, found, strict=True):
+            np.testing.assert_array_equal(own[n].start.states, motor_simulator.reached(plant, run, at).states)
+            alone = motor_simulator.trace(plant, own[n])["predicted"]
+            np.testing.assert_allclose(result.predicted[n], alone, rtol=1e-12, atol=1e-12)
+
+
 def test_part_of_a_start_keeps_its_states(motor_simulator):
     run = signals(seconds=1.0)
     anew = np.arange(run.time_s.size) % 10 == 0

@@ -177,11 +177,9 @@ class _View:
         if not plants:
             return [None] * len(models)
         vectors = [plant.vectors() for plant in [base, *plants]]
-        results = fitter.simulator.run(
-            np.array([v for v, _ in vectors]),
-            np.array([a for _, a in vectors]),
-            side.with_states(fitter.simulator, base),
-        )
+        values, active = (np.array(part) for part in zip(*vectors, strict=True))
+        jobs = [only for (only,) in side.with_states(fitter.simulator, values[:1], active[:1])]
+        results = fitter.simulator.run(values, active, jobs)
         masks = side.masks("fitted")
         found = np.concatenate([r.predicted[:, m] for r, m in zip(results, masks, strict=True)], axis=1)
         moved = np.nan_to_num((found[1:] - found[0]) / joint.error)

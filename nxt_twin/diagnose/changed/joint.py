@@ -9,10 +9,10 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.arrays import FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.sides import Side, Which
-from nxt_twin.diagnose.fitting.batch import batch_predictions
+from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.physics.simulate import Simulator
 
@@ -121,15 +121,13 @@ class JointFitter:
 
         Where an effect remembers, as a load behind play does, each set starts its windows from its own states.
         """
-        parts = [x[n : n + 1] for n in range(len(x))] if model.remembers else [x]
-        return np.concatenate([self._run(model, part, side, which) for part in parts])
-
-    def _run(self, model: Model, x: FloatArray, side: int, which: Which) -> FloatArray:
-        """All sets from the states that the last one has reached."""
-        own = self.sides[side]
+        own, masks = self.sides[side], self.sides[side].masks(which)
         values, active = model.values(x, after=side == 1)
-        jobs = own.with_states(self.simulator, model.plant_at(x[-1], after=side == 1))
-        found, _ = batch_predictions(self.simulator, values, active, jobs, own.masks(which))
+        if model.remembers:
+            found = _own_predictions(self.simulator, values, active, own, masks)
+        else:  # all from the states that the last one has reached
+            jobs = [only for (only,) in own.with_states(self.simulator, values[-1:], active[-1:])]
+            found, _ = batch_predictions(self.simulator, values, active, jobs, masks)
         return np.nan_to_num(np.concatenate(found, axis=1), nan=_LARGEST_ERROR)
 
     def slopes(self, model: Model, x: FloatArray, error: float, which: Which) -> JointSlopes:
@@ -210,6 +208,19 @@ class JointFitter:
             mean = float(np.average(scaled / np.sqrt(1.0 + scaled / SOFT**2), weights=weight))
             found = max(found * mean, least)
         return math.sqrt(found)
+
+
+def _own_predictions(
+    simulator: Simulator, values: FloatArray, active: BoolArray, side: Side, wanted: Sequence[BoolArray]
+) -> list[FloatArray]:
+    """What each set predicts from its own states, by job at the samples that are `wanted`, a few sets at a time."""
+    found = [np.empty((len(values), int(mask.sum()))) for mask in wanted]
+    for part in batches(len(values), samples_of(side.jobs)):
+        jobs = side.with_states(simulator, values[part], active[part])
+        results = simulator.run_own(values[part], active[part], jobs)
+        for own, result, mask in zip(found, results, wanted, strict=True):
+            own[part] = result.predicted[:, mask]
+    return found
 
 
 def design_of(model: Model, slope: FloatArray, *, after: bool) -> FloatArray:

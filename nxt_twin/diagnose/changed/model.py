@@ -150,8 +150,7 @@ class Model:
         return self._effects(after, kept, scale)
 
     def _effects(self, after: Plant, effects: tuple[str, ...], scale: Scale) -> Model:
-        every = variables_of(after, self.plant, scale)
-        added = tuple(v for v in every if v.slots[0].owner in effects)
+        added = variables_of(after, self.plant, scale, effects)
         return replace(self, after=after, effects=effects, added=added)
 
     def start(self) -> FloatArray:

@@ -13,7 +13,6 @@ from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.splits import length_s
 from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S
 from nxt_twin.physics.observer import Noise, observer
-from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
 from nxt_twin.physics.start import moving_start, restarts
@@ -52,15 +51,26 @@ class Side:
     check: tuple[BoolArray, ...]
     corrected: tuple[Job, ...]
 
-    def with_states(self, simulator: Simulator, plant: Plant) -> tuple[Job, ...]:
-        """The jobs, each window of which starts with the hidden states that `plant` has reached, corrected until then.
+    def with_states(
+        self, simulator: Simulator, values: FloatArray, active: BoolArray
+    ) -> list[tuple[Job, ...]]:
+        """The jobs, each window of which starts with the hidden states that a plant has reached, corrected until then.
 
         A load behind play lies on the flank that the motor has pushed last, not in the middle of its play.
+
+        Args:
+            simulator: of the plant's layout.
+            values: SI values of the plants in the layout's order, shape (plants, parameters).
+            active: which effects act, shape (plants, effects).
+
+        Returns:
+            By recording, one job a plant.
         """
-        return tuple(
-            replace(job, start=simulator.reached(plant, corrected, job.start.at))
-            for job, corrected in zip(self.jobs, self.corrected, strict=True)
-        )
+        starts = simulator.reached_by(values, active, self.corrected, [job.start.at for job in self.jobs])
+        return [
+            tuple(replace(job, start=start) for start in own)
+            for job, own in zip(self.jobs, starts, strict=True)
+        ]
 
     def masks(self, which: Which) -> tuple[BoolArray, ...]:
         """The samples of that use by job."""

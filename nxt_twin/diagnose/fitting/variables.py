@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -44,8 +44,10 @@ def scale_of(plant: Plant, signals: Sequence[Signals]) -> Scale:
     )
 
 
-def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable, ...]:
-    """The variables that a fit of `plant` moves.
+def variables_of(
+    plant: Plant, baseline: Plant, scale: Scale, owners: Collection[str] | None = None
+) -> tuple[Variable, ...]:
+    """The variables that a fit of `plant` moves, or those of them that belong to one of the `owners`.
 
     Of the baseline: all parameters except its anchors, each with a prior around its given value. Of added
     effects: all parameters except a fault's share, which follows from the readings' weights, and parts that they lack.
@@ -56,6 +58,8 @@ def variables_of(plant: Plant, baseline: Plant, scale: Scale) -> tuple[Variable,
     found = []
     for slot, parameter in plant.layout.parameters.items():
         if slot not in plant.values or slot.owner in shares or parameter.tied_to or parameter.tried:
+            continue
+        if owners is not None and slot.owner not in owners:
             continue
         if parameter.part_of and plant.values[Slot(slot.owner, parameter.part_of)] == 0.0:
             continue  # a part that is not there
@@ -82,11 +86,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool)
     given = baseline.values.get(slot)
     centre = typical if given is None else given
     scale = abs(centre) if slot.owner == BASE_OWNER else max(abs(centre), abs(typical)) or 1.0
-    tied = [
-        Slot(slot.owner, symbol)
-        for (owner, symbol), other in baseline.layout.parameters.items()
-        if owner == slot.owner and other.tied_to == slot.symbol
-    ]
+    tied = list(baseline.layout.tied.get(slot, ()))
     if alike and slot == _RESISTANCE:
         tied += _given_with_it(baseline, parameter.likeness)
     part = parameter.part_of == parameter.symbol

@@ -55,7 +55,9 @@ def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
     search = _Search(fits, baseline)
     best = search.begun()
-    for _ in range(EFFORT.exchanges + 1):
+    grown_from: list[Structure] = []
+    while len(grown_from) <= EFFORT.exchanges and not _is_among(best, grown_from):
+        grown_from.append(best)
         best, refused = search.grown(best, progress)
         progress("checking each effect's place")
         found = search.found(best)
@@ -311,6 +313,15 @@ class _Search:
     def _favour(self, structure: Structure, effect: Effect) -> float:
         """What speaks for `effect` beside the readings, at the size that it has in `structure`, nats."""
         return self._standard.leaning(effect) - coincidence_nats(structure.plant, effect)
+
+
+def _is_among(structure: Structure, others: list[Structure]) -> bool:
+    """Whether one of `others` has these effects and is about as likely, so that it grows into what it grew into."""
+    return any(
+        one.plant.active == structure.plant.active
+        and abs(one.fitted_cost - structure.fitted_cost) <= EFFORT.better_nats
+        for one in others
+    )
 
 
 def _names(plant: Plant, baseline: Plant) -> str:
