@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.sides import Side, Which
 from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
@@ -27,6 +27,9 @@ _ITERATIONS = 8  # Gauss-Newton steps of one round, at most
 _PATIENCE_NATS = 0.1  # numbers rest where a step gains less
 _SAME_ERROR = 0.02  # change of the error, as a logarithm, below which rounds end
 _ERROR_ROUNDS = 20  # of the fixed point that the likeliest error is
+_POLLS = 3  # and fits from there, at most
+_POLL_FACTORS = (0.5, 0.7, 0.85, 1.15, 1.4, 2.0)
+_POLLED_NATS = 1.0  # gain from which polled numbers are worth another fit
 _LARGEST_ERROR = 1e6  # SI: what a reading is predicted to be where a simulation gives no number
 
 
@@ -87,14 +90,16 @@ class JointFitter:
 
     def fit(self, model: Model, x: FloatArray, which: Which = "fitted") -> JointFit:
         """Move the numbers of `model` from `x` to the likeliest ones, given the readings of one use."""
-        low, high = model.bounds()
-        x = np.clip(x, low, high)
-        error = self._error(model, x, which)
-        for _ in range(_ROUNDS):
-            x = self._moved(model, x, error, which)
-            before, error = error, self._error(model, x, which)
-            if abs(math.log(error / before)) < _SAME_ERROR:
+        x, error = self._settled(model, x, which)
+        for _ in range(_POLLS if model.remembers else 0):
+            elsewhere = self._polled(model, x, error, which)
+            if elsewhere is None:
                 break
+            polled = self._settled(model, elsewhere, which)
+            costs = [self._objectives(model, own[None], e, which)[0] for own, e in ((x, error), polled)]
+            if costs[1] > costs[0] - _POLLED_NATS:
+                break
+            x, error = polled
         centre, spread = model.priors()
         prior = 0.5 * float((((x - centre) / spread) ** 2).sum())
         check_rms = tuple(
@@ -104,6 +109,34 @@ class JointFitter:
         return JointFit(
             model, x, error, float(cost), float(self._costs(model, x[None], error, "check")[0]), check_rms
         )
+
+    def _settled(self, model: Model, x: FloatArray, which: Which) -> tuple[FloatArray, float]:
+        """Numbers and error in turn, until both rest."""
+        x = np.clip(x, *model.bounds())
+        error = self._error(model, x, which)
+        for _ in range(_ROUNDS):
+            x = self._moved(model, x, error, which)
+            before, error = error, self._error(model, x, which)
+            if abs(math.log(error / before)) < _SAME_ERROR:
+                break
+        return x, error
+
+    def _polled(self, model: Model, x: FloatArray, error: float, which: Which) -> FloatArray | None:
+        """The likeliest of the numbers with one of an effect that remembers well away from `x`, where it gains enough.
+
+        Play has a likelihood with steps in it, at which a slope leads nowhere.
+        """
+        low, high = model.bounds()
+        own = _remembering(model)
+        trials = np.repeat(x[None], len(own) * len(_POLL_FACTORS), axis=0)
+        rows, moves = np.arange(len(trials)), np.tile(np.log(_POLL_FACTORS), len(own))
+        trials[rows, np.repeat(own, len(_POLL_FACTORS))] += moves
+        trials = trials[((trials >= low) & (trials <= high)).all(axis=1)]
+        if not len(trials):
+            return None
+        costs = self._objectives(model, np.vstack([trials, x]), error, which)
+        best = int(np.argmin(costs[:-1]))
+        return trials[best] if costs[-1] - costs[best] > _POLLED_NATS else None
 
     def worth(self, which: Which = "fitted") -> float:
         """How many independent readings there are."""
@@ -233,6 +266,15 @@ def design_of(model: Model, slope: FloatArray, *, after: bool) -> FloatArray:
             design[place] = model.ways[n].of(slope)
         design[count + differs :] = slope[count:]
     return design
+
+
+def _remembering(model: Model) -> IntArray:
+    """The places of the numbers that are a logarithm of a parameter of an effect with states of its own."""
+    after = model.size - len(model.added)
+    placed = [*enumerate(model.shared), *enumerate(model.added, start=after)]
+    effects = {effect.id for effect in model.after.effects if effect.states}
+    own = [place for place, each in placed if each.positive and each.slots[0].owner in effects]
+    return np.array(own, dtype=np.int64)
 
 
 def _sizes(model: Model) -> FloatArray:
