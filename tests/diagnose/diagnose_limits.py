@@ -187,6 +187,15 @@ def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
     return len(settled)
 
 
+def losses(monkeypatch, *costs):
+    """The shares of lost counts that are settled, of those whose drafts cost so much; the structure costs nothing."""
+    monkeypatch.setattr(trying, "losing", lambda *_: list(range(len(costs))))
+    fits = SimpleNamespace(
+        draft=lambda plant, *_, **__: SimpleNamespace(cost=costs[plant]), drafted_cost=lambda *_: 0.0
+    )
+    return trials(_fits=fits)._losses(structure(), effect_named("missed"))
+
+
 def is_kept(monkeypatch, total):
     monkeypatch.setattr(explaining, "weigh", lambda *_: Weight(total - 1.0, 1.0, 1.0, runs_worse=False))
     standard = SimpleNamespace(is_notable=lambda *_: True)

@@ -20,6 +20,7 @@ from diagnose_limits import (
     lasts,
     leaders,
     likelier,
+    losses,
     restored,
     rival_is_worse,
     rivals_of,
@@ -83,8 +84,18 @@ COUNTS = {
     "exchanges": (rounds, 5),
     "restoring": (lambda _: 1 + restored(10.1), 3),
     "rugged": (lambda _: rugged(20.0, 30.0, 40.0), 2),
+    "losses": (lambda patch: len(losses(patch, 4.0, 3.0, 2.0, 1.0)), 3),
     "sober": (sober_std, pytest.approx(0.3)),
 }
+
+
+@pytest.mark.parametrize(
+    ("costs", "settled"), [((-5.0, 59.0, -9.0), [2, 0, 1]), ((61.0, 59.0), [1]), ((61.0,), [])]
+)
+def test_a_share_of_lost_counts_is_settled_where_a_fit_may_still_make_it_likelier(
+    monkeypatch, costs, settled
+):
+    assert losses(monkeypatch, *costs) == settled
 
 
 @pytest.mark.parametrize(("gain", "times"), [(1.02, 5), (0.98, 1), (0.0, 1)])

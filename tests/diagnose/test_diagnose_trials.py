@@ -83,7 +83,11 @@ def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle
     monkeypatch.setattr(trying, "losing", lambda *_: [3.0, 1.0, 2.0])
     made = trials(
         candidates=lambda _: [loss, SimpleNamespace(id="load", counted=False)],
-        _fits=SimpleNamespace(problem=SimpleNamespace(plant=structure().plant)),
+        _fits=SimpleNamespace(
+            problem=SimpleNamespace(plant=structure().plant),
+            draft=lambda cost, *_, **__: SimpleNamespace(cost=cost),
+            drafted_cost=lambda *_: 0.0,
+        ),
         _settled=SimpleNamespace(settle=lambda cost, _: SimpleNamespace(fitted_cost=cost)),
     )
     settled = made._losing(structure(effect(found)))

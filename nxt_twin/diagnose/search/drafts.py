@@ -17,6 +17,7 @@ from nxt_twin.physics.plant import Plant
 STARTS_FOLLOWED = 3  # starts of one effect that are fitted, those that promise most
 START_ITERATIONS = 2  # steps of a rough fit from each start, to find the best one
 SLOW_ITERATIONS = 10  # steps of a rough fit of an effect with states of its own
+LOSS_ITERATIONS = 7  # steps of a rough fit of lost counts beside a stop, which has to move as well
 
 _LEAST_PROMISE_NATS = 2.0  # nats: a start that promises no more, by a score test, is left out
 _STARTS_SHARE = 0.5  # of the promise of the best start, without which another is not followed

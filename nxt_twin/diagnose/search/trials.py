@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
-from nxt_twin.diagnose.search.drafts import SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
+from nxt_twin.diagnose.search.drafts import LOSS_ITERATIONS, SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.losing import lies_in_angle, losing
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
@@ -198,18 +198,27 @@ class Trials:
         return settled
 
     def _losing(self, best: Structure) -> list[tuple[Effect, Structure]]:
-        """Lost counts beside what was found and lies in the angle, settled from each share that may be lost."""
+        """Lost counts beside what was found and lies in the angle, settled from the shares whose drafts come near."""
         found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
         if not any(lies_in_angle(effect) for effect in found):
             return []
         settled = []
         for effect in self.candidates(best.plant):
             if effect.counted:
-                trials = [
-                    self._settled.settle(plant, best.noise) for plant in losing(self._fits, best, effect)
-                ]
+                trials = [self._settled.settle(plant, best.noise) for plant in self._losses(best, effect)]
                 settled += [(effect, min(trials, key=lambda trial: trial.fitted_cost))] if trials else []
         return settled
+
+    def _losses(self, best: Structure, effect: Effect) -> list[Plant]:
+        """`best` with the loss of counts that is `effect`, from the shares whose drafts come near; likeliest first.
+
+        They are settled from where the drafts began: a rough fit beside a stop ends between peaks of the likelihood.
+        """
+        plants = losing(self._fits, best, effect)
+        drafts = [self._fits.draft(plant, best.noise, iterations=LOSS_ITERATIONS) for plant in plants]
+        most = self._fits.drafted_cost(best, best.noise) + UNFITTED_NATS
+        near = [(draft.cost, place) for place, draft in enumerate(drafts) if draft.cost < most]
+        return [plants[place] for _, place in sorted(near)[: EFFORT.losses]]
 
     def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
         """Whether a recording's readings are held for longer than they are apart; jitter scatters them as well."""

@@ -172,7 +172,7 @@ SHAFT_COMPLIANCE = Effect(
     source="two masses on a torsion spring, as in any text on drives",
     equation_of="torque_balance",
     shows=("after_command", "reversal"),
-    notable_most=4.5,
+    notable_most=9.0,  # a stiffer one stands for other physics (docs/decisions/0045-fewer-fits-of-lost-counts.md)
     parameters=(
         Parameter(
             "stiffness_nm_per_rad",
