@@ -20,6 +20,7 @@ from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.judging.horizons import errors_of
 from nxt_twin.diagnose.judging.judge import free_runs, overall
 from nxt_twin.diagnose.search.settled import simpler
+from nxt_twin.diagnose.search.sharing import UNDER_ITS_OWN, UNDER_MORE
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.physics.layout import Layout
@@ -28,6 +29,7 @@ from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.case import Case
 
+_SHARES = (*UNDER_ITS_OWN, UNDER_MORE)
 _LIKELIER_NATS = 1.0  # by which another start has to be likelier to count
 
 
@@ -122,8 +124,11 @@ def _started(fitter: Fitter, plant: Plant, hidden: Mapping[str, Any], noise: Noi
 def _distinct(fitter: Fitter, effect_id: str, known: Mapping[str, float]) -> list[dict[str, float]]:
     """Starting values that differ in something that is not known."""
     effect = fitter.problem.plant.layout.effect(effect_id)
+    shares = [each.symbol for each in effect.parameters if each.shared_out]
     different = {}
     for start in starts_of(effect, fitter.problem.scale):
-        free = {symbol: value for symbol, value in start.items() if symbol not in known}
-        different[tuple(sorted(free.items()))] = free
+        for share in _SHARES if shares else (0.0,):
+            one = {**start, **dict.fromkeys(shares, share)}
+            free = {symbol: value for symbol, value in one.items() if symbol not in known}
+            different[tuple(sorted(free.items()))] = free
     return list(different.values())

@@ -23,7 +23,7 @@ from nxt_twin.physics.terms import Call, calls
 SETTLING = 6
 """How often a start's angle is corrected for what the encoder makes of it; each time it errs by a third at most."""
 
-_MIDWAY: tuple[Stage, ...] = ("damping", "torque", "friction", "lean", "hold", "advance")
+_MIDWAY: tuple[Stage, ...] = ("damping", "torque", "friction", "lean", "borne", "hold", "advance")
 """The stages whose `angle` is that of the middle of a step."""
 
 _HELD = (

@@ -43,6 +43,7 @@ Stage = Literal[
     "damping",
     "friction",
     "lean",
+    "borne",
     "hold",
     "advance",
     "stop",

@@ -88,6 +88,8 @@ class Parameter:
         above: owner and symbol of the parameter that it has to exceed to make a difference.
         tried: it acts in steps, so that a search tries values and a fit leaves it alone.
         shapes: it shapes a course that has no law, so that its bounds mean nothing.
+        shared_out: it is a share of which none and all are as ordinary as a part. A fit moves it as it is, not its
+            logarithm, and its bounds mean nothing.
         part_of: symbol of the share, its own or another's, at whose `otherwise` it means nothing and is not fitted.
     """
 
@@ -112,6 +114,7 @@ class Parameter:
     above: tuple[str, str] | None = None
     tried: bool = False
     shapes: bool = False
+    shared_out: bool = False
     part_of: str | None = None
 
     def __repr__(self) -> str:
@@ -127,6 +130,11 @@ class Parameter:
         if self.is_electrical:
             return _LIKE_A_CURRENT[self.unit]
         return self.dimension.torque + self.dimension.current
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether a value at one of its bounds says that the readings ask for another law."""
+        return not (self.shapes or self.shared_out or self.tried)
 
     @property
     def is_electrical(self) -> bool:

@@ -59,8 +59,9 @@ STAGES: dict[Stage, StageRule] = {
     "torque": StageRule("add", "load_torque", ("drive_torque", "session_s", *_MOTION)),
     "friction": StageRule("replace", "level", _FRICTION),
     "lean": StageRule("replace", "level", _FRICTION),
+    "borne": StageRule("add", "borne", _FRICTION),
     "hold": StageRule("hold", "", _FRICTION),
-    "advance": StageRule("states", "", ("before", "after", "resistance", "held", "mode", *_MOTION)),
+    "advance": StageRule("states", "", ("before", "after", "resistance", "held", "mode", "borne", *_MOTION)),
     "stop": StageRule("motion", "", ("angle", "speed", "home")),
     "reading": StageRule("shift", "", ("angle", "speed")),
     "scatter": StageRule("add", "scatter", ("angle", "speed")),
@@ -68,7 +69,8 @@ STAGES: dict[Stage, StageRule] = {
 }
 """`angle` is that of the middle of the step (of its end in `stop`, `reading` and `scatter`), `speed` that of its
 beginning. Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion
-it opposes. A `lean` term sees the level that all `friction` terms have made. `mode` is the bridge's, as `base.dc_motor`
+it opposes. A `lean` term sees the level that all `friction` terms have made, and a `borne` term takes from that level
+what a second body bears. `mode` is the bridge's, as `base.dc_motor`
 numbers them. `limit` bounds the current. `others_a` is what the brick's other motors draw from the open-circuit supply,
 `others_s` by how much less for each volt that it falls; both are 0 where they are at rest or were not recorded. `pace`
 is how fast the stamps' clock runs, `lag` how late a reading's stamp is, `commanded` how late a command's, `stamp_s`

@@ -275,6 +275,9 @@ direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
 {lean}
+borne = 0.0
+{borne}
+level -= borne
 {hold}
 """
 """What acts in a step: drive, loads, damping, dry friction's level."""

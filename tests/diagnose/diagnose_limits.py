@@ -7,6 +7,7 @@ import pytest
 
 from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search import rivals as rivalry
+from nxt_twin.diagnose.search import sharing
 from nxt_twin.diagnose.search import standard as standards
 from nxt_twin.diagnose.search import trials as trying
 from nxt_twin.diagnose.search.coincidence import coincidence_nats
@@ -194,6 +195,23 @@ def losses(monkeypatch, *costs):
         draft=lambda plant, *_, **__: SimpleNamespace(cost=costs[plant]), drafted_cost=lambda *_: 0.0
     )
     return trials(_fits=fits)._losses(structure(), effect_named("missed"))
+
+
+def shared_anew_with(effect, gain):
+    """What is tried with the shares of `effect` where a round is likelier by `gain`, and what its end costs."""
+    tried = []
+
+    def at(cost):
+        plant = SimpleNamespace(with_values=lambda new: SimpleNamespace(cost=cost, shares=[*new.values()]))
+        return SimpleNamespace(plant=plant, noise="own", fitted_cost=cost)
+
+    def settle(plant, noise):
+        tried.append((*plant.shares, noise))
+        return at(plant.cost - (gain if noise == "larger" else 0.0))
+
+    best = SimpleNamespace(noise="larger")
+    end = sharing.shared_anew(SimpleNamespace(settle=settle), best, at(0.0), effect)
+    return SimpleNamespace(tried=tried, cost=end.fitted_cost)
 
 
 def is_kept(monkeypatch, total):

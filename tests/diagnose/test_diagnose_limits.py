@@ -26,12 +26,14 @@ from diagnose_limits import (
     rivals_of,
     rounds,
     rugged,
+    shared_anew_with,
     sober_std,
     swapped,
 )
 from diagnose_second_wave import has_second_wave
 
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
+from nxt_twin.physics.effects.transmission import BACKLASH
 
 OWN = effect_named(source="our own curve")
 EDGES = {
@@ -85,6 +87,7 @@ COUNTS = {
     "restoring": (lambda _: 1 + restored(10.1), 3),
     "rugged": (lambda _: rugged(20.0, 30.0, 40.0), 2),
     "losses": (lambda patch: len(losses(patch, 4.0, 3.0, 2.0, 1.0)), 3),
+    "shares": (lambda _: len(shared_anew_with(BACKLASH, gain=9.0).tried) // 3, 3),
     "sober": (sober_std, pytest.approx(0.3)),
 }
 

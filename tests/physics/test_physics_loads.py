@@ -138,3 +138,44 @@ def test_a_load_behind_play_moves_along_when_a_run_starts_in_motion(rotary_simul
     run = commanded([(0.0, 0.0)], seconds=1.0, kind="torque_nm")
     angle = motion(rotary_simulator, plant, run, speed=5.0)["angle"]
     np.testing.assert_allclose(angle, 5.0 * run.time_s, rtol=1e-9)
+
+
+def test_a_load_that_bears_the_friction_rests_while_the_motor_crosses_its_play(rotary_simulator):
+    gap = math.radians(10.0)
+    borne = {"gap_deg": 10.0, "load_inertia_kg_m2": JL, "load_friction_share": 1.0}
+    run = commanded([(0.0, 0.01)], seconds=1.0, kind="torque_nm", every_s=1e-3)
+    rubbing, free = (
+        motion(rotary_simulator, disc(effects=effects, **friction), run)["angle"]
+        for effects, friction in (({"backlash": borne}, {"coulomb_friction": 0.02}), ({}, {}))
+    )
+    inside = free < gap / 2.0
+    np.testing.assert_allclose(rubbing[inside], free[inside], rtol=1e-12)
+    kept = J / (J + JL)  # of the energy, as the two strike and go on as one
+    slid = kept * 0.01 * gap / 2.0 / (0.02 - 0.01)
+    assert rubbing[-1] == pytest.approx(gap / 2.0 + slid, rel=0.01)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize(
+    "behind",
+    [("backlash", {"gap_deg": 1.0}), ("shaft_compliance", {"stiffness_nm_per_rad": 5.0})],
+    ids=["play", "shaft"],
+)
+def test_motor_and_load_stop_as_one_whoever_bears_the_friction(rotary_simulator, behind, share):
+    name, sizes = behind
+    load = {**sizes, "load_inertia_kg_m2": JL, "load_friction_share": share}
+    plant = disc(effects={name: load}, coulomb_friction=0.02)
+    run = commanded([(0.0, 0.0)], seconds=2.0, kind="torque_nm", every_s=1e-3)
+    angle = motion(rotary_simulator, plant, run, speed=10.0)["angle"]
+    assert angle[-1] == pytest.approx(0.5 * 10.0**2 * (J + JL) / 0.02, rel=0.01)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_shaft_twists_by_what_the_load_holds(rotary_simulator, share):
+    shaft = {"stiffness_nm_per_rad": 0.5, "load_inertia_kg_m2": JL, "load_friction_share": share}
+    plant = disc(effects={"shaft_compliance": {**shaft, "shaft_damping_ratio": 0.3}}, coulomb_friction=0.02)
+    run = commanded([(0.0, 0.018)], seconds=2.0, kind="torque_nm", every_s=1e-3)
+    angle = motion(rotary_simulator, plant, run)["angle"]
+    held = max(0.018 - (1.0 - share) * 0.02, 0.0)  # what the motor's own friction leaves of the torque
+    assert 0.0 <= angle[-1] <= 2.0 * held / 0.5 + 1e-9
+    assert (angle[-1] > 0.0) == (held > 0.0)

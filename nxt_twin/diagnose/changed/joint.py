@@ -131,7 +131,7 @@ class JointFitter:
         trials = np.repeat(x[None], len(own) * len(_POLL_FACTORS), axis=0)
         rows, moves = np.arange(len(trials)), np.tile(np.log(_POLL_FACTORS), len(own))
         trials[rows, np.repeat(own, len(_POLL_FACTORS))] += moves
-        trials = trials[((trials >= low) & (trials <= high)).all(axis=1)]
+        trials = np.clip(trials, low, high)
         if not len(trials):
             return None
         costs = self._objectives(model, np.vstack([trials, x]), error, which)
@@ -269,11 +269,12 @@ def design_of(model: Model, slope: FloatArray, *, after: bool) -> FloatArray:
 
 
 def _remembering(model: Model) -> IntArray:
-    """The places of the numbers that are a logarithm of a parameter of an effect with states of its own."""
+    """The places of the logarithms and shares that are parameters of an effect with states of its own."""
     after = model.size - len(model.added)
     placed = [*enumerate(model.shared), *enumerate(model.added, start=after)]
     effects = {effect.id for effect in model.after.effects if effect.states}
-    own = [place for place, each in placed if each.positive and each.slots[0].owner in effects]
+    moved = [(place, each) for place, each in placed if each.positive or each.shared_out]
+    own = [place for place, each in moved if each.slots[0].owner in effects]
     return np.array(own, dtype=np.int64)
 
 

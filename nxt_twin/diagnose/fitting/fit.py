@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -37,6 +38,7 @@ class Variable:
         lower, upper: bounds, SI.
         centre, spread: mean and standard deviation of the weak prior, SI; spread inf is no prior.
         likeness: the power with which the value grows along the motors that these readings cannot tell apart.
+        shared_out: whether the value is a share of which none is as ordinary as a part.
 
     A positive value moves by factors: its prior is normal in its logarithm.
     """
@@ -49,11 +51,18 @@ class Variable:
     centre: float
     spread: float
     likeness: float = 0.0
+    shared_out: bool = False
 
     @property
     def positive(self) -> bool:
-        """Whether the value can only be positive, so that a fit moves its logarithm."""
-        return self.lower >= 0.0
+        """Whether the value can only be positive and is hardly nothing, so that a fit moves its logarithm."""
+        return self.lower >= 0.0 and not self.shared_out
+
+    def times(self, value: float, factor: float) -> float:
+        """A `value` that is another by a factor; of a share, by as much as the factor is in its logarithm."""
+        if not self.shared_out:
+            return value * factor
+        return min(max(value + math.log(factor), self.lower), self.upper)
 
 
 @final

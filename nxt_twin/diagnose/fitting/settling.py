@@ -70,12 +70,12 @@ def _polled(fitter: Fitter, tuned: Target, fitted: Fitted) -> tuple[Plant, float
     Play, stops and thresholds have likelihoods with steps in them, at which a slope leads nowhere.
     """
     plants = [
-        _with_total_inertia(fitted.plant, slot, factor)
+        _with_total_inertia(fitted.plant, slot, polled)
         for variable in fitted.variables
         for slot in variable.slots[:1]
         if slot not in fitter.problem.plant.values
-        for factor in _POLL_FACTORS
-        if variable.lower <= factor * fitted.plant.values[slot] <= variable.upper
+        for polled in (variable.times(fitted.plant.values[slot], factor) for factor in _POLL_FACTORS)
+        if variable.lower <= polled <= variable.upper
     ]
     if not plants:
         return fitted.plant, 0.0
@@ -85,11 +85,11 @@ def _polled(fitter: Fitter, tuned: Target, fitted: Fitted) -> tuple[Plant, float
     return (plants[best], gain) if gain > _POLLED_NATS else (fitted.plant, 0.0)
 
 
-def _with_total_inertia(plant: Plant, slot: Slot, factor: float) -> Plant:
-    """One parameter multiplied; where it is a load's inertia, the body makes up for it."""
-    value = plant.values[slot]
-    new = {slot: factor * value}
+def _with_total_inertia(plant: Plant, slot: Slot, value: float) -> Plant:
+    """One parameter at another `value`; where it is a load's inertia, the body makes up for it."""
+    more = value - plant.values[slot]
+    new = {slot: value}
     body = Slot(BASE_OWNER, "inertia")
-    if slot.symbol == "load_inertia" and plant.values[body] > (factor - 1.0) * value:
-        new[body] = plant.values[body] - (factor - 1.0) * value
+    if slot.symbol == "load_inertia" and plant.values[body] > more:
+        new[body] = plant.values[body] - more
     return plant.with_values(new)

@@ -100,6 +100,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool)
         centre=centre,
         spread=scale * (parameter.spread if given is None else min(parameter.doubt, _LOOSE)),
         likeness=parameter.likeness if alike else 0.0,
+        shared_out=parameter.shared_out,
     )
 
 

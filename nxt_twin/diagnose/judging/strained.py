@@ -41,7 +41,7 @@ def is_stretched(problem: Problem, plant: Plant, found: Sequence[Effect]) -> boo
         for parameter in effect.parameters:
             scaled = plant.layout.parameters[Slot(effect.id, parameter.symbol)].scaled(problem.scale)
             value = plant.values[Slot(effect.id, parameter.symbol)] / scaled.si
-            free = scaled.shapes or scaled.tried or parameter.name.endswith("phase_deg")
+            free = not scaled.is_bounded or parameter.name.endswith("phase_deg")
             means_nothing = free or scaled.otherwise == scaled.upper
             if parameter.name.startswith("stribeck_speed") and value < NO_CURVE * scaled.lower:
                 return True

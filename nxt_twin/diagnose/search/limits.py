@@ -100,6 +100,7 @@ class SearchEffort:
         better_nats: gain below which a structure has not become another.
         rugged: effects at most that are settled under a first guess of the noise, since their drafts broke a promise.
         losses: shares of lost counts that are settled beside an effect that lies in the angle, of those drafted.
+        shares: rounds at most in which an effect is settled from other shares of the friction that a load bears.
         sober: share of the unknown torque under which other starts are followed.
         fine: how many times an encoder's step readings have to scatter before held readings are looked for.
         restoring: effects that are settled from the given numbers where a re-fit has moved these far.
@@ -124,6 +125,7 @@ class SearchEffort:
     better_nats: float = 1.0
     rugged: int = 2
     losses: int = 3
+    shares: int = 3
     sober: float = 0.3
     fine: float = 1.5
     restoring: int = 3

@@ -17,6 +17,7 @@ from nxt_twin.diagnose.search.losing import lies_in_angle, losing
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.second_wave import with_second_wave
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
+from nxt_twin.diagnose.search.sharing import shared_anew
 from nxt_twin.diagnose.search.standard import Standard
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.effect import Effect
@@ -242,7 +243,9 @@ class Trials:
         leading = min(drafts, key=lambda made: made.cost)
         elsewhere = leading.fitted.plant
         costs = self._fits.costs([elsewhere, trial.plant], trial.noise)
-        return self._settled.settle(elsewhere, sober) if costs[0] < costs[1] + UNFITTED_NATS else trial
+        near = costs[0] < costs[1] + UNFITTED_NATS
+        anew = self._settled.settle(elsewhere, sober) if near else trial
+        return shared_anew(self._settled, best, anew, effect)
 
     def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
         """What was settled at first, where it adds one effect to `best` and is not `listed` already."""

@@ -10,13 +10,7 @@ def at_bounds(problem: Problem, plant: Plant) -> tuple[str, ...]:
     """A sentence on each number of `plant` that a fit moved to nothing, or as far as it may."""
     said = []
     for slot, parameter in plant.layout.parameters.items():
-        if (
-            slot not in plant.values
-            or parameter.frozen
-            or parameter.tied_to
-            or parameter.tried
-            or parameter.shapes
-        ):
+        if slot not in plant.values or parameter.frozen or parameter.tied_to or not parameter.is_bounded:
             continue
         if problem.plant.values.get(slot) == 0.0 == plant.values[slot]:  # a loop without that part
             continue

@@ -28,6 +28,17 @@ def _reaction(
     return (stiffness * stretch - grip * load_speed) / yielding, grip / yielding
 
 
+def _borne(level: float, load_friction_share: float) -> float:
+    return max(load_friction_share, 0.0) * level  # a slope may look beyond none
+
+
+def _rubbed(load_speed: float, pushed: float, borne: float, load_inertia: float, step_s: float) -> float:
+    """Speed of the load after a step under the torque `pushed`, braked by dry friction that at most stops it."""
+    free = load_speed + step_s * pushed / load_inertia
+    slowing = step_s * borne / load_inertia
+    return free - min(max(free, -slowing), slowing)
+
+
 def _contact(
     play: float, load_speed: float, speed: float, gap: float, load_inertia: float, step_s: float
 ) -> tuple[float, float]:
@@ -59,13 +70,14 @@ def _backlash_advance(
     play_load_speed: float,
     before: float,
     after: float,
+    borne: float,
     gap: float,
     load_inertia: float,
     step_s: float,
 ) -> tuple[float, float]:
     held, growth = _contact(play, play_load_speed, before, gap, load_inertia, step_s)
     mean = 0.5 * (before + after)
-    load_after = play_load_speed + step_s * (held + growth * mean) / load_inertia
+    load_after = _rubbed(play_load_speed, held + growth * mean, borne, load_inertia, step_s)
     return play + step_s * (mean - 0.5 * (play_load_speed + load_after)), load_after
 
 
@@ -81,10 +93,24 @@ _LOAD_INERTIA = Parameter(
     elsewhere={"linear": ("load_mass_kg", "kg")},
 )
 
+_LOAD_FRICTION_SHARE = Parameter(
+    "load_friction_share",
+    "load_friction_share",
+    "1",
+    NUMBER,
+    (0.2,),
+    0.0,
+    1.0,
+    spread=1.5,
+    otherwise=0.0,
+    shared_out=True,
+)
+"""Of the dry friction; where the load bears it, it rests in its play while the motor crosses that."""
+
 BACKLASH = Effect(
     id="backlash",
     name="backlash",
-    equation="load free within ±gap/2 of the hub, stiff and inelastic contact beyond",
+    equation="load free within ±gap/2 of the hub, stiff and inelastic contact beyond; it bears a share of the friction",
     source="the dead-zone model of Nordin and Gutman 2002, flanks critically damped",
     equation_of="torque_balance",
     shows=("reversal", "after_command"),
@@ -104,8 +130,14 @@ BACKLASH = Effect(
             law=0.1,  # flanks that bounce let a load cross its play sooner than flanks that hold it
         ),
         _LOAD_INERTIA,
+        _LOAD_FRICTION_SHARE,
     ),
-    terms={"torque": _backlash_torque, "damping": _backlash_damping, "advance": _backlash_advance},
+    terms={
+        "torque": _backlash_torque,
+        "damping": _backlash_damping,
+        "borne": _borne,
+        "advance": _backlash_advance,
+    },
     states=("play", "play_load_speed"),
     moving=("play_load_speed",),
     confusable_with={
@@ -154,6 +186,7 @@ def _shaft_advance(
     twist_load_speed: float,
     before: float,
     after: float,
+    borne: float,
     stiffness: float,
     load_inertia: float,
     damping_ratio: float,
@@ -161,7 +194,7 @@ def _shaft_advance(
 ) -> tuple[float, float]:
     held, growth = _shaft(twist, twist_load_speed, stiffness, load_inertia, damping_ratio, step_s)
     mean = 0.5 * (before + after)
-    load_after = twist_load_speed + step_s * (held + growth * mean) / load_inertia
+    load_after = _rubbed(twist_load_speed, held + growth * mean, borne, load_inertia, step_s)
     return twist + step_s * (mean - 0.5 * (twist_load_speed + load_after)), load_after
 
 
@@ -197,8 +230,14 @@ SHAFT_COMPLIANCE = Effect(
             spread=2.0,
             otherwise=0.03,  # what steel and plastic shafts mostly lose
         ),
+        _LOAD_FRICTION_SHARE,
     ),
-    terms={"torque": _shaft_torque, "damping": _shaft_damping, "advance": _shaft_advance},
+    terms={
+        "torque": _shaft_torque,
+        "damping": _shaft_damping,
+        "borne": _borne,
+        "advance": _shaft_advance,
+    },
     states=("twist", "twist_load_speed"),
     moving=("twist_load_speed",),
     confusable_with={"backlash": "small reversals tell: play is free, a shaft springs back"},
