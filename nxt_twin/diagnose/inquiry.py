@@ -27,6 +27,7 @@ from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
 from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
 from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
+from nxt_twin.diagnose.telling.payload import is_a_payload_s
 from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
@@ -163,6 +164,10 @@ def _less(simulator: Simulator, evidence: Evidence, effect: Effect, rng: Generat
 
 
 def _with_sizes(evidence: Evidence) -> Evidence:
-    """`evidence` with how sure its sizes are, and how far the fit surely moved the given numbers, in its record."""
-    moved = surely_moved(refitted(evidence))
+    """`evidence` with how sure its sizes are, and how far the fit surely moved the given numbers, in its record.
+
+    The inertia that a payload brings is no number of the motor.
+    """
+    carried = {"inertia_kg_m2"} if is_a_payload_s(evidence) else set()
+    moved = surely_moved({key: one for key, one in refitted(evidence).items() if key not in carried})
     return replace(evidence, record=replace(evidence.record, moved=moved, loose=has_loose_size(evidence)))

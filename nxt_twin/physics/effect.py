@@ -38,6 +38,7 @@ Stage = Literal[
     "resistance",
     "inductance",
     "drop",
+    "knee",
     "limit",
     "torque",
     "damping",

@@ -142,8 +142,8 @@ class Parameter:
         return self.unit in _LIKE_A_CURRENT
 
     def is_idle(self, value: float) -> bool:
-        """Whether an SI `value` of what a search tries, or of a part that is not there, may be left out of a file."""
-        optional = self.tried or self.part_of is not None
+        """Whether an SI `value` of what a search tries, or of a part or share of none, may be left out of a file."""
+        optional = self.tried or self.part_of is not None or self.shared_out
         return optional and self.otherwise is not None and value == self.otherwise * self.si
 
     def in_frame(self, frame: Frame) -> Parameter:

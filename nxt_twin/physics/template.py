@@ -259,6 +259,8 @@ inductance = 0.0
 {inductance}
 drop = 0.0
 {drop}
+knee = 0.0
+{knee}
 limit = math.inf
 {limit}
 force, coupling = {drive}

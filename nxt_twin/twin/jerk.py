@@ -95,10 +95,11 @@ class Drive:
             0.0,
             self._torque_constant,
             self._back_emf,
-            0.0,
-            math.inf,
-            speed,
-            0.0,
-            STEP_S,
+            drop=0.0,
+            knee=0.0,
+            limit=math.inf,
+            speed=speed,
+            current=0.0,
+            step_s=STEP_S,
         )
         return pull - damping * speed

@@ -1,10 +1,13 @@
 """An arm beside an inertia that has surely risen is a payload, if a motor carries one on such a lever."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from nxt_twin.blind.case import NOMINAL
+from nxt_twin.diagnose import inquiry
 from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect, Moved
 from nxt_twin.diagnose.telling import payload
 from nxt_twin.physics.plant import plant_from_config
@@ -12,6 +15,23 @@ from nxt_twin.physics.plant import plant_from_config
 PLAIN = plant_from_config({"kind": "dc_motor", **NOMINAL}, "power_pct")
 GIVEN_KG_M2 = 1e-3
 GRAVITY_NM = 0.05
+
+
+@dataclass(frozen=True)
+class Bare:
+    """What of a record a size changes."""
+
+    moved: float = 1.0
+    loose: bool = False
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """Evidence of an answer, without what its sizes do not need."""
+
+    explanation: Any
+    final: Any
+    record: Bare
 
 
 def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM, plant=PLAIN):
@@ -71,6 +91,28 @@ def test_a_payload_tells_the_inertia_that_it_adds_with_an_interval(monkeypatch):
 )
 def test_an_arm_whose_lever_no_motor_carries_stays_an_arm(monkeypatch, rise, gravity, effect_id):
     assert told(monkeypatch, rise, gravity=gravity).id == effect_id
+
+
+@pytest.mark.parametrize(
+    ("rise", "gravity", "found", "carried"),
+    [
+        (3.2, 0.2, "gravity_load", True),
+        (0.05, 0.2, "gravity_load", False),
+        (3.2, 0.0001, "gravity_load", False),
+        (3.2, 0.2, "stiction", False),
+    ],
+)
+def test_a_rise_beside_an_arm_is_no_number_of_the_motor_that_moved(
+    monkeypatch, rise, gravity, found, carried
+):
+    inertia = Moved(GIVEN_KG_M2, GIVEN_KG_M2 * (1.0 + rise), 0.1 * GIVEN_KG_M2, "kg·m²", (3e-3, 5e-3))
+    for module in (payload, inquiry):
+        monkeypatch.setattr(module, "refitted", lambda _: {"inertia_kg_m2": inertia})
+    monkeypatch.setattr(inquiry, "has_loose_size", lambda _: False)
+    plant = PLAIN.with_effect("gravity_load", {"gravity": gravity, "phase": 0.0})
+    explanation = SimpleNamespace(found=[(plant.layout.effect(found), None)])
+    evidence = MadeUp(explanation, SimpleNamespace(plant=plant), Bare())
+    assert inquiry._with_sizes(evidence).record.moved == pytest.approx(1.0 if carried else 3.0)
 
 
 def test_other_effects_stay_as_they_are(monkeypatch):

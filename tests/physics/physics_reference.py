@@ -192,6 +192,7 @@ class _Axis:
         drive["resistance"] = scope["resistance"] = resistance
         drive["inductance"] = self.formed("inductance", scope, 0.0)
         drive["drop"] = self.formed("drop", scope, 0.0)
+        drive["knee"] = self.formed("knee", scope, 0.0)
         drive["limit"] = self.chained("limit", scope, "limit", math.inf)
         force, coupling = _call(self._plant.layout.base.drive, drive)
         scope |= {"angle": self._angle + 0.5 * step_s * before, "drive_torque": force - coupling * before}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from physics_samples import NXT, commanded, motion, nxt
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 R = NXT["resistance_ohm"]
 K = NXT["torque_constant_nm_per_a"]
@@ -142,6 +143,24 @@ def test_a_motor_with_one_effect_moves_by_its_law(motor_simulator, effect_id, si
     expected = integrated(law, sign, run.time_s)
     assert np.abs(angle - expected).max() < A_FRACTION_OF_A_DEGREE
     assert abs(expected[-1]) > 5.0
+
+
+@pytest.mark.parametrize("knee_a", [0.0, 0.004, 0.03, 0.5])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_voltage_drop_sets_in_with_the_current(motor_simulator, knee_a, sign):
+    def current(volts):
+        lost = brentq(
+            lambda i: R * i + 0.9 * i / (i + knee_a + 1e-12) - abs(volts), 0.0, abs(volts) / R + 1e-9
+        )
+        return math.copysign(lost, volts)
+
+    plant = nxt(without=("inductance_h",), effects={"voltage_drop": {"drop_v": 0.9, "drop_knee_a": knee_a}})
+    run = commanded([(t, sign * level) for t, level in STEPS], seconds=SECONDS)
+    angle = motion(motor_simulator, plant, run)["angle"]
+    expected = integrated(
+        lambda m: K * current(UB * m.duty - K * m.speed) - B * m.speed - m.sign * TC, sign, run.time_s
+    )
+    assert np.abs(angle - expected).max() < A_FRACTION_OF_A_DEGREE
 
 
 @pytest.mark.parametrize("duty", [-1.0, -0.4, 0.1, 0.55, 1.0])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect
+from nxt_twin.diagnose.diagnosis import Confusion, Estimate, FoundEffect, Moved
 from nxt_twin.diagnose.judging.evidence import Evidence
 from nxt_twin.diagnose.search.notable import LEAST_LEVER_M, LONGEST_LEVER_M
 from nxt_twin.diagnose.telling.estimates import refitted
+from nxt_twin.physics.layout import Slot
 
 _ARM, _PAYLOAD = "gravity_load", "hanging_payload"
 _G = 9.81  # m/s²
@@ -18,6 +19,24 @@ _SURE_RISE = 0.4
 Eight of 25 payloads that hung from the first reading on rose by 0.45 to 1.04."""
 _SURELY = 2.0
 """Standard deviations by which a rise is clear of `_LEAST_RISE`, and half the width of its interval."""
+
+
+def is_a_payload_s(evidence: Evidence) -> bool:
+    """Whether the inertia rose beside a found arm on a lever that a motor carries, so that the rise is a payload's."""
+    inertia = refitted(evidence).get("inertia_kg_m2")
+    arms = [effect for effect, _ in evidence.explanation.found if effect.id == _ARM]
+    values = evidence.final.plant.values
+    weighs = [abs(values[Slot(arm.id, arm.parameters[0].symbol)]) for arm in arms]
+    return inertia is not None and any(_lever_m(inertia, gravity) is not None for gravity in weighs)
+
+
+def _lever_m(inertia: Moved, gravity_nm: float) -> float | None:
+    """The lever of a payload that brings this torque and the rise of `inertia`; None where no motor carries it so."""
+    added = inertia.after - inertia.before
+    if added < _LEAST_RISE * inertia.before or gravity_nm <= 0.0:
+        return None
+    lever_m = added * _G / gravity_nm
+    return lever_m if LEAST_LEVER_M < lever_m < LONGEST_LEVER_M else None
 
 
 def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
@@ -31,8 +50,8 @@ def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
         return found
     given, added = inertia.before, inertia.after - inertia.before
     gravity = abs(found.params["gravity_torque_nm"].value)
-    lever_m = added * _G / gravity if gravity > 0.0 else 0.0
-    if added < _LEAST_RISE * given or not LEAST_LEVER_M < lever_m < LONGEST_LEVER_M:
+    lever_m = _lever_m(inertia, gravity)
+    if lever_m is None:
         return found
     rise = f"the inertia rose by {100.0 * added / given:.0f} %"
     brings = f"a payload on a lever of {100.0 * lever_m:.0f} cm brings"

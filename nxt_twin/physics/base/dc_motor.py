@@ -21,6 +21,7 @@ def drive(
     torque_constant: float,
     back_emf: float,
     drop: float,
+    knee: float,
     limit: float,
     speed: float,
     current: float,
@@ -30,7 +31,8 @@ def drive(
 
     The winding current of the step's middle follows from the trapezoidal rule on equation 1,
     U = Ke·ω + R·i + L·di/dt. The terminal voltage never exceeds the supply, since the duty is bounded. A `drop`
-    opposes the current and ends at zero current. A current beyond `limit` stays at the limit.
+    opposes the current. It grows with it, is half there at the current `knee`, and so ends at zero current. A current
+    beyond `limit` stays at the limit.
 
     Modes: drive (off phase shorted: mean voltage duty·supply), coast (open) and brake (shorted). In float the off phase
     is open: the winding conducts for the duty's fraction of the time, and only forwards. On a bench, `duty` is a given
@@ -56,13 +58,22 @@ def drive(
     impedance = resistance + lag
     if drop > 0.0 or limit < math.inf:
         net = source - back_emf * speed
-        lost = min(drop, abs(net))
+        lost = _lost(abs(net), drop, resistance * knee)
         source -= math.copysign(lost, net)
         net -= math.copysign(lost, net)
         if abs(net + lag * current) > limit * impedance:
             return torque_constant * share * math.copysign(limit, net + lag * current), 0.0
     gain = torque_constant * share * (1.0 / impedance)
     return gain * (source + lag * current), gain * back_emf
+
+
+def _lost(net: float, drop: float, knee_v: float) -> float:
+    """What a drop takes of the voltage `net` that drives a current, where R·i + drop·i/(i + knee) is that voltage.
+
+    Without a knee, all of the drop or all of the voltage. A winding's inductance is left out of it.
+    """
+    spare = net - drop - knee_v
+    return net - 0.5 * (spare + math.sqrt(spare * spare + 4.0 * net * knee_v))
 
 
 def current_after(

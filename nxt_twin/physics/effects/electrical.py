@@ -53,19 +53,33 @@ def _drop(brush_drop: float) -> float:
     return brush_drop
 
 
+def _knee(drop_knee: float) -> float:
+    return drop_knee
+
+
 VOLTAGE_DROP = Effect(
     id="voltage_drop",
     name="bridge or brush voltage drop",
-    equation="U = u·Ub - Ud·sign(i), no current within ±Ud",
-    source="the contact drop of brushes and the saturation of a bipolar bridge, taken as constant",
+    equation="U = u·Ub - Ud·i/(|i| + Ik)",
+    source="the contact drop of brushes and of a bipolar bridge, constant but for the smallest currents",
     equation_of="electrical",
     shows=("low_speed", "direction"),
     notable=0.06,
     parameters=(
-        # A real drop sets in gradually with the current; the law is that of a step.
         Parameter("drop_v", "brush_drop", "V", VOLTAGE, (0.4, 1.0), 0.0, 5.0, law=0.05),
+        Parameter(
+            "drop_knee_a",
+            "drop_knee",
+            "A",
+            CURRENT,
+            (0.01,),
+            0.0,
+            1.0,
+            spread=1.5,
+            otherwise=0.0,  # a step: all of the drop at any current
+        ),
     ),
-    terms={"drop": _drop},
+    terms={"drop": _drop, "knee": _knee},
     confusable_with={
         "coulomb_friction": "a coast-down without current tells: friction brakes it, a drop does not",
         "load_dependent_friction": "small commands held at rest tell a dead zone in voltage from one in torque",

@@ -201,7 +201,7 @@ def _shaft_advance(
 SHAFT_COMPLIANCE = Effect(
     id="shaft_compliance",
     name="shaft compliance",
-    equation="τ = k·(θ - θL) + c·(ω - ωL), c = 2·D·√(k·JL)",
+    equation="τ = k·(θ - θL) + c·(ω - ωL), c = 2·D·√(k·JL); the load bears a share of the friction",
     source="two masses on a torsion spring, as in any text on drives",
     equation_of="torque_balance",
     shows=("after_command", "reversal"),
