@@ -245,7 +245,8 @@ class Trials:
         costs = self._fits.costs([elsewhere, trial.plant], trial.noise)
         near = costs[0] < costs[1] + UNFITTED_NATS
         anew = self._settled.settle(elsewhere, sober) if near else trial
-        return shared_anew(self._settled, best, anew, effect)
+        wanted = best.fitted_cost - anew.fitted_cost > self._standard.needed(best)
+        return shared_anew(self._settled, best, anew, effect) if wanted else anew
 
     def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
         """What was settled at first, where it adds one effect to `best` and is not `listed` already."""
