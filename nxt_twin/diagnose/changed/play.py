@@ -114,7 +114,8 @@ class PlayTest:
         before, after = (_inertia(heavier, n, after=side) for side in (False, True))
         load = after - before if after > before else _LOAD_SHARE * before
         bare = heavier.model.alike(n)
-        starts = [{"gap": start * _GAP.si, "load_inertia": load} for start in _GAP.starts]
+        usual = {each.symbol: each.starts[0] * each.si for each in BACKLASH.parameters}
+        starts = [{**usual, "gap": gap * _GAP.si, "load_inertia": load} for gap in _GAP.starts]
         models = [bare.with_effect(BACKLASH.id, start, self._scale) for start in starts]
         fits = [self._close.fit(model, model.moved_from(fixed.model, fixed.x)) for model in models]
         return min(fits, key=lambda each: each.cost)
