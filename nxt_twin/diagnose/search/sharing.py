@@ -17,7 +17,7 @@ UNDER_MORE: Final = 0.25
 """And the one under the noise of what lacks the effect, whose likelihood is less rugged."""
 
 _NO_NEWS_NATS: Final = 5.0
-"""A gain below which no further round is worth its fits: ends that lie so close came out alike on unseen readings."""
+"""A gain below which no further round is made: it is small beside the steps of the likelihood."""
 
 
 def shared_anew(settled: Settled, best: Structure, trial: Structure, effect: Effect) -> Structure:
