@@ -277,9 +277,10 @@ direction = math.copysign(1.0, before if before != 0.0 else free)
 level = 0.0
 {friction}
 {lean}
+dry = level
 borne = 0.0
 {borne}
-level -= borne
+level = max(dry - borne, 0.0)
 {hold}
 """
 """What acts in a step: drive, loads, damping, dry friction's level."""

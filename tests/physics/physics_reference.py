@@ -203,8 +203,8 @@ class _Axis:
         direction = scope["direction"] = math.copysign(1.0, before if before != 0.0 else free)
         level = self.chained("friction", scope, "level", 0.0)
         level = self.chained("lean", scope, "level", level)
-        borne = scope["borne"] = self.formed("borne", {**scope, "level": level}, 0.0)
-        level -= borne
+        scope["dry"] = level
+        level = max(level - self.formed("borne", {**scope, "level": level}, 0.0), 0.0)
         for call in self._calls("hold"):
             grasp, grip = self._value(call, {**scope, "level": level})
             pull, damping, level = pull - grasp, damping + grip, 0.0

@@ -170,6 +170,23 @@ def test_motor_and_load_stop_as_one_whoever_bears_the_friction(rotary_simulator,
     assert angle[-1] == pytest.approx(0.5 * 10.0**2 * (J + JL) / 0.02, rel=0.01)
 
 
+@pytest.mark.parametrize(("plays", "twists", "in_all"), [(0.3, 0.2, 1.0), (0.3, 0.7, 1.0), (0.9, 0.6, 1.5)])
+def test_two_loads_each_bear_their_share_and_never_drive_the_motor(rotary_simulator, plays, twists, in_all):
+    effects = {
+        "backlash": {"gap_deg": 1.0, "load_inertia_kg_m2": JL, "load_friction_share": plays},
+        "shaft_compliance": {
+            "stiffness_nm_per_rad": 5.0,
+            "load_inertia_kg_m2": JL,
+            "shaft_damping_ratio": 0.3,
+            "load_friction_share": twists,
+        },
+    }
+    run = commanded([(0.0, 0.0)], seconds=3.0, kind="torque_nm", every_s=1e-3)
+    plant = disc(effects=effects, coulomb_friction=0.02)
+    angle = motion(rotary_simulator, plant, run, speed=10.0)["angle"]
+    assert angle[-1] == pytest.approx(0.5 * 10.0**2 * (J + 2.0 * JL) / (in_all * 0.02), rel=0.03)
+
+
 @pytest.mark.parametrize("share", [0.0, 0.5])
 def test_a_shaft_twists_by_what_the_load_holds(rotary_simulator, share):
     shaft = {"stiffness_nm_per_rad": 0.5, "load_inertia_kg_m2": JL, "load_friction_share": share}

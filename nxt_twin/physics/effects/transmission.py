@@ -32,10 +32,10 @@ def _borne(level: float, load_friction_share: float) -> float:
     return max(load_friction_share, 0.0) * level  # a slope may look beyond none
 
 
-def _rubbed(load_speed: float, pushed: float, borne: float, load_inertia: float, step_s: float) -> float:
+def _rubbed(load_speed: float, pushed: float, rubs: float, load_inertia: float, step_s: float) -> float:
     """Speed of the load after a step under the torque `pushed`, braked by dry friction that at most stops it."""
     free = load_speed + step_s * pushed / load_inertia
-    slowing = step_s * borne / load_inertia
+    slowing = step_s * rubs / load_inertia
     return free - min(max(free, -slowing), slowing)
 
 
@@ -70,14 +70,16 @@ def _backlash_advance(
     play_load_speed: float,
     before: float,
     after: float,
-    borne: float,
+    dry: float,
     gap: float,
     load_inertia: float,
+    load_friction_share: float,
     step_s: float,
 ) -> tuple[float, float]:
     held, growth = _contact(play, play_load_speed, before, gap, load_inertia, step_s)
     mean = 0.5 * (before + after)
-    load_after = _rubbed(play_load_speed, held + growth * mean, borne, load_inertia, step_s)
+    rubs = _borne(dry, load_friction_share)
+    load_after = _rubbed(play_load_speed, held + growth * mean, rubs, load_inertia, step_s)
     return play + step_s * (mean - 0.5 * (play_load_speed + load_after)), load_after
 
 
@@ -186,15 +188,17 @@ def _shaft_advance(
     twist_load_speed: float,
     before: float,
     after: float,
-    borne: float,
+    dry: float,
     stiffness: float,
     load_inertia: float,
     damping_ratio: float,
+    load_friction_share: float,
     step_s: float,
 ) -> tuple[float, float]:
     held, growth = _shaft(twist, twist_load_speed, stiffness, load_inertia, damping_ratio, step_s)
     mean = 0.5 * (before + after)
-    load_after = _rubbed(twist_load_speed, held + growth * mean, borne, load_inertia, step_s)
+    rubs = _borne(dry, load_friction_share)
+    load_after = _rubbed(twist_load_speed, held + growth * mean, rubs, load_inertia, step_s)
     return twist + step_s * (mean - 0.5 * (twist_load_speed + load_after)), load_after
 
 
