@@ -132,14 +132,19 @@ def _is_much_nearer(before: Evidence, after: Evidence) -> bool:
 def _without_needless(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:
     """`evidence` without the effects that no simulation needs, the weakest first; each is weighed beside the others."""
     needless: list[LeftOut] = []
-    while is_needless(evidence.record) or may_be_superfluous(counted_once(evidence.record)):
+    while (idle := _is_needless(evidence)) or may_be_superfluous(counted_once(evidence.record)):
         weakest = _weakest(evidence)
         lesser = _less(simulator, evidence, weakest, rng)
-        if not is_needless(evidence.record) and not is_superfluous(beside_the_others(evidence, lesser)):
+        if not idle and not is_superfluous(beside_the_others(evidence, lesser)):
             break
         needless.append(LeftOut(weakest, overall(evidence.final_runs)))
         evidence = lesser
     return replace(evidence, needless=tuple(needless))
+
+
+def _is_needless(evidence: Evidence) -> bool:
+    """Whether no simulation needs the found effects; it counts, too, how far they moved the given numbers."""
+    return bool(evidence.explanation.found) and is_needless(_with_sizes(evidence).record)
 
 
 def _unspoiled(simulator: Simulator, evidence: Evidence, rng: Generator) -> Evidence:

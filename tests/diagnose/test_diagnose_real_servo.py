@@ -14,9 +14,6 @@ from nxt_twin.recording.realdata import data_root
 
 pytestmark = pytest.mark.real_data
 
-RESTAMPED_SHAFT = """Since a load may bear friction, a shaft and a delay of the command gain hundreds of nats on these
-stamps, and the answer is unexplained with an error of 1.22 deg (docs/decisions/0046-laws-with-a-shape.md)."""
-
 
 @pytest.fixture(scope="module")
 def case_of():
@@ -80,9 +77,7 @@ def test_friction_that_grows_with_load_is_named_where_the_model_leaves_it_out(ca
     assert found.fit.improved < 0.7 * found.fit.baseline
 
 
-def test_a_model_with_gear_friction_is_adequate_for_other_repeats(case_of, stamps, request):
-    if stamps:
-        request.applymarker(pytest.mark.xfail(reason=RESTAMPED_SHAFT, strict=False))
+def test_a_model_with_gear_friction_is_adequate_for_other_repeats(case_of, stamps):
     found = diagnose(case_of("unchanged", stamps)).diagnosis
     assert (found.verdict, found.effects) == ("adequate", ())
     assert found.fit.improved <= 1.3

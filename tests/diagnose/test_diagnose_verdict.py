@@ -228,6 +228,10 @@ def test_no_ordinary_gain_names_what_hardly_changes_a_simulation_that_errs_by_le
     [
         ({}, True),
         ({"least_nats": 100.0}, False),
+        ({"least_nats": 1e6, "moved": 3.0}, False),
+        ({"least_nats": 1e6, "moved": 3.01}, True),
+        ({"least_nats": 1e6, "moved": 3.01, "nearer": 0.85}, False),
+        ({"least_nats": 1e6, "moved": 3.01, "doubts": True}, False),
         ({"nearer": 0.85}, False),
         ({"longer": 0.84}, False),
         ({"doubts": True}, False),

@@ -275,15 +275,16 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
     It makes no difference to one, or none that matters. What brings given numbers back need not make any: the numbers
     in their place simulate as well. Where no simulation gains much, only a clear call counts. It has to be unmistakable
-    where the baseline errs by less than matters. A payload may hang in all that is held out, so that an inertia stands
-    for it there: then simulations of what checks tell.
+    where the baseline errs by less than matters. No call counts where the effect needs other numbers of the motor as
+    well: those may be all that the readings call for. A payload may hang in all that is held out, so that an inertia
+    stands for it there: then simulations of what checks tell.
     """
     if not record.found or record.restores:
         return False
     hardly = record.nearer > limits.idle and not 0.0 < record.longer < limits.idle
     hardly &= record.run_ratio > limits.confirmed or record.at_check < limits.unheard
     asked = limits.unmistakable if record.at_first < limits.unheard else limits.heard
-    if hardly and record.least_nats < asked and not record.doubts:
+    if hardly and not record.doubts and (is_moved(record, limits) or record.least_nats < asked):
         return True
     faint = limits.faint if record.named <= 1 else limits.silent
     unneeded = record.nearer >= limits.no_nearer or record.at_first < faint
