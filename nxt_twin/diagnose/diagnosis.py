@@ -56,9 +56,12 @@ class Estimate:
 
     @property
     def is_loose(self) -> bool:
-        """Whether the 95 % interval is wider than the value; of the ratio where the recordings fix that alone."""
-        told = self.ratio or self
-        return 2.0 * NORMAL_95 * told.std > abs(told.value)
+        """Whether the 95 % interval is wider than the value, and that of the ratio is, where the recordings fix one.
+
+        The ratio leaves the anchors' doubt out. Where a payload makes the motor's own inertia open, the value is surer.
+        """
+        both = (self,) if self.ratio is None else (self, self.ratio)
+        return all(2.0 * NORMAL_95 * one.std > abs(one.value) for one in both)
 
 
 @final

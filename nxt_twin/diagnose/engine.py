@@ -46,7 +46,7 @@ from nxt_twin.diagnose.next.next_step import next_experiment
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.telling import words
 from nxt_twin.diagnose.telling.bounds import at_bounds
-from nxt_twin.diagnose.telling.estimates import refitted
+from nxt_twin.diagnose.telling.estimates import refitted, unmoved
 from nxt_twin.diagnose.telling.far import furthest_off, moved_far, moved_notably, stays
 from nxt_twin.diagnose.telling.findings import alternatives, found_effects, nearest_effect, too_weak
 from nxt_twin.diagnose.telling.notes import notes, on_the_load, onsets_told
@@ -148,10 +148,11 @@ def _diagnosis(simulator: Simulator, evidence: Evidence, seed: int, rng: Generat
         instead=furthest_off(problem.plant, evidence.baseline.plant) if evidence.record.restores else "",
         loose=_is_loose(evidence),
     )
-    far = moved_far(problem.plant, evidence.final.plant)
+    doubtful = unmoved(refit)
+    far = moved_far(problem.plant, evidence.final.plant, doubtful)
     small = (
         *at_bounds(problem, evidence.final.plant),
-        *moved_notably(problem.plant, evidence.final.plant),
+        *moved_notably(problem.plant, evidence.final.plant, doubtful),
         *words.loose(effects),
         *words.too_small([one.effect.name for one in evidence.needless]),
         *words.too_weak([effect.name for effect, _, _ in too_weak(evidence, verdict)]),

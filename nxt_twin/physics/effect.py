@@ -91,6 +91,7 @@ class Effect:
             make differ by smaller sizes. Of two parameters that replace one, half their difference; of one that has
             to exceed another, the excess.
         notable_most: the size above which the effect has no name, where a larger parameter does less.
+        commoner_nats: log odds of meeting it rather than another effect, before any reading tells.
         further_starts: SI values by symbol that recordings suggest together, beside every combination of starts.
     """
 
@@ -117,6 +118,7 @@ class Effect:
     neutral: float = 0.0
     notable: float = 0.0
     notable_most: float = math.inf
+    commoner_nats: float = 0.0
     further_starts: Callable[[Sequence[Signals]], Sequence[Mapping[str, float]]] | None = None
 
     def __repr__(self) -> str:

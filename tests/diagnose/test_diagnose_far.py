@@ -50,6 +50,13 @@ def test_several_numbers_that_moved_tenfold_ask_for_a_look_at_units_and_model():
     assert len(moved_far(GIVEN, refitted(inertia_kg_m2=0.01, torque_constant_nm_per_a=0.02))) == 1
 
 
+def test_nothing_is_said_of_numbers_that_may_not_have_moved():
+    found = refitted(inertia_kg_m2=12.0, coulomb_friction_nm=4.0)
+    assert moved_far(GIVEN, found, {"inertia_kg_m2"}) == ()
+    assert moved_notably(GIVEN, found, {"coulomb_friction_nm"}) == ()
+    assert len(moved_far(GIVEN, found)) == len(moved_notably(GIVEN, found)) == 1
+
+
 def test_nothing_is_said_of_smaller_moves_or_of_effects_that_replace_a_key():
     assert moved_far(GIVEN, refitted(inertia_kg_m2=9.0, coulomb_friction_nm=0.11)) == ()
     assert moved_far(GIVEN, GIVEN.without(["coulomb_friction"])) == ()

@@ -54,8 +54,8 @@ def test_a_refused_effect_helps_from_ten_nats_on_unless_what_checks_denies_it(ga
     assert [one.found[0][0].id for one in found] == (["cogging"] if helps else [])
 
 
-@pytest.mark.parametrize(("gain", "helps"), [(25.1, True), (24.9, False)])
-def test_beside_found_effects_a_refused_one_helps_from_thirty_nats_on(gain, helps):
+@pytest.mark.parametrize(("gain", "helps"), [(15.1, True), (14.9, False)])
+def test_beside_found_effects_a_refused_one_helps_from_twenty_nats_on(gain, helps):
     found = PLAIN.layout.effect("stiction"), Weight(90.0, 9.0, 0.5, runs_worse=False)
     beside = replace(explanation(refused("cogging", gain, 5.0)), found=(found,))
     assert len(helping(beside, PLAIN)) == helps

@@ -23,6 +23,7 @@ class Bare:
 
     moved: float = 1.0
     loose: bool = False
+    given_is_a_fit: bool = False
 
 
 @dataclass(frozen=True)
@@ -34,14 +35,17 @@ class MadeUp:
     record: Bare
 
 
-def told(monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM, plant=PLAIN):
+def told(
+    monkeypatch, rise, std=0.1, *, effect_id="gravity_load", gravity=GRAVITY_NM, plant=PLAIN, record=None
+):
     """How an arm is told beside an inertia that rose by that share of the given one, with its deviation."""
     inertia = Moved(GIVEN_KG_M2, GIVEN_KG_M2 * (1.0 + rise), GIVEN_KG_M2 * std, "kg·m²")
     monkeypatch.setattr(payload, "refitted", lambda _: {"inertia_kg_m2": inertia})
     params = {"gravity_torque_nm": Estimate(gravity, 0.001, "N·m"), "phase_deg": Estimate(10.0, 1.0, "deg")}
     near = (Confusion("spring_load", "…"), Confusion("hanging_payload", "…"))
     found = FoundEffect(effect_id, "arm", "…", params, 0.9, near)
-    return payload.as_a_payload(SimpleNamespace(final=SimpleNamespace(plant=plant)), found)
+    evidence = SimpleNamespace(final=SimpleNamespace(plant=plant), record=record or Bare())
+    return payload.as_a_payload(evidence, found)
 
 
 @pytest.mark.parametrize(
@@ -75,6 +79,11 @@ def test_an_arm_behind_play_or_a_soft_shaft_stays_an_arm_that_may_be_a_payload(
         "gravity_load",
         "hanging_payload",
     }
+
+
+def test_an_inertia_that_was_fitted_without_the_arm_has_not_risen(monkeypatch):
+    found = told(monkeypatch, 0.6, record=Bare(given_is_a_fit=True))
+    assert (found.id, found.confusable_with[-1].id) == ("gravity_load", "hanging_payload")
 
 
 def test_a_payload_tells_the_inertia_that_it_adds_with_an_interval(monkeypatch):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 from diagnose_records import FOUND
 
+from nxt_twin.diagnose.diagnosis import Estimate, Ratio
 from nxt_twin.diagnose.telling import estimates
 from nxt_twin.diagnose.telling.estimates import vague_effect
 
@@ -41,6 +42,18 @@ def test_one_vague_effect_stays_where_it_brings_a_simulation_nearer(judged):
     assert judged(0.9, nearer=0.979) is None
     assert judged(0.9, nearer=0.98) == 0
     assert judged(0.75, nearer=0.98) is None
+
+
+@pytest.mark.parametrize(
+    ("std", "ratio_std", "vague"), [(1.6, 80.0, 0), (1.4, 80.0, None), (1.6, 70.0, None), (1.4, 70.0, None)]
+)
+def test_a_size_is_vague_where_it_is_so_by_itself_and_over_the_inertia(monkeypatch, std, ratio_std, vague):
+    size = Estimate(2.0, std, "N·m", ratio=Ratio(100.0, ratio_std, "1/s²", "inertia_kg_m2"))
+    monkeypatch.setattr(estimates, "estimates", lambda *_: {"size": size})
+    effect = SimpleNamespace(id="0", supersedes="", neutral=0.0)
+    found = SimpleNamespace(found=[(effect, None)])
+    told = vague_effect(SimpleNamespace(explanation=found, record=replace(FOUND, nearer=0.98)))
+    assert (told and int(told.id)) == vague
 
 
 def test_what_stands_for_both_directions_is_no_size(judged):

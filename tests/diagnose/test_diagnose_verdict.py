@@ -290,6 +290,15 @@ def test_three_effects_that_leave_a_torque_and_an_error_stand_for_another(change
     assert is_forgiven(replace(record, **changes)) is forgiven
 
 
+@pytest.mark.parametrize(
+    ("changes", "forgiven"),
+    [({}, False), ({"nearer": 0.151}, True), ({"run_ratio": 0.151}, True), ({"torque_before": 0.66}, True)],
+)
+def test_a_large_torque_is_excused_where_nearly_all_of_it_and_of_the_error_is_gone(changes, forgiven):
+    record = replace(FORGIVEN, torque_after=0.1, torque_before=0.67, nearer=0.15, run_ratio=0.15)
+    assert is_forgiven(replace(record, **changes)) is forgiven
+
+
 def test_effects_that_leave_hardly_any_error_need_not_explain_the_rest():
     surprising = replace(FOUND, surprise=100.0, nearer=0.1501, run_ratio=0.1501)
     assert verdict_of(surprising) == "unexplained"

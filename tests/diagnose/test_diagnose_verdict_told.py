@@ -97,6 +97,10 @@ def test_numbers_that_moved_far_are_no_objection_where_nothing_was_found():
     assert verdict_of(replace(FOUND, moved=100.0)) == "unexplained"
 
 
+def test_numbers_that_were_fitted_without_the_found_effects_may_move_far():
+    assert verdict_of(replace(FOUND, moved=100.0, given_is_a_fit=True)) == "explained"
+
+
 def told_size(value, std, ratio=None):
     size = Estimate(value, std, "N·m", ratio=Ratio(*ratio, "1/s²", "inertia_kg_m2") if ratio else None)
     return FoundEffect("stiction", "stiction", "…", {"breakaway_torque_nm": size}, 0.9, ())
@@ -110,4 +114,5 @@ def test_a_size_whose_interval_is_wider_than_itself_is_told():
     (said,) = words.loose([open_one, open_one])
     assert said.startswith("The sizes of stiction and stiction are loose")
     assert words.loose([told_size(0.1, 0.05, (100.0, 10.0))]) == ()
-    assert words.loose([told_size(0.1, 0.01, (100.0, 30.0))])
+    assert words.loose([told_size(0.1, 0.01, (100.0, 30.0))]) == ()
+    assert words.loose([told_size(0.1, 0.05, (100.0, 30.0))])

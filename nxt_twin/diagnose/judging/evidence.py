@@ -255,6 +255,7 @@ def _record(
         worst_ratio=_worst(problem, before, after) if physical else 0.0,
         leaves_most=bool(found) and _leaves_most(problem, before, after, expected),
         strained=is_stretched(problem, final.plant, effects) or is_one_sided(final.plant, effects),
+        given_is_a_fit=searched.given_is_a_fit,
     )
 
 

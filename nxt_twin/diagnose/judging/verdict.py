@@ -164,6 +164,8 @@ class Record:
         leaves_most: whether more than half of the baseline's error on held-out readings is left at some horizon, and
             more than the tolerance. Errors count above those that `surprise` is held against.
         loose: whether the 95 % interval of a found effect's size is wider than the size.
+        given_is_a_fit: whether no re-fit of the given numbers comes as near to fitted readings as they do, so that they
+            were fitted to such readings.
     """
 
     named: int
@@ -198,6 +200,7 @@ class Record:
     helps: bool = False
     leaves_most: bool = False
     loose: bool = False
+    given_is_a_fit: bool = False
 
 
 def verdict_of(record: Record, limits: VerdictLimits = LIMITS) -> Verdict:
@@ -219,8 +222,11 @@ def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
 
 def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
-    """Whether the found effects surely need other numbers of the motor than the given ones, by more than a doubt."""
-    return record.found and record.moved > limits.moved
+    """Whether the found effects surely need other numbers of the motor than the given ones, by more than a doubt.
+
+    Numbers that were fitted without these effects say nothing of the motor.
+    """
+    return record.found and record.moved > limits.moved and not record.given_is_a_fit
 
 
 def is_loose(record: Record) -> bool:
@@ -284,7 +290,7 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     hardly = record.nearer > limits.idle and not 0.0 < record.longer < limits.idle
     hardly &= record.run_ratio > limits.confirmed or record.at_check < limits.unheard
     asked = limits.unmistakable if record.at_first < limits.unheard else limits.heard
-    if hardly and not record.doubts and (is_moved(record, limits) or record.least_nats < asked):
+    if hardly and not record.doubts and (record.moved > limits.moved or record.least_nats < asked):
         return True
     faint = limits.faint if record.named <= 1 else limits.silent
     unneeded = record.nearer >= limits.no_nearer or record.at_first < faint
@@ -320,7 +326,7 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
     The floor that a remaining error is compared with rests on that torque. So a large one may not excuse the error,
     unless the effects have taken four fifths of it. Nor is more excused for as many effects as can be missing than
-    without an effect, nor more than `unforgiven` whatever they have taken.
+    without an effect, nor more than `unforgiven`, unless they have taken nearly all of torque and error.
     By windows alone, how much there was before is not known, and how much is left counts.
     """
     if not record.found or record.remaining <= limits.nearly:
@@ -332,7 +338,10 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     if record.of_readings:  # which are torques to no filter
         return large and not _is_cleared(record, limits)
     many = record.named >= limits.most_named and record.torque_after > limits.excused
-    return (large and kept > limits.cleared) or many or record.torque_after > limits.unforgiven
+    taken = kept <= limits.hardly and _takes_nearly_all(record, limits)
+    return (
+        (large and kept > limits.cleared) or many or (record.torque_after > limits.unforgiven and not taken)
+    )
 
 
 def is_another_law(record: Record, limits: VerdictLimits = LIMITS) -> bool:

@@ -37,7 +37,7 @@ LONGEST_LEVER_M = 2.0
 
 A wheel of radius of gyration k, off its centre by r, has J·g/τg = r + k²/r: 2 m with k of 45 mm and r of 1 mm.
 """
-_HUNG_ON_S = 0.1  # before it, a payload was there from the first reading on
+_HUNG_ON_S = 0.5  # nobody hangs a payload on in less: it was there from the first reading on
 _G = 9.81  # m/s²: standard gravity
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 _LEAST_APART = 0.05  # of their sum, or a load's size of friction: less is the plain term, as motors have it

@@ -14,10 +14,12 @@ from nxt_twin.diagnose.search.explain import Explanation, explain
 from nxt_twin.diagnose.search.helping import helping
 from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import simpler
+from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 
 _AS_GOOD = 2.0  # with an effect of next to no size
+_CLEARLY = 1.02  # by factor: an error that is larger by more is no luck
 
 
 @final
@@ -30,12 +32,14 @@ class Searched:
         refit: the re-fitted baseline at its best, fitted on all that is not held out.
         given: the baseline with its parameters as they came.
         final: the best structure, fitted on all that is not held out; it may hold effects too small for a name.
+        given_is_a_fit: whether the given numbers simulate fitted readings clearly nearer than re-fitted ones do.
     """
 
     explanation: Explanation
     refit: Structure
     given: Structure
     final: Structure
+    given_is_a_fit: bool = False
 
 
 def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Searched:
@@ -76,7 +80,17 @@ def _fitted(fits: Fits, explanation: Explanation) -> Searched:
     if not explanation.found and not explanation.unnamed:
         refit = fits.likely_baseline(explanation.baseline, final)
         return Searched(explanation, refit, given, refit)
-    return Searched(explanation, fits.best_baseline(explanation.baseline, final), given, final)
+    refit = fits.best_baseline(explanation.baseline, final)
+    return Searched(explanation, refit, given, final, _is_a_fit(fits, explanation.baseline, refit))
+
+
+def _is_a_fit(fits: Fits, likely: Structure, refit: Structure) -> bool:
+    """Whether the given numbers are the best of all baselines, and clearly better than the `likely` one."""
+    given = fits.problem.plant
+    if any(refit.plant.values[slot] != value for slot, value in given.values.items()):
+        return False
+    nearest, other = (fits.simulated_error(plant, likely.noise) for plant in (given, likely.plant))
+    return other > _CLEARLY * nearest
 
 
 def _faint(fits: Fits, explanation: Explanation, final: Structure) -> Effect | None:
@@ -93,12 +107,18 @@ def _simulates_worse(fits: Fits, richer: Structure, simpler: Structure) -> bool:
 
 
 def _without(fits: Fits, explanation: Explanation, faint: Effect) -> Explanation:
-    """The explanation less one effect."""
+    """The explanation less one effect, in whose place others may be looked at again."""
     plant = simpler(explanation.best.plant, faint.id, fits.problem.plant)
+    best = fits.settled(plant, explanation.best.noise)
     kept = tuple(one for one in explanation.found if one[0] is not faint)
+    instead = tuple(
+        (rival.effect, weigh(best, rival.structure), rival.structure)
+        for rival in explanation.rivals[faint.id]
+    )
     return replace(
         explanation,
-        best=fits.settled(plant, explanation.best.noise),
+        best=best,
         found=kept,
         rivals={effect.id: explanation.rivals[effect.id] for effect, _ in kept},
+        refused=(*instead, *explanation.refused),
     )

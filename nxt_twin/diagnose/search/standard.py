@@ -180,7 +180,7 @@ class Standard:
         first = effect.parameters[0]
         stated = effect.plain and (first.frozen or math.isfinite(first.doubt))
         own = self._fits.problem.by_windows and effect.source.startswith(_OUR_OWN)
-        return LIMITS.left_out_nats * stated - LIMITS.rival_nats * own
+        return LIMITS.left_out_nats * stated - LIMITS.rival_nats * own + effect.commoner_nats
 
     def leaning(self, effect: Effect) -> float:
         """What speaks for an effect before these readings do, nats."""

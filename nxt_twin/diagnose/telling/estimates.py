@@ -52,10 +52,11 @@ def _is_vague(evidence: Evidence, effect: Effect) -> bool:
     if effect.supersedes:  # what stands for both directions is no size that could be zero
         return False
     found = next(iter(estimates(evidence, effect).values()))  # the main one comes first
-    size, std = abs(found.value - effect.neutral), found.std
-    if found.ratio is not None:  # what resistance and torque constant leave open is no doubt about the effect
-        size, std = abs(found.ratio.value), found.ratio.std
-    return std > _VAGUE * size
+    vague = found.std > _VAGUE * abs(found.value - effect.neutral)
+    if found.ratio is None:
+        return vague
+    # What resistance and torque constant leave open is no doubt about the effect, nor what an open inertia does.
+    return vague and found.ratio.std > _VAGUE * abs(found.ratio.value)
 
 
 def has_loose_size(evidence: Evidence) -> bool:
@@ -92,6 +93,14 @@ def surely_moved(refit: Mapping[str, Moved]) -> float:
         lower, upper = one.interval_95
         factors += [lower / one.before, one.before / upper if upper > 0.0 else 1.0]
     return max(factors)
+
+
+def unmoved(refit: Mapping[str, Moved]) -> frozenset[str]:
+    """The names of those numbers of `refit` whose 95 % interval holds the given value."""
+    known = (
+        (name, one.before, one.interval_95) for name, one in refit.items() if one.interval_95 is not None
+    )
+    return frozenset(name for name, before, (lower, upper) in known if lower <= before <= upper)
 
 
 @final

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.layout import Slot
@@ -15,12 +16,17 @@ _CHECK = "Check the units of command and reading, and whether the model is of th
 _FAR_OFF = 1.1  # by factor: less is within what motors of one make differ by
 
 
-def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
+def moved_far(given: Plant, found: Plant, doubtful: Collection[str] = ()) -> tuple[str, ...]:
     """Sentences on the positive quantities of `given` that vanished or changed tenfold in `found`, if any did.
 
-    Where several did, another motor or other units are likelier than another motor's state.
+    Where several did, another motor or other units are likelier than another motor's state. The names in `doubtful`
+    may not have moved at all.
     """
-    far = [slot for slot in given.layout.parameters if _is_far(given, found, slot, _TENFOLD)]
+    far = [
+        slot
+        for slot, parameter in given.layout.parameters.items()
+        if parameter.name not in doubtful and _is_far(given, found, slot, _TENFOLD)
+    ]
     if len(far) > _FEW:
         each = listed(
             [f"{given.layout.parameters[slot].name} ({_times(given, found, slot)})" for slot in far]
@@ -30,12 +36,17 @@ def moved_far(given: Plant, found: Plant) -> tuple[str, ...]:
     return (f"The re-fit moved {said}.",) if said else ()
 
 
-def moved_notably(given: Plant, found: Plant) -> tuple[str, ...]:
-    """A sentence on the positive quantities that `found` has three to ten times as large or small as `given`."""
+def moved_notably(given: Plant, found: Plant, doubtful: Collection[str] = ()) -> tuple[str, ...]:
+    """A sentence on the positive quantities that `found` has three to ten times as large or small as `given`.
+
+    Those in `doubtful` may not have moved at all.
+    """
     some = [
         slot
-        for slot in given.layout.parameters
-        if _is_far(given, found, slot, _NOTABLE) and not _is_far(given, found, slot, _TENFOLD)
+        for slot, parameter in given.layout.parameters.items()
+        if parameter.name not in doubtful
+        and _is_far(given, found, slot, _NOTABLE)
+        and not _is_far(given, found, slot, _TENFOLD)
     ]
     return (f"The re-fit moved {listed([_moved(given, found, slot) for slot in some])}.",) if some else ()
 

@@ -58,7 +58,10 @@ def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
     behind = any(
         effect.moving for effect in evidence.final.plant.effects
     )  # readings hardly part two inertias
-    if behind or added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
+    open_rise = (
+        behind or evidence.record.given_is_a_fit
+    )  # an inertia that was fitted without the arm is none to rise
+    if open_rise or added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
         others = [one for one in found.confusable_with if one.id != _PAYLOAD]
         return replace(
             found, confusable_with=(*others, Confusion(_PAYLOAD, f"{rise} as well: {brings} both"))
