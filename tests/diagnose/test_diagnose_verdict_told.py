@@ -101,6 +101,14 @@ def test_numbers_that_were_fitted_without_the_found_effects_may_move_far():
     assert verdict_of(replace(FOUND, moved=100.0, given_is_a_fit=True)) == "explained"
 
 
+@pytest.mark.parametrize(
+    ("nearer", "run_ratio", "verdict"),
+    [(0.15, 0.15, "explained"), (0.151, 0.15, "unexplained"), (0.15, 0.151, "unexplained")],
+)
+def test_numbers_may_move_far_where_nearly_no_error_is_left(nearer, run_ratio, verdict):
+    assert verdict_of(replace(FOUND, moved=100.0, nearer=nearer, run_ratio=run_ratio)) == verdict
+
+
 def told_size(value, std, ratio=None):
     size = Estimate(value, std, "N·m", ratio=Ratio(*ratio, "1/s²", "inertia_kg_m2") if ratio else None)
     return FoundEffect("stiction", "stiction", "…", {"breakaway_torque_nm": size}, 0.9, ())

@@ -224,9 +224,11 @@ def is_patchwork(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 def is_moved(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the found effects surely need other numbers of the motor than the given ones, by more than a doubt.
 
-    Numbers that were fitted without these effects say nothing of the motor.
+    Numbers that were fitted without these effects say nothing of the motor. Nor do those of a careless guess, where the
+    effects take nearly all of the error: no other law is left to speak of.
     """
-    return record.found and record.moved > limits.moved and not record.given_is_a_fit
+    objected = record.found and record.moved > limits.moved
+    return objected and not record.given_is_a_fit and not _takes_nearly_all(record, limits)
 
 
 def is_loose(record: Record) -> bool:
