@@ -33,6 +33,15 @@ def test_readings_that_tell_of_one_another_count_once(colour, nats):
     assert counted_once(replace(FOUND, colour=colour, least_nats=100.0)).least_nats == nats
 
 
+@pytest.mark.parametrize(
+    ("changes", "needless"),
+    [({}, True), ({"nearer": 1.05}, False), ({"doubts": True}, False), ({"of_readings": False}, False)],
+)
+def test_a_fault_of_the_readings_beside_which_a_motor_simulates_worse_is_needless(changes, needless):
+    loud = replace(FOUND, nearer=1.051, of_readings=True, least_nats=5000.0, at_first=5.0)
+    assert is_needless(replace(loud, **changes)) is needless
+
+
 @pytest.mark.parametrize(("least_nats", "weighed"), [(99.9, True), (100.0, False)])
 def test_only_what_little_speaks_for_is_weighed_beside_the_others(least_nats, weighed):
     assert may_be_superfluous(replace(FOUND, named=2, least_nats=least_nats)) is weighed

@@ -8,7 +8,8 @@ from typing import Any, final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, IntArray
+from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.diagnose.fitting.leaps import leaps, without_leaps
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
 from nxt_twin.diagnose.fitting.parted import parted
 from nxt_twin.diagnose.fitting.simulated import simulated
@@ -75,6 +76,7 @@ class Problem:
         leaning: what speaks beforehand for effects, nats by id, where somebody has watched the motor already.
         by_windows: whether windows of simulation alone set parameters and weigh effects, as single steps are coloured.
         instead_of: names of the recordings that were held out at first, and alone showed what is missing.
+        leaps: stamps of readings that leap away and back and were left out, s, by recording.
     """
 
     name: str
@@ -92,6 +94,7 @@ class Problem:
     leaning: Mapping[str, float] = field(default_factory=dict)
     by_windows: bool = False
     instead_of: tuple[str, ...] = ()
+    leaps: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def everything(self) -> Target:
         """Target and check together: what the last fit uses."""
@@ -133,7 +136,8 @@ def problem_of(
     follows = config.get("kind") == SERVO.kind
     made = [*recordings, *holdout]
     every = [signals_of(each, port, follows_goal=follows) for each in made]
-    read = in_session(every)
+    leaping = {one.name: one.time_s[leaps(one)] for one in every}
+    read = in_session([without_leaps(one) for one in every])
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
         raise DiagnosisError(
@@ -163,6 +167,7 @@ def problem_of(
         tolerance=_default_tolerance(fitted) if tolerance is None else tolerance,
         stalls={one.name: said for one in made if (said := stalls_in_words(stalls(one)))},
         stalled_share=max(map(stalled_share, made)),
+        leaps={name: times_s for name, times_s in leaping.items() if times_s.size},
     )
 
 

@@ -284,11 +284,14 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     It makes no difference to one, or none that matters. What brings given numbers back need not make any: the numbers
     in their place simulate as well. Where no simulation gains much, only a clear call counts. It has to be unmistakable
     where the baseline errs by less than matters. No call counts where the effect needs other numbers of the motor as
-    well: those may be all that the readings call for. A payload may hang in all that is held out, so that an inertia
-    stands for it there: then simulations of what checks tell.
+    well: those may be all that the readings call for. Nor does one for a fault of the readings beside which the motor
+    simulates worse: that readings of a servo are up to 8 ms old says nothing of its motor. A payload may hang in all
+    that is held out, so that an inertia stands for it there: then simulations of what checks tell.
     """
     if not record.found or record.restores:
         return False
+    if record.of_readings and not record.doubts and record.nearer > limits.worse:
+        return True
     hardly = record.nearer > limits.idle and not 0.0 < record.longer < limits.idle
     hardly &= record.run_ratio > limits.confirmed or record.at_check < limits.unheard
     asked = limits.unmistakable if record.at_first < limits.unheard else limits.heard

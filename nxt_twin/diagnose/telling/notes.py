@@ -21,6 +21,7 @@ _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
 _ANOTHER = 0.1  # of the given gravity torque: a load that is off by less is not told as another
 _SURE_STDS = 2.0  # standard deviations of the gravity torque by which it has to be off as well
+_MOST_TOLD = 12  # times of one recording
 _BRIEF_S = 6.0
 """Fitted time below which an answer is told to rest on little: the shortest that the splits are tested for."""
 _LOOSE = {MODE_COAST: "out without current", MODE_FLOAT: "on a floating bridge"}
@@ -48,13 +49,12 @@ def notes(
             "Encoder and voltage fix only ratios of the parameters. The given winding resistance and torque constant "
             "are the anchor: an error in them scales every torque and inertia."
         )
-    for name, times_s in stale.items():
-        at = ", ".join(f"{t:.3f}" for t in times_s[:12])
-        more = ", …" if times_s.size > 12 else ""
-        said.append(
-            f"{name}: {times_s.size} readings are older than their stamps (at {at}{more} s). This is a fault of the "
-            "transport, not of the motor; the errors leave these readings out."
-        )
+    said.extend(
+        f"{name}: {times_s.size} readings are older than their stamps (at {_listed_s(times_s)} s). This is a fault of "
+        "the transport, not of the motor; the errors leave these readings out."
+        for name, times_s in stale.items()
+    )
+    said.extend(leaping(problem))
     if by_chance:
         said.append(
             "Each count is lost by chance, so that no simulation follows these readings: the floor of "
@@ -76,6 +76,21 @@ def notes(
     said.extend(_bad_runs(problem, runs))
     said.extend(_run_out(run_out) for run_out in unfitted_run_outs(problem, fit))
     return tuple(said)
+
+
+def leaping(problem: Problem) -> tuple[str, ...]:
+    """A remark on each recording in which readings leap away and back."""
+    return tuple(
+        f"{name}: {times_s.size} {'reading leaps' if times_s.size == 1 else 'readings leap'} away and back, three "
+        f"times as far as anything else moves between two readings (at {_listed_s(times_s)} s). No motor does "
+        "that: fits and errors leave them out."
+        for name, times_s in problem.leaps.items()
+    )
+
+
+def _listed_s(times_s: FloatArray) -> str:
+    """The first dozen of some times."""
+    return ", ".join(f"{t:.3f}" for t in times_s[:_MOST_TOLD]) + (", …" if times_s.size > _MOST_TOLD else "")
 
 
 def briefly_recorded(fitted_s: float) -> tuple[str, ...]:
