@@ -92,3 +92,14 @@ def test_what_anchors_leave_open_is_no_doubt_about_another_load():
 
 def test_a_motor_without_an_arm_has_no_such_load():
     assert on_the_load({"inertia_kg_m2": moved(1e-3, 2e-3, 1e-5, "kg·m²")}) == ()
+
+
+@pytest.mark.parametrize(("gravity_nm", "named"), [(0.451, 0), (0.542, 0), (0.37, 1)])
+def test_a_load_that_shrank_as_all_torques_did_is_no_other_load(gravity_nm, named):
+    refit = {
+        "gravity_torque_nm": moved(0.542, gravity_nm, 0.001, "N·m"),
+        "inertia_kg_m2": moved(0.0282, 0.0234, 1e-4, "kg·m²"),
+        "resistance_ohm": moved(2.761, 2.82, 0.02, "Ω"),
+        "torque_constant_nm_per_a": moved(1.872, 1.585, 0.02, "N·m/A"),
+    }
+    assert len(on_the_load(refit)) == named

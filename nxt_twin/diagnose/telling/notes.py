@@ -113,11 +113,16 @@ def onsets_told(effects: Sequence[Effect]) -> tuple[str, ...]:
 
 
 def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
-    """A remark where the load is another than the given one: its gravity torque moved, by more than it is in doubt."""
+    """A remark where the load is another than the given one: its gravity torque moved, by more than it is in doubt.
+
+    It has to move beside the motor's torque as well. Where all torques shrink alike, only their scale is another, which
+    no encoder fixes.
+    """
     gravity = refit.get(_GRAVITY)
     if gravity is None or not min(gravity.before, gravity.after) > 0.0:
         return ()
-    apart = abs(gravity.after - gravity.before)
+    alike = gravity.before * _torque_scale(refit)
+    apart = min(abs(gravity.after - gravity.before), abs(gravity.after - alike))
     if apart < max(_ANOTHER * gravity.before, _SURE_STDS * _own_std(gravity)):
         return ()
     moved = [
@@ -129,6 +134,14 @@ def on_the_load(refit: Mapping[str, Moved]) -> tuple[str, ...]:
     most = max((abs(one.after / one.before - 1.0) for one in constants), default=0.0)
     motor = f" The motor's own constants moved by {100.0 * most:.0f} % at most." if constants else ""
     return (f"The load is another than the given one: {listed(moved)}.{motor}",)
+
+
+def _torque_scale(refit: Mapping[str, Moved]) -> float:
+    """By what the motor's torque at a voltage was multiplied: the torque constant over the resistance."""
+    resistance, constant = (refit.get(name) for name in _CONSTANTS[:2])
+    if resistance is None or constant is None or not min(resistance.after, constant.before) > 0.0:
+        return 1.0
+    return (constant.after / constant.before) * (resistance.before / resistance.after)
 
 
 def _own_std(moved: Moved) -> float:
