@@ -26,6 +26,7 @@ def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),), supe
         id=name,
         parameters=parameters,
         plain=False,
+        commoner_nats=0.0,
         fault=False,
         source=source,
         states=states,

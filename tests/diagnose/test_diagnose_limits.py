@@ -34,6 +34,7 @@ from diagnose_second_wave import has_second_wave
 
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
 from nxt_twin.physics.effects.transmission import BACKLASH
+from nxt_twin.physics.library import library
 
 OWN = effect_named(source="our own curve")
 EDGES = {
@@ -73,7 +74,9 @@ EDGES = {
     "fine": (is_rough, 1.48, 1.52),
     "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
 }
-STATED = SimpleNamespace(plain=True, parameters=(SimpleNamespace(frozen=True),), source="a book")
+STATED = SimpleNamespace(
+    plain=True, parameters=(SimpleNamespace(frozen=True),), source="a book", commoner_nats=0.0
+)
 COUNTS = {
     "left_out_nats": (lambda _: belief(STATED), 3.0),
     "coincidence_nats": (lambda _: against_a_hidden_load(), [1.35, 0.0]),
@@ -177,3 +180,8 @@ def test_by_windows_a_free_curve_gives_way_to_what_it_cannot_be_told_from():
 def test_each_limit_has_a_case_at_its_edge():
     every = {field.name for each in (SearchLimits, SearchEffort) for field in fields(each)}
     assert every == EDGES.keys() | COUNTS.keys()
+
+
+def test_arms_are_commoner_than_springs():
+    assert belief(effect_named()) == 0.0
+    assert belief(library()["gravity_load"]) - belief(library()["spring_load"]) == 5.0

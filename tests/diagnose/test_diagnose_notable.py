@@ -82,9 +82,9 @@ def test_a_load_has_a_name_in_either_direction():
         (0.0051, 5.0, 1e6, True),
         (1.99, 5.0, 1e6, True),
         (2.01, 5.0, 1e6, False),
-        (0.3, 0.11, 1e6, True),
-        (0.3, 0.09, 1e6, False),
-        (0.3, 0.09, 9.0, True),
+        (0.3, 0.51, 1e6, True),
+        (0.3, 0.49, 1e6, False),
+        (0.3, 0.49, 9.0, True),
     ],
 )
 def test_a_payload_on_no_lever_or_from_the_first_reading_to_the_last_is_an_arm_or_a_disc(
