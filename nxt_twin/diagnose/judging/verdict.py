@@ -285,7 +285,7 @@ def is_needless(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     in their place simulate as well. Where no simulation gains much, only a clear call counts. It has to be unmistakable
     where the baseline errs by less than matters. No call counts where the effect needs other numbers of the motor as
     well: those may be all that the readings call for. Nor does one for a fault of the readings beside which the motor
-    simulates worse: that readings of a servo are up to 8 ms old says nothing of its motor. A payload may hang in all
+    simulates worse. That readings of a servo are up to 8 ms old says nothing of its motor. A payload may hang in all
     that is held out, so that an inertia stands for it there: then simulations of what checks tell.
     """
     if not record.found or record.restores:
@@ -331,7 +331,7 @@ def is_forgiven(record: Record, limits: VerdictLimits = LIMITS) -> bool:
 
     The floor that a remaining error is compared with rests on that torque. So a large one may not excuse the error,
     unless the effects have taken four fifths of it. Nor is more excused for as many effects as can be missing than
-    without an effect, nor more than `unforgiven`, unless they have taken nearly all of torque and error.
+    without an effect. More than `unforgiven` is excused only where they have taken nearly all of torque and error.
     By windows alone, how much there was before is not known, and how much is left counts.
     """
     if not record.found or record.remaining <= limits.nearly:
