@@ -11,6 +11,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
+from nxt_twin.diagnose.search.cycles import at_whole_cycles
 from nxt_twin.diagnose.search.drafts import LOSS_ITERATIONS, SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.losing import lies_in_angle, losing
@@ -227,7 +228,7 @@ class Trials:
         return held_s > min(signals.interval_s for signals in self._fits.problem.signals)
 
     def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
-        """The best of `trial` and of what other starts lead to, for effects with an onset or mechanical states.
+        """The best of `trial` and of what other starts lead to, for effects with an onset, cycles or mechanical states.
 
         Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
         so they are led from each start through a smaller unknown torque.
@@ -236,7 +237,7 @@ class Trials:
             moved = at_likeliest_onset(self._fits, trial.plant, effect, trial.noise)
             return trial if moved is trial.plant else self._settled.settle(moved, trial.noise)
         if not is_mechanical(effect):
-            return trial
+            return at_whole_cycles(self._settled, trial, effect)
         sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
         drafts = [self._fits.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
