@@ -106,6 +106,13 @@ def test_a_motor_never_leaps(seed, interval_s, quantum_deg, late):
     assert without_leaps(signals) is signals
 
 
+def test_readings_of_any_size_are_compared():
+    angle = 1e300 * ramp()
+    assert not leaps(read(angle)).any()
+    angle[200] = -1e307
+    assert np.flatnonzero(leaps(read(angle))).tolist() == [200]
+
+
 def test_a_missing_reading_between_is_passed_over():
     angle = ramp()
     angle[[200, 202]] = -180.0

@@ -63,7 +63,7 @@ def _groups(steps: FloatArray, count: int) -> tuple[IntArray, IntArray, FloatArr
     """Groups of `count` readings that lie apart from those to both sides, as `_Leaps` has them."""
     out, back = steps[:-count], steps[count:]
     size = np.minimum(np.abs(out), np.abs(back))
-    apart = out * back < 0.0
+    apart = np.sign(out) * np.sign(back) < 0.0
     for inner in range(1, count):
         apart &= np.abs(steps[inner : inner + out.size]) <= _TOGETHER * size
     first = np.flatnonzero(apart) + 1
