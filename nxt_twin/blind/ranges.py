@@ -215,6 +215,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the mixture of `ninth` for the engine after decision 42, looked at by nobody before",
             singles=504,
         ),
+        SeedRange(
+            "fifteenth",
+            (5025, 5026),
+            Amounts(None, 38, 13, 7, 13),
+            None,
+            "the mixture of `ninth` for the engine after decision 47, looked at by nobody before",
+            singles=504,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -212,6 +212,7 @@ def test_a_small_scored_range_holds_a_share_of_every_kind_and_a_seed_of_its_own(
         ("twelfth", (5019, 5020)),
         ("thirteenth", (5021, 5022)),
         ("fourteenth", (5023, 5024)),
+        ("fifteenth", (5025, 5026)),
     ],
 )
 def test_a_range_is_as_large_as_a_scored_range_has_to_be(name, seeds):
