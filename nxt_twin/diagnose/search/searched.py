@@ -85,12 +85,10 @@ def _fitted(fits: Fits, explanation: Explanation) -> Searched:
 
 
 def _is_a_fit(fits: Fits, likely: Structure, refit: Structure) -> bool:
-    """Whether the given numbers are the best of all baselines, and clearly better than the `likely` one."""
-    given = fits.problem.plant
-    if any(refit.plant.values[slot] != value for slot, value in given.values.items()):
-        return False
-    nearest, other = (fits.simulated_error(plant, likely.noise) for plant in (given, likely.plant))
-    return other > _CLEARLY * nearest
+    """Whether the given numbers come as near as the best baseline, and clearly nearer than the `likely` one."""
+    plants = (fits.problem.plant, refit.plant, likely.plant)
+    given, best, other = (fits.simulated_error(plant, likely.noise) for plant in plants)
+    return given < _CLEARLY * best and other > _CLEARLY * given
 
 
 def _faint(fits: Fits, explanation: Explanation, final: Structure) -> Effect | None:
