@@ -10,9 +10,8 @@ from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 
 _ALIKE: Final = 1e-3  # cycles: a fit that is nearer to a whole number has found it
-_MOST_OFF: Final = (
-    0.2  # cycles: the peaks of the likelihood beside the highest lie nearer, as a motor turns many times
-)
+_MOST_OFF: Final = 0.2
+"""Cycles that a fit may be off. Peaks beside the highest lie nearer to it where a motor turns many times."""
 
 
 def at_whole_cycles(settled: Settled, trial: Structure, effect: Effect) -> Structure:

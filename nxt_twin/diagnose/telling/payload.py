@@ -58,9 +58,8 @@ def as_a_payload(evidence: Evidence, found: FoundEffect) -> FoundEffect:
     behind = any(
         effect.moving for effect in evidence.final.plant.effects
     )  # readings hardly part two inertias
-    open_rise = (
-        behind or evidence.record.given_is_a_fit
-    )  # an inertia that was fitted without the arm is none to rise
+    # An inertia that was fitted without the arm says nothing of a rise.
+    open_rise = behind or evidence.record.given_is_a_fit
     if open_rise or added < _SURE_RISE * given or added - _SURELY * inertia.std < _LEAST_RISE * given:
         others = [one for one in found.confusable_with if one.id != _PAYLOAD]
         return replace(

@@ -66,7 +66,7 @@ GRAVITY_LOAD = Effect(
     terms={"torque": _gravity},
     confusable_with={"spring_load": "several turns tell: a spring winds up, gravity comes round again"},
     frames=("motor", "rotary"),
-    commoner_nats=5.0,  # of a hundred motors that something pulls back to one angle, one carries a spring
+    commoner_nats=5.0,  # assumed, not counted: of a hundred motors that are pulled back to one angle, one has a spring
 )
 
 
