@@ -119,9 +119,9 @@ def same(one: FloatArray, other: FloatArray) -> bool:
     return bool(np.all(one == other))
 
 
-def probes(time_s: FloatArray) -> FloatArray:
-    """The first of the stamps, and some evenly spaced ones after it, shape (up to 16,)."""
-    return time_s[:: max(time_s.shape[0] // 8, 1)].copy()
+def probes(rows: FloatArray) -> FloatArray:
+    """The first of the stamps, or of their rows, and some evenly spaced ones after it, up to 16."""
+    return rows[:: max(rows.shape[0] // 8, 1)].copy()
 
 
 def free_speed(kept: float, before: float, pull: float, inverse: float) -> float:

@@ -81,6 +81,7 @@ class Parameter:
         elsewhere: name, unit and, where it is another, the factor to SI in frames other than the motor's.
         otherwise: value, in `unit`, where a plant file leaves it out; None if it must not.
         hints: SI values that recordings themselves suggest to start from, in the place of `starts`.
+        hinted_spread: as `spread`, round a start that recordings suggest; None where that is no better known.
         law: how far published laws of this name differ in it: one standard deviation, as a fraction of the value. No
             recording shows which of these laws holds.
         least: SI value up to which it is within what the recordings themselves leave open.
@@ -108,6 +109,7 @@ class Parameter:
     elsewhere: dict[Frame, tuple[str, str] | tuple[str, str, float]] = field(default_factory=dict)
     otherwise: float | None = None
     hints: Callable[[Sequence[Signals]], Sequence[float]] | None = None
+    hinted_spread: float | None = None
     law: float = 0.0
     least: Callable[[Sequence[Signals]], float] | None = None
     lowest: Callable[[Sequence[Signals]], float] | None = None
@@ -170,6 +172,7 @@ class Parameter:
         factor *= (scale.speed / NXT_SCALE.speed) ** self.dimension.speed
         factor *= (scale.current / NXT_SCALE.current) ** self.dimension.current
         hinted = self.hints(scale.recordings) if self.hints and scale.recordings else ()
+        known = bool(hinted) and self.hinted_spread is not None
         lower = self.lower * factor
         if self.lowest and scale.recordings:
             lower = max(lower, self.lowest(scale.recordings) / self.si)
@@ -178,4 +181,5 @@ class Parameter:
             starts=tuple(value / self.si for value in hinted) or tuple(x * factor for x in self.starts),
             lower=lower,
             upper=self.upper * factor,
+            spread=self.hinted_spread if known and self.hinted_spread is not None else self.spread,
         )

@@ -34,6 +34,9 @@ class Signals:
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
+        ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. Negative
+            where nothing tells. Shape (samples, 2).
+        refreshed_s: the time from one refreshment of held readings to the next, 0 where nothing tells it.
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """
@@ -50,8 +53,14 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
+    ages: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    refreshed_s: float = 0.0
     others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_load: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+
+    def __post_init__(self) -> None:
+        if len(self.ages) != self.time_s.size:
+            object.__setattr__(self, "ages", np.full((self.time_s.size, 2), -1.0))
 
     @cached_property
     def interval_s(self) -> float:
@@ -60,7 +69,11 @@ class Signals:
 
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""
-        return replace(self, time_s=self.time_s[rows], measured=self.measured[rows])
+        return replace(self, time_s=self.time_s[rows], measured=self.measured[rows], ages=self.ages[rows])
+
+    def of_any_age(self) -> Signals:
+        """The same readings, with nothing known of their ages."""
+        return replace(self, ages=np.zeros((0, 2)), refreshed_s=0.0)
 
     def alone(self) -> Signals:
         """The same with the brick's other motors at rest."""

@@ -103,6 +103,18 @@ def test_a_plant_on_a_known_torque_agrees_with_plain_python(rotary_simulator, ef
     np.testing.assert_allclose(compiled, predict(plant, job)["predicted"], rtol=1e-9, atol=1e-9)
 
 
+def test_readings_whose_ages_are_known_agree_with_plain_python(motor_simulator):
+    job = job_with_readings(motor_simulator, seconds=2.0)
+    rows = job.signals.time_s.size
+    shown_s = 0.01 * (np.arange(rows) % 5)
+    ages = np.column_stack([shown_s, np.where(shown_s > 0.0, 0.012, -1.0)])
+    known = replace(job.signals, ages=ages)
+    plant, job = with_effect("sample_hold"), replace(job, signals=known)
+    compiled, plain = motor_simulator.trace(plant, job), predict(plant, job)
+    for name in ("predicted", "weight", "cost"):
+        np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-9, atol=1e-9)
+
+
 @pytest.mark.parametrize("effect_id", nested("linear"))
 def test_a_plant_on_a_known_force_read_as_speed_agrees_with_plain_python(linear_simulator, effect_id):
     plant = body("force_n", effect_id)

@@ -116,6 +116,17 @@ def test_a_held_reading_is_half_a_period_old_on_average_and_counts_less_the_fast
     assert expected[fast].max() < 0.05
 
 
+def test_a_held_reading_is_as_old_as_it_has_been_shown(motor_simulator):
+    held = nxt(effects={"sample_hold": {"refresh_period_s": 0.04}})
+    run = commanded([(0.0, 0.7)], seconds=1.0)
+    shown_s = 0.01 * (np.arange(run.time_s.size) % 4)
+    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02)]))
+    taken = replace(run, time_s=run.time_s - 0.01 - shown_s)
+    wanted = motion(motor_simulator, nxt(), replace(taken, time_s=np.maximum(taken.time_s, 0.0)))["predicted"]
+    found = motion(motor_simulator, held, known)["predicted"]
+    np.testing.assert_allclose(found[4:], wanted[4:], atol=A_TENTH_OF_A_DEGREE)
+
+
 LAG = {"lag_span_s": 0.08, "lag_period_s": 1.4, "lag_phase": 0.2, "rate_error": 0.0}
 
 

@@ -9,9 +9,9 @@ from typing import Final, final
 import numpy as np
 
 from nxt_twin.arrays import FloatArray
-from nxt_twin.diagnose.changed.held import are_held
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter, design_of
 from nxt_twin.diagnose.changed.model import Model
+from nxt_twin.diagnose.fitting.held import are_held
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.search.trials import addable_effects as lacking

@@ -17,12 +17,12 @@ from nxt_twin.diagnose.changed.candidates import (
     promising,
     rhythms,
 )
-from nxt_twin.diagnose.changed.held import hold_came_in
 from nxt_twin.diagnose.changed.joint import JointFit, JointFitter
 from nxt_twin.diagnose.changed.model import Model
 from nxt_twin.diagnose.changed.play import PlayTest
 from nxt_twin.diagnose.changed.seen import is_as_well, is_seen
 from nxt_twin.diagnose.changed.weighing import CLOSE_NATS, LOAD, WORSE, Weighing
+from nxt_twin.diagnose.fitting.held import hold_came_in
 from nxt_twin.diagnose.fitting.variables import starts_of
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.trials import addable_effects as lacking

@@ -198,7 +198,7 @@ def is_seen_closer(model: Model) -> bool:
 
 def _side(case: Case, problem: Problem, window_s: float) -> Side:
     checking = frozenset(recording.name for recording in case.holdout)
-    signals = every_signal(problem)
+    signals = [one.of_any_age() for one in every_signal(problem)]  # so that a period has a size on both sides
     noise = first_noise(problem.plant, signals, problem.scale.torque)
     return side_of(case.name, signals, checking, window_s, noise)
 

@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.diagnose.fitting.held import with_ages
 from nxt_twin.diagnose.fitting.leaps import leaps, without_leaps
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
 from nxt_twin.diagnose.fitting.parted import parted
@@ -137,7 +138,7 @@ def problem_of(
     made = [*recordings, *holdout]
     every = [signals_of(each, port, follows_goal=follows) for each in made]
     leaping = {one.name: one.time_s[leaps(one)] for one in every}
-    read = in_session([without_leaps(one) for one in every])
+    read = with_ages(in_session([without_leaps(one) for one in every]))
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
         raise DiagnosisError(

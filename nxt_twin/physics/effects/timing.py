@@ -59,25 +59,52 @@ COMMAND_DELAY = Effect(
 )
 
 
-def _mean_age(refresh_period: float) -> float:
-    return 0.5 * refresh_period
+def _age(refresh_period: float, age_when_new: float, shown_s: float, unseen_s: float) -> float:
+    if unseen_s < 0.0:
+        return 0.5 * refresh_period
+    return shown_s + age_when_new * unseen_s
 
 
-def _strayed(speed: float, refresh_period: float) -> float:
-    """The variance of an age that is anywhere in one period, times the speed squared."""
-    strays = refresh_period * speed
+def _strayed(speed: float, refresh_period: float, unseen_s: float) -> float:
+    """The variance of an age that is anywhere in a span, times the speed squared."""
+    strays = (refresh_period if unseen_s < 0.0 else unseen_s) * speed
     return strays * strays / 12.0
+
+
+def _refreshments_s(recordings: Sequence[Signals]) -> list[float]:
+    """What repeated readings tell of the time between refreshments, if anything."""
+    told = [signals.refreshed_s for signals in recordings if signals.refreshed_s > 0.0]
+    return told[:1]
 
 
 SAMPLE_HOLD = Effect(
     id="sample_hold",
     name="sample hold",
-    equation="y(t) = θ(t - a), a anywhere from 0 to T: a lag of T/2 and a scatter of T·|ω|/√12",
+    equation=(
+        "y(t) = θ(t - a), a anywhere from 0 to T: a lag of T/2 and a scatter of T·|ω|/√12; "
+        "where repeats tell it, a = (time since the first of them) + s·(poll before that)"
+    ),
     source="uniform quantisation, Bennett 1948, in time; the phase is unknown in every recording",
     equation_of="timing",
     shows=("high_speed",),
-    parameters=(Parameter("refresh_period_s", "refresh_period", "s", NUMBER, (8e-3, 0.02, 0.05), 0.0, 0.5),),
-    terms={"lag": _mean_age, "scatter": _strayed},
+    parameters=(
+        Parameter(
+            "refresh_period_s",
+            "refresh_period",
+            "s",
+            NUMBER,
+            (8e-3, 0.02, 0.05),
+            0.0,
+            0.5,
+            hints=_refreshments_s,
+            hinted_spread=0.01,
+        ),
+        # A host that polls in step with the device sees readings that are new, or a poll old.
+        Parameter(
+            "age_when_new", "age_when_new", "1", NUMBER, (0.5,), 0.0, 1.0, 1.0, otherwise=0.5, shared_out=True
+        ),
+    ),
+    terms={"lag": _age, "scatter": _strayed},
     confusable_with={
         "command_delay": "quick steady turning tells: readings that are held scatter, a delay leaves them smooth",
         "clock_skew": "ages of a held reading are anywhere in a period; a clock's lag wanders slowly",
