@@ -23,7 +23,7 @@ from nxt_twin.physics.smooth import smoothed
 DISTURBANCE_TIME_S = (
     0.15  # over which an unknown torque forgets itself; one that never does takes up slow physics
 )
-_LOST = Slot("missed_counts", "loss")
+LOST = Slot("missed_counts", "loss")
 _SMALLEST = 1e-4  # of a first guess: no noise is searched below
 _STAR = np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]])
 _WIDEST_STAR = 0.7  # in logarithms
@@ -132,7 +132,7 @@ def estimate(
 
 def _slips(plant: Plant, target: Target) -> tuple[float, ...]:
     """What positions may gain by themselves, as `Noise.slip`: nothing, and what counts that are lost at random make."""
-    share = plant.values.get(_LOST, 0.0)
+    share = plant.values.get(LOST, 0.0)
     quantum = max(job.signals.quantum for job in target.jobs)
     return (0.0, share * (1.0 - share) * quantum) if share * quantum > 0.0 else (0.0,)
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.linear import Linear, deviations, linearise
+from nxt_twin.diagnose.fitting.noise import LOST, with_noise
 from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import SETTLED_STEP_S, step_for
 from nxt_twin.physics.simulate import Simulator
 
 BLOCK_S = 1.0  # s: the longest block of readings whose scores are summed before they are squared
@@ -18,6 +20,7 @@ _SUPPLY_DOUBT = 1.5e-3  # of the open-circuit supply: readings in steps of 14 mV
 _SUPPLY_MOVE = 1e-3  # of the supply: the step that measures what a higher one does to the readings
 FROZEN_DOUBT = 0.15  # of a given inductance
 _FROZEN_MOVE = 0.05  # of a frozen parameter: the step that measures what a larger one does to the readings
+_SLIP_STEP = 0.3  # of the scatter of lost counts, as a logarithm, over which its likelihood bends
 _MODEL_DOUBT = 1.3  # what a wrong law of friction and the choice of effects add, from the development seeds
 _ZERO_DOUBT = 1.0 / math.sqrt(
     3.0
@@ -30,9 +33,34 @@ def covariance_of(simulator: Simulator, problem: Problem, linear: Linear) -> Flo
     These are single steps, or windows of simulation where single steps are no evidence.
     """
     if not problem.by_windows:
-        return robust_covariance(simulator, linear)
+        return _told_by_chance(simulator, problem, linear, robust_covariance(simulator, linear))
     windows = linearise(simulator, problem, linear.structure, target=problem.simulated.everything())
     return robust_covariance(simulator, windows, block_s=problem.window_s)
+
+
+def _told_by_chance(
+    simulator: Simulator, problem: Problem, linear: Linear, covariance: FloatArray
+) -> FloatArray:
+    """`covariance` with what the scatter of counts that are lost by chance tells of their share.
+
+    A motor that drives one way may lose a share of its counts, or have another torque constant. Only chance tells then.
+    """
+    structure = linear.structure
+    place = next((n for n, variable in enumerate(linear.variables) if variable.slots[0] == LOST), None)
+    if place is None or not structure.noise.slip:
+        return covariance
+    target = problem.everything().with_step(step_for(structure.plant, SETTLED_STEP_S))
+    slips = structure.noise.slip * np.exp(_SLIP_STEP * np.array([-1.0, 0.0, 1.0]))
+    noises = [replace(structure.noise, slip=float(slip)) for slip in slips]
+    less, equal, more = (
+        float(with_noise(target, one).costs_of(simulator, [structure.plant])[0]) for one in noises
+    )
+    share = structure.plant.values[LOST]
+    told = (less + more - 2.0 * equal) / (_SLIP_STEP * share * _MODEL_DOUBT) ** 2
+    if told <= 0.0:
+        return covariance
+    along = covariance[place]
+    return np.asarray(covariance - np.outer(along, along) / (1.0 / told + along[place]))
 
 
 def robust_covariance(simulator: Simulator, linear: Linear, *, block_s: float = BLOCK_S) -> FloatArray:

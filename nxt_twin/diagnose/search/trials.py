@@ -14,7 +14,7 @@ from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
 from nxt_twin.diagnose.search.cycles import at_whole_cycles
 from nxt_twin.diagnose.search.drafts import LOSS_ITERATIONS, SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.losing import lies_in_angle, losing
+from nxt_twin.diagnose.search.losing import chance_alone, lies_in_angle, losing, wandering
 from nxt_twin.diagnose.search.onset import at_likeliest_onset, has_onset
 from nxt_twin.diagnose.search.second_wave import with_second_wave
 from nxt_twin.diagnose.search.settled import UNFITTED_NATS, Settled
@@ -89,6 +89,7 @@ class Trials:
         settled += self._scattering(best, [effect for effect, _ in settled])
         lost = self._losing(best)
         settled = [one for one in settled if one[0] not in [effect for effect, _ in lost]] + lost
+        settled += self._by_chance(best, {effect.id for effect, _ in settled})
         settled += self._suspected(best, {effect.id for effect, _ in settled})
         settled += self._restoring(best, {effect.id for effect, _ in settled})
         settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
@@ -210,6 +211,20 @@ class Trials:
                 trials = [self._settled.settle(plant, best.noise) for plant in self._losses(best, effect)]
                 settled += [(effect, min(trials, key=lambda trial: trial.fitted_cost))] if trials else []
         return settled
+
+    def _by_chance(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
+        """Lost counts that are not `listed`, where their chance alone makes the readings likelier.
+
+        A linear look shows what is lost on average, which other parameters take up.
+        """
+        counted = [e for e in self.candidates(best.plant) if e.counted and e.id not in listed]
+        if not counted or best.noise.slip:
+            return []
+        gain, share, noise = chance_alone(self._fits, best)
+        if gain < self._standard.needed(best):
+            return []
+        plants = [(effect, wandering(self._fits, best, effect, share, noise)) for effect in counted]
+        return [(effect, self._settled.settle(plant, noise)) for effect, plant in plants]
 
     def _losses(self, best: Structure, effect: Effect) -> list[Plant]:
         """`best` with the loss of counts that is `effect`, from the shares whose drafts come near; likeliest first.
