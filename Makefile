@@ -16,13 +16,13 @@ test: $(VENV)/ready-dev
 
 # The tests that take longest, which `make test` leaves out and names at its end.
 slow: $(VENV)/ready-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow $(PYTEST_ARGS)
 
 # The tests of real recordings alone, which nobody may pass on (docs/real-data.md): minutes.
 REAL_DATA := $(or $(NXT_TWIN_DATA),$(wildcard ../shared/data))
 real: $(VENV)/ready-dev
 	@test -d "$(REAL_DATA)" || { echo "make real: no folder of real recordings; set NXT_TWIN_DATA (docs/real-data.md)" >&2; exit 1; }
-	NXT_TWIN_DATA=$(abspath $(REAL_DATA)) $(BIN)/python -m pytest -n auto --dist worksteal -m real_data
+	NXT_TWIN_DATA=$(abspath $(REAL_DATA)) $(BIN)/python -m pytest -n auto --dist worksteal -m real_data $(PYTEST_ARGS)
 
 check: $(VENV)/ready-dev
 	$(BIN)/ruff format --check .

@@ -8,7 +8,11 @@ from diagnose_cases import concealed
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.fits import Fits
+from nxt_twin.diagnose.fitting.linear import linearise
+from nxt_twin.diagnose.fitting.noise import LOST
 from nxt_twin.diagnose.judging.floors import synthetic
+from nxt_twin.diagnose.judging.intervals import covariance_of, robust_covariance
+from nxt_twin.diagnose.search.losing import chance_alone
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 
@@ -57,6 +61,38 @@ def test_the_noise_tells_chance_from_a_share_of_all_counts(case):
         assert found.noise.slip == (
             pytest.approx(share * (1.0 - share) * np.radians(1.0), rel=0.1) if by_chance else 0.0
         )
+
+
+def test_chance_alone_makes_readings_likelier_only_where_counts_are_lost(case):
+    gains, noises = [], []
+    for readings in (case, concealed((), seed=152, seconds=12.0)):
+        problem = problem_for(readings)
+        with Simulator(problem.plant.layout) as simulator:
+            fits = Fits(simulator, problem)
+            gain, share, noise = chance_alone(fits, fits.settled_baseline())
+        gains.append(gain)
+        noises.append((share, noise.slip))
+    assert gains[0] > 100.0
+    assert gains[1] < 0.0
+    assert noises[0] == (0.1, pytest.approx(0.09 * np.radians(1.0)))
+
+
+def test_the_scatter_of_lost_counts_tells_their_share(case):
+    problem = problem_for(case)
+    with Simulator(problem.plant.layout) as simulator:
+        fits = Fits(simulator, problem)
+        effect = problem.plant.layout.effect("missed_counts")
+        plant = problem.plant.with_effect(effect.id, fits.starts(effect)[0])
+        found = fits.settled(plant, fits.settled_baseline().noise)
+        final = fits.everything(found.plant, found.noise)
+        linear = linearise(simulator, problem, final)
+        without, told = robust_covariance(simulator, linear), covariance_of(simulator, problem, linear)
+        still = replace(linear, structure=replace(final, noise=replace(final.noise, slip=0.0)))
+        untold = covariance_of(simulator, problem, still)
+    place = [variable.slots[0] for variable in linear.variables].index(LOST)
+    assert told[place, place] < 0.8 * without[place, place]
+    assert np.linalg.eigvalsh(told).min() > -1e-12 * np.linalg.eigvalsh(told).max()
+    np.testing.assert_allclose(untold, without, rtol=1e-6, atol=1e-12)
 
 
 def test_a_synthetic_recording_has_the_chance_in_it(case):

@@ -92,3 +92,29 @@ def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle
     )
     settled = made._losing(structure(effect(found)))
     assert [(each.id, trial.fitted_cost) for each, trial in settled] == ([("loss", 1.0)] if tried else [])
+
+
+@pytest.mark.parametrize(
+    ("gain", "slip", "listed", "tried"),
+    [
+        (8.0, 0.0, set(), True),
+        (7.9, 0.0, set(), False),
+        (8.0, 1e-3, set(), False),
+        (8.0, 0.0, {"loss"}, False),
+    ],
+)
+def test_lost_counts_are_tried_where_their_chance_alone_gains_what_is_needed(
+    monkeypatch, gain, slip, listed, tried
+):
+    loss = SimpleNamespace(id="loss", counted=True)
+    monkeypatch.setattr(trying, "chance_alone", lambda *_: (gain, 0.03, "wandering"))
+    monkeypatch.setattr(trying, "wandering", lambda *parts: ("plant", *parts[-2:]))
+    made = trials(
+        candidates=lambda _: [loss, SimpleNamespace(id="load", counted=False)],
+        _fits=None,
+        _standard=SimpleNamespace(needed=lambda _: 8.0),
+        _settled=SimpleNamespace(settle=lambda *parts: parts),
+    )
+    settled = made._by_chance(structure(noise=SimpleNamespace(slip=slip)), listed)
+    wanted = [(loss, (("plant", 0.03, "wandering"), "wandering"))] if tried else []
+    assert settled == wanted

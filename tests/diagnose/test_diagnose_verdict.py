@@ -37,6 +37,7 @@ EDGES = {
         "left_nats",
     ),
     "hardly": (replace(FOUND, surprise=100.0, nearer=0.15), "nearer"),
+    "chance": (replace(FOUND, leaves_most=True, by_chance=True, surprise=2.1), "surprise"),
     "most_stalled": (replace(FOUND, stalled_share=0.15), "stalled_share"),
     "confirmed": (
         replace(FOUND, by_windows=True, colour=1.0, remaining=3.01, nearer=0.5),
