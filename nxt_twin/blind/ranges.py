@@ -220,7 +220,7 @@ RANGES: Final[dict[str, SeedRange]] = {
             (5025, 5026),
             Amounts(None, 38, 13, 7, 13),
             None,
-            "the mixture of `ninth` for the engine after decision 47, looked at by nobody before",
+            "the mixture of `ninth` for the engine after decision 48, looked at by nobody before",
             singles=504,
         ),
     )
