@@ -9,7 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
-from nxt_twin.diagnose.fitting.held import with_ages
+from nxt_twin.diagnose.fitting.held_ages import with_ages
 from nxt_twin.diagnose.fitting.leaps import leaps, without_leaps
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
 from nxt_twin.diagnose.fitting.parted import parted
