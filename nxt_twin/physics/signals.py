@@ -34,8 +34,8 @@ class Signals:
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
-        ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. Negative
-            where nothing tells. Shape (samples, 2).
+        ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. The latter
+            is negative where nothing tells. Shape (samples, 2).
         refreshed_s: the time from one refreshment of held readings to the next, 0 where nothing tells it.
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).

@@ -13,7 +13,7 @@ from nxt_twin.diagnose.fitting.held import JUMP_STEPS, are_held
 from nxt_twin.physics.signals import Signals
 
 _ODD = 0.5  # of the middle time between refreshments: further off, a stall or a slow motor lies between
-_SUREST = 0.5  # of a poll that an age is open: each repeat has the error of the first, and counts as another reading
+_SUREST = 1.0  # polls that an age is open at least: a host may fetch a poll late, and repeats share one error
 _STRETCH = 20.0  # refreshments without a change, after which their number is in doubt
 _FEWEST_CHANGES = 8  # of a stretch, from which a clock is told
 _MOST_CHANGES = 40  # of a stretch: over more, a period has to be known to less than is tried
@@ -108,7 +108,8 @@ class _Clock:
         later = since_s > self.period_s + self.open_s  # refreshed since then, with the reading as it was
         since_s = np.where(later, since_s % self.period_s, since_s)
         open_s = max(self.open_s, surest_s)
-        return np.column_stack([np.maximum(since_s - 0.5 * open_s, 0.0), np.full(stamps_s.size, open_s)])
+        shown_s = np.maximum(since_s - 0.5 * open_s, 0.0)
+        return np.column_stack([shown_s, np.full(stamps_s.size, open_s)])
 
 
 def _clock(before_s: FloatArray, after_s: FloatArray, refreshed_s: float) -> _Clock | None:

@@ -56,9 +56,10 @@ def _told_by_chance(
         float(with_noise(target, one).costs_of(simulator, [structure.plant])[0]) for one in noises
     )
     share = structure.plant.values[LOST]
-    told = (less + more - 2.0 * equal) / (_SLIP_STEP * share * _MODEL_DOUBT) ** 2
-    if told <= 0.0:
+    bend = min((less + more - 2.0 * equal) / _SLIP_STEP**2, 0.5 * linear.innovations.size)
+    if bend <= 0.0:
         return covariance
+    told = bend / (share * _MODEL_DOUBT) ** 2
     along = covariance[place]
     return np.asarray(covariance - np.outer(along, along) / (1.0 / told + along[place]))
 
