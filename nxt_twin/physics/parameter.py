@@ -91,7 +91,7 @@ class Parameter:
         shapes: it shapes a course that has no law, so that its bounds mean nothing.
         shared_out: it is a share of which none and all are as ordinary as a part. A fit moves it as it is, not its
             logarithm, and its bounds mean nothing.
-        part_of: symbol of the share, its own or another's, at whose `otherwise` it means nothing and is not fitted.
+        part_of: symbol of the share, its own or another's, at 0 of which it means nothing and is not fitted.
     """
 
     name: str

@@ -15,6 +15,8 @@ from nxt_twin.recording.recording import InputKind
 VOLTAGES: Final[tuple[InputKind, ...]] = ("power_pct", "voltage_v", "goal_position_rad")
 """Inputs that set a voltage, under which a motor's motion tells nothing of the size of its torques."""
 
+_OF_ANY_AGE = (-1.0, -1.0, 0.0)
+
 
 @final
 @dataclass(frozen=True)
@@ -35,8 +37,12 @@ class Signals:
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
         ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. The latter
-            is negative where nothing tells. Shape (samples, 2).
+            is negative where nothing tells. Then by how much each stamp is later than its neighbours tell, as a share
+            of `late_span_s`. Shape (samples, 3).
         refreshed_s: the time from one refreshment of held readings to the next, 0 where nothing tells it.
+        late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
+        late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
+        command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """
@@ -53,14 +59,19 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
-    ages: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    ages: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     refreshed_s: float = 0.0
+    late_span_s: float = 0.0
+    late_open: float = 0.0
+    command_late: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_load: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         if len(self.ages) != self.time_s.size:
-            object.__setattr__(self, "ages", np.full((self.time_s.size, 2), -1.0))
+            object.__setattr__(self, "ages", np.tile(_OF_ANY_AGE, (self.time_s.size, 1)))
+        if self.command_late.size != self.command_time_s.size:
+            object.__setattr__(self, "command_late", np.zeros(self.command_time_s.size))
 
     @cached_property
     def interval_s(self) -> float:
@@ -73,7 +84,9 @@ class Signals:
 
     def of_any_age(self) -> Signals:
         """The same readings, with nothing known of their ages."""
-        return replace(self, ages=np.zeros((0, 2)), refreshed_s=0.0)
+        return replace(
+            self, ages=np.zeros((0, 3)), refreshed_s=0.0, late_span_s=0.0, command_late=np.zeros(0)
+        )
 
     def alone(self) -> Signals:
         """The same with the brick's other motors at rest."""

@@ -200,6 +200,7 @@ class Simulator:
             sets.of_job,
             job.step_s,
             signals.command_time_s,
+            signals.command_late,
             signals.command,
             signals.command_mode,
             signals.command_supply_v,

@@ -34,11 +34,12 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     base = plant.layout.base
     delay_s = axis.formed("delay", {}, plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)
     late_s = [
-        axis.formed("commanded", {"stamp_s": t - began_s}, 0.0) for t in signals.command_time_s.tolist()
+        axis.formed("commanded", {"stamp_s": t - began_s, "late": late}, 0.0)
+        for t, late in zip(signals.command_time_s.tolist(), signals.command_late.tolist(), strict=True)
     ]
     commands, loads = signals.command_time_s - np.array(late_s) + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
-    ages = [dict(zip(("shown_s", "unseen_s"), each, strict=True)) for each in signals.ages.tolist()]
+    ages = [dict(zip(("shown_s", "unseen_s", "late"), each, strict=True)) for each in signals.ages.tolist()]
     taken_s = [
         t - axis.formed("lag", {"stamp_s": t - began_s, **known}, 0.0)
         for t, known in zip(signals.time_s.tolist(), ages, strict=True)

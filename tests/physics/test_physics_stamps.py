@@ -120,7 +120,7 @@ def test_a_held_reading_is_as_old_as_it_has_been_shown(motor_simulator):
     held = nxt(effects={"sample_hold": {"refresh_period_s": 0.04}})
     run = commanded([(0.0, 0.7)], seconds=1.0)
     shown_s = 0.01 * (np.arange(run.time_s.size) % 4)
-    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02)]))
+    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02), 0.0 * shown_s]))
     taken = replace(run, time_s=run.time_s - 0.01 - shown_s)
     wanted = motion(motor_simulator, nxt(), replace(taken, time_s=np.maximum(taken.time_s, 0.0)))["predicted"]
     found = motion(motor_simulator, held, known)["predicted"]
@@ -142,13 +142,29 @@ def test_a_clock_that_stamps_whole_rows_late_shows_the_motion_of_earlier_command
     assert np.abs(readings - wanted).max() > 10.0 * A_TENTH_OF_A_DEGREE
 
 
+def test_rows_that_are_late_by_chance_show_the_motion_of_when_they_were_taken(motor_simulator):
+    run = commanded(STEPS, seconds=1.5)
+    late = np.random.default_rng(3).uniform(-0.5, 0.5, run.time_s.size)
+    command_late = np.interp(run.command_time_s, run.time_s, late)
+    stamped = replace(
+        run,
+        time_s=run.time_s + 0.02 * (0.5 + late),
+        command_time_s=run.command_time_s + 0.02 * (0.5 + command_late),
+        ages=np.column_stack([np.full((late.size, 2), -1.0), late]),
+        command_late=command_late,
+    )
+    by_rows = {"lag_span_s": 0.02, "rate_error": 0.0, "lag_waves": 0.0, "lag_of_commands": 1.0}
+    found = motion(motor_simulator, nxt(effects={"clock_skew": by_rows}), stamped)["angle"]
+    np.testing.assert_allclose(found, motion(motor_simulator, nxt(), run)["angle"], atol=A_TENTH_OF_A_DEGREE)
+
+
 def lag_s(stamp_s, **lag):
     """What the effect's own term gives, by the names of a plant file."""
     plant = nxt(effects={"clock_skew": {**LAG, **lag}})
     effect = plant.layout.effect("clock_skew")
     values = {p.symbol: plant.values[Slot("clock_skew", p.symbol)] for p in effect.parameters}
     del values["rate_error"], values["of_commands"]
-    return np.array([effect.terms["lag"](float(at), **values) for at in stamp_s])
+    return np.array([effect.terms["lag"](float(at), late=0.0, **values) for at in stamp_s])
 
 
 def test_a_straight_lag_that_rises_for_most_of_a_period_is_a_sawtooth():

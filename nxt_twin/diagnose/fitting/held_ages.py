@@ -30,7 +30,10 @@ def with_ages(recordings: Sequence[Signals]) -> list[Signals]:
     refreshed_s = _refreshed_s(recordings)
     if refreshed_s <= 0.0:
         return list(recordings)
-    return [replace(one, ages=_ages(one, refreshed_s), refreshed_s=refreshed_s) for one in recordings]
+    return [
+        replace(one, ages=np.hstack([_ages(one, refreshed_s), one.ages[:, 2:]]), refreshed_s=refreshed_s)
+        for one in recordings
+    ]
 
 
 def _refreshed_s(recordings: Sequence[Signals]) -> float:
@@ -53,7 +56,7 @@ def _between_jumps_s(signals: Signals) -> FloatArray:
 
 
 def _ages(signals: Signals, refreshed_s: float) -> FloatArray:
-    """As `Signals.ages`: since a reading came first, and from the reading before that until then.
+    """As the first two of `Signals.ages`: since a reading came first, and from the reading before that until then.
 
     A device refreshes by its clock. Where one phase and period suit a stretch of readings, they tell both to less.
     """
@@ -100,7 +103,7 @@ class _Clock:
     passed: FloatArray
 
     def ages(self, stamps_s: FloatArray, change: IntArray, surest_s: float) -> FloatArray:
-        """As `Signals.ages`, of readings at `stamps_s`, the last change before which was `change`.
+        """As the first two of `Signals.ages`, of readings at `stamps_s`, the last change before which was `change`.
 
         None is open by less than `surest_s`.
         """

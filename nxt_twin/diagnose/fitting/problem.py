@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.held_ages import with_ages
+from nxt_twin.diagnose.fitting.late_rows import with_lateness
 from nxt_twin.diagnose.fitting.leaps import leaps, without_leaps
 from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
 from nxt_twin.diagnose.fitting.parted import parted
@@ -138,7 +139,7 @@ def problem_of(
     made = [*recordings, *holdout]
     every = [signals_of(each, port, follows_goal=follows) for each in made]
     leaping = {one.name: one.time_s[leaps(one)] for one in every}
-    read = with_ages(in_session([without_leaps(one) for one in every]))
+    read = with_lateness(with_ages(in_session([without_leaps(one) for one in every])))
     kinds = {signals.input_kind for signals in read}
     if len(kinds) > 1:
         raise DiagnosisError(

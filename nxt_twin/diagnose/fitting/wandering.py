@@ -69,7 +69,9 @@ def wandering_starts(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[d
     probe = _start(_PROBE_SPAN_S, _PROBE) | {"lag_mean": 0.0}
     probes = [plant.with_effect(effect.id, {**probe, "lag_phase": phase}) for phase in _QUARTER]
     courses = _Response(nuisance, probes).likeliest(_SHAPES, _KEPT)
-    return [_start(one.span_s, one.wave) for one in courses if one.gain > _CHANCE_NATS]
+    found = [_start(one.span_s, one.wave) for one in courses if one.gain > _CHANCE_NATS]
+    late_span_s = max(job.signals.late_span_s for job in nuisance.jobs)
+    return found + ([_start(late_span_s, _PROBE) | {"waves": 0.0}] if late_span_s > 0.0 else [])
 
 
 def second_waves(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[tuple[float, Plant]]:
@@ -77,7 +79,7 @@ def second_waves(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[tuple
     first = {
         parameter.symbol: plant.values[Slot(effect.id, parameter.symbol)] for parameter in effect.parameters
     }
-    if first["second_share"] > 0.0:
+    if first["second_share"] > 0.0 or first["waves"] == 0.0:
         return []
     probe = _beside(first, _PROBE_SPAN_S, _PROBE)
     probes = [plant.with_effect(effect.id, {**probe, "second_phase": phase}) for phase in _QUARTER]
@@ -214,5 +216,6 @@ def _start(span_s: float, wave: _Wave) -> dict[str, float]:
         "second_share": 0.0,
         "second_period": 2.0,
         "second_phase": 0.0,
+        "waves": 1.0,
         "of_commands": 1.0,
     }

@@ -1,4 +1,4 @@
-"""How far simulations of what is held out may err: parameters are left open, and readings may be straying."""
+"""How far simulations of what is held out may err: parameters and stamps are left open, and readings may stray."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from scipy.special import ndtri
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import values_of
+from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness
 from nxt_twin.diagnose.fitting.linear import with_slot_values
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
@@ -17,8 +18,9 @@ from nxt_twin.physics.observer import free
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job, Simulator, free_job
-from nxt_twin.physics.start import moving_start, run_in
+from nxt_twin.physics.start import Start, moving_start, run_in
 
+_DRAWS = 8  # of how late rows are
 _TINY = 1e-6  # of the largest variance: directions that move nothing
 
 
@@ -47,6 +49,20 @@ def scatter_of(simulator: Simulator, problem: Problem, plant: Plant) -> float:
     found = [straying(simulator, plant, part.signals)[part.counted] for part in problem.held_out]
     every = np.concatenate(found)
     return float(np.sqrt(np.mean(every[np.isfinite(every)])))
+
+
+def lateness_of(
+    simulator: Simulator, problem: Problem, structure: Structure, rng: Generator
+) -> tuple[float, ...]:
+    """The RMS by which held-out readings may err as rows are late by chance, at each horizon, SI.
+
+    Neighbouring stamps tell when a row was taken, and when its command came to act, up to what they leave open.
+    """
+    found = []
+    for horizon_s in horizons_of(problem):
+        errors = [_late(simulator, part, structure, horizon_s, rng) for part in problem.held_out]
+        found.append(float(np.sqrt(np.mean(np.concatenate(errors)))))
+    return tuple(found)
 
 
 def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray:
@@ -102,9 +118,7 @@ def _spread(
     simulator: Simulator, part: HeldOut, structure: Structure, plants: list[Plant], horizon_s: float
 ) -> FloatArray:
     """The variance of each judged reading, SI, shape (readings,)."""
-    start = moving_start(part.signals)
-    if np.isfinite(horizon_s) or run_in(part.signals).any():
-        start = observed_starts(simulator, structure.plant, part.signals, start, structure.noise, horizon_s)
+    start = _start(simulator, part, structure, horizon_s)
     judged = part.counted & ~start.at
     vectors = [plant.vectors() for plant in plants]
     values = np.array([values for values, _ in vectors])
@@ -113,3 +127,25 @@ def _spread(
     predicted = simulator.run(values, active, [job])[0].predicted[:, judged]
     half = (predicted[::2] - predicted[1::2]) / 2.0
     return np.asarray(np.sum(np.nan_to_num(half) ** 2, axis=0))
+
+
+def _late(
+    simulator: Simulator, part: HeldOut, structure: Structure, horizon_s: float, rng: Generator
+) -> FloatArray:
+    """The mean square of each judged reading's error by drawn lateness, SI, shape (readings,)."""
+    start = _start(simulator, part, structure, horizon_s)
+    judged = part.counted & ~start.at
+    if part.signals.late_open <= 0.0:
+        return np.zeros(int(judged.sum()))
+    drawn = [part.signals] + [with_drawn_lateness(part.signals, rng) for _ in range(_DRAWS)]
+    values, active = structure.plant.vectors()
+    runs = simulator.run(values[None], active[None], [free_job(signals, start) for signals in drawn])
+    exact, *late = (run.predicted[0, judged] for run in runs)
+    return np.asarray(np.mean([np.nan_to_num(other - exact) ** 2 for other in late], axis=0))
+
+
+def _start(simulator: Simulator, part: HeldOut, structure: Structure, horizon_s: float) -> Start:
+    start = moving_start(part.signals)
+    if np.isfinite(horizon_s) or run_in(part.signals).any():
+        return observed_starts(simulator, structure.plant, part.signals, start, structure.noise, horizon_s)
+    return start

@@ -19,7 +19,7 @@ from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.calibrate import FalseAlarms, alarms, clean_cases, leftover_threshold
 from nxt_twin.diagnose.judging.colour import colour
 from nxt_twin.diagnose.judging.detectable import allowed
-from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
+from nxt_twin.diagnose.judging.doubt import doubts_of, lateness_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import (
     Errors,
     beaten_at,
@@ -152,8 +152,12 @@ def gather(simulator: Simulator, problem: Problem, searched: Searched, rng: Gene
     floors = floors_of(problem, final.noise, (given_errors, baseline_errors, final_errors))
     covariance = covariance_of(simulator, problem, linear)
     doubts = doubts_of(simulator, problem, final, covariance)
+    late = lateness_of(simulator, problem, final, rng)
     expected = np.sqrt(
-        np.square(floors) + np.square(doubts) + scatter_of(simulator, problem, final.plant) ** 2
+        np.square(floors)
+        + np.square(doubts)
+        + np.square(late)
+        + scatter_of(simulator, problem, final.plant) ** 2
     )
     left = leftover_nats(after), limit
     return Evidence(

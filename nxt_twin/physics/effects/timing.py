@@ -165,6 +165,8 @@ def _lag(
     second_share: float,
     second_period: float,
     second_phase: float,
+    waves: float,
+    late: float,
 ) -> float:
     turn = stamp_s / lag_period + lag_phase
     part = turn - math.floor(turn)
@@ -174,7 +176,9 @@ def _lag(
     straight = math.fabs(4.0 * half - 2.0) - 1.0
     wave = rounded + lag_straightness * (straight - rounded)
     second = math.cos(math.tau * (stamp_s / second_period + second_phase)) if second_share > 0.0 else 0.0
-    return lag_span * (lag_mean + 0.5 * (wave + second_share * (second - wave)))
+    return lag_span * (
+        lag_mean + 0.5 * waves * (wave + second_share * (second - wave)) + (1.0 - waves) * late
+    )
 
 
 def _whole_rows(
@@ -188,7 +192,9 @@ def _whole_rows(
     second_share: float,
     second_period: float,
     second_phase: float,
+    waves: float,
     of_commands: float,
+    late: float,
 ) -> float:
     return of_commands * _lag(
         stamp_s,
@@ -201,6 +207,8 @@ def _whole_rows(
         second_share,
         second_period,
         second_phase,
+        waves,
+        late,
     )
 
 
@@ -249,7 +257,8 @@ CLOCK_SKEW = Effect(
     equation=(
         "stamp = (1 + ε)·(t + s·(m + ½·w(t))) for readings; for commands as well, or (1 + ε)·t; "
         "w(t) = (1 - q)·v(t/P + φ) + q·cos(2π·(t/P₂ + φ₂)); "
-        "v from 1 to -1 and back in r of a turn, as a cosine (k = 0), by straight lines (k = 1) or between"
+        "v from 1 to -1 and back in r of a turn, as a cosine (k = 0), by straight lines (k = 1) or between; "
+        "with `lag_waves` 0, s·½·w is what a row is later than its neighbours tell"
     ),
     source=(
         "rate error as of Moon, Skelly and Towsley 1999. The waves are our own: sine, triangle, sawtooth, "
@@ -275,6 +284,7 @@ CLOCK_SKEW = Effect(
             0.5,
             300.0,
             otherwise=4.0,
+            part_of="waves",
         ),
         Parameter(
             "lag_phase",
@@ -286,12 +296,35 @@ CLOCK_SKEW = Effect(
             1.0,
             otherwise=0.0,
             shapes=True,
+            part_of="waves",
         ),
-        Parameter("lag_rise", "lag_rise", "1", NUMBER, (0.5,), 0.02, 0.98, otherwise=0.5, shapes=True),
         Parameter(
-            "lag_straightness", "lag_straightness", "1", NUMBER, (0.0,), 0.0, 1.0, otherwise=0.0, shapes=True
+            "lag_rise",
+            "lag_rise",
+            "1",
+            NUMBER,
+            (0.5,),
+            0.02,
+            0.98,
+            otherwise=0.5,
+            shapes=True,
+            part_of="waves",
+        ),
+        Parameter(
+            "lag_straightness",
+            "lag_straightness",
+            "1",
+            NUMBER,
+            (0.0,),
+            0.0,
+            1.0,
+            otherwise=0.0,
+            shapes=True,
+            part_of="waves",
         ),
         *_SECOND_WAVE,
+        # Where chance makes each row late, it wanders by none of these waves: neighbouring stamps tell by how much.
+        Parameter("lag_waves", "waves", "1", NUMBER, (1.0,), 0.0, 1.0, otherwise=1.0, tried=True),
         # A logger stamps a command with its row, or when it was sent.
         Parameter("lag_of_commands", "of_commands", "1", NUMBER, (0.0,), 0.0, 1.0, otherwise=0.0, tried=True),
     ),

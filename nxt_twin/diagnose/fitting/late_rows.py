@@ -1,0 +1,147 @@
+"""By how much chance makes each row late: its stamp, against a smooth course of the stamps beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.random import Generator
+from scipy.linalg import solveh_banded
+from scipy.optimize import nnls
+
+from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.signals import Signals
+
+_APART = (
+    4,
+    8,
+    16,
+    32,
+)  # rows, over which stamps tell lateness, which stays, from a poll's own jitter, which adds up
+_FEWEST_ROWS = 4 * _APART[-1]  # of a recording that tells
+_LATE_TURNS = (
+    -0.08
+)  # correlation of neighbouring times between rows, above which none is late: it is -0.02 to 0.2
+_CLIPPED = 5.0  # deviations from the middle time between rows, up to which that correlation counts it
+_STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
+_STALLS = 3.0  # degrees of freedom of a poll's jitter: stalls are rare and long
+_ROUNDS = 30  # of weighing the stalls
+_LEAST_SPAN_S = 2e-3  # a lesser lateness turns no motor by what matters
+
+
+def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
+    """The recordings, with how late each row of theirs was stamped; as they are where no stamp tells that.
+
+    A row that chance stamps late leaves a long time before it and a short one after it. A poll that is late itself puts
+    off all that follow.
+    """
+    long = [one for one in recordings if one.time_s.size >= _FEWEST_ROWS]
+    if not long or _turning(long) > _LATE_TURNS:
+        return list(recordings)
+    late_s, jitter_s = _deviations(long)
+    span_s = math.sqrt(12.0) * late_s  # of a lateness that is anywhere in it
+    if span_s < _LEAST_SPAN_S:
+        return list(recordings)
+    poll_s = float(np.median([_poll_s(one) for one in long]))
+    return [_with(one, _Polling(late_s, jitter_s, poll_s), span_s) for one in recordings]
+
+
+def with_drawn_lateness(signals: Signals, rng: Generator) -> Signals:
+    """The signals with each row as late as chance may have made it beside its neighbours, a command with its row."""
+    if signals.late_open <= 0.0:
+        return signals
+    off = signals.late_open * rng.standard_normal(signals.time_s.size)
+    row = np.clip(np.searchsorted(signals.time_s, signals.command_time_s), 0, off.size - 1)
+    ages = signals.ages + off[:, None] * np.array([0.0, 0.0, 1.0])
+    return replace(signals, ages=ages, command_late=signals.command_late + off[row])
+
+
+def _with(signals: Signals, clock: _Polling, span_s: float) -> Signals:
+    late = (signals.time_s - clock.course(signals.time_s)) / span_s
+    return replace(
+        signals,
+        ages=np.column_stack([signals.ages[:, :2], late]),
+        late_span_s=span_s,
+        late_open=clock.open_s / span_s,
+        command_late=np.interp(signals.command_time_s, signals.time_s, late),
+    )
+
+
+def _turning(recordings: Sequence[Signals]) -> float:
+    """The correlation of neighbouring times between rows, stalls clipped."""
+    pairs = []
+    for one in recordings:
+        off_s = np.diff(one.time_s) - np.median(np.diff(one.time_s))
+        most_s = _CLIPPED * 1.4826 * float(np.median(np.abs(off_s))) + _poll_s(one)
+        clipped = np.clip(off_s, -most_s, most_s)
+        pairs.append(np.column_stack([clipped[:-1], clipped[1:]]) - np.mean(clipped))
+    before, after = np.concatenate(pairs).T
+    return float(np.sum(before * after) / max(np.sqrt(np.sum(before**2) * np.sum(after**2)), 1e-30))
+
+
+def _poll_s(signals: Signals) -> float:
+    """The usual time from one poll to the next, s, from rows so far apart that their lateness hardly counts."""
+    apart = min(_APART[-1], signals.time_s.size - 1)
+    return float(np.median(signals.time_s[apart:] - signals.time_s[:-apart])) / apart
+
+
+def _deviations(recordings: Sequence[Signals]) -> tuple[float, float]:
+    """The deviations of a row's lateness and of the time from one poll to the next, s.
+
+    Over m rows the variance of a difference of stamps is twice that of the lateness, and m times that of the polls.
+    """
+    found = []
+    for apart in _APART:
+        off_s = [one.time_s[apart:] - one.time_s[:-apart] for one in recordings]
+        middle_s = np.concatenate([each - np.median(each) for each in off_s])
+        found.append((1.4826 * float(np.median(np.abs(middle_s)))) ** 2)
+    variances = np.maximum(found, 1e-18)
+    design = np.column_stack([np.full(len(_APART), 2.0), np.array(_APART, dtype=float)])
+    (late, jitter), _ = nnls(design / variances[:, None], np.ones(len(_APART)))
+    steady_s = _STEADY * float(np.median([_poll_s(one) for one in recordings]))
+    return math.sqrt(late), max(math.sqrt(jitter), steady_s)
+
+
+@final
+@dataclass(frozen=True)
+class _Polling:
+    """How stamps come about: polls of one rate with jitter, each stamped late by chance.
+
+    Attributes:
+        late_s, jitter_s: deviations of the lateness, and of the time from one poll to the next.
+        poll_s: that time's mean.
+    """
+
+    late_s: float
+    jitter_s: float
+    poll_s: float
+
+    @property
+    def open_s(self) -> float:
+        """The deviation of a row's lateness from what `course` tells, far from either end of a recording, s."""
+        return self.late_s / math.sqrt(math.hypot(1.0, 2.0 * self.late_s / self.jitter_s))
+
+    def course(self, stamps_s: FloatArray) -> FloatArray:
+        """The likeliest moments of the polls, up to a lateness that they share, s, shape (rows,)."""
+        rows = stamps_s.size
+        if rows < 2:
+            return stamps_s
+        weight = np.ones(rows - 1)
+        course = stamps_s
+        for _ in range(_ROUNDS):
+            bond = weight / self.jitter_s**2
+            banded = np.zeros((2, rows))
+            banded[0, 1:] = -bond
+            banded[1] = 1.0 / self.late_s**2
+            banded[1, 1:] += bond
+            banded[1, :-1] += bond
+            pull = stamps_s / self.late_s**2
+            pull[1:] += bond * self.poll_s
+            pull[:-1] -= bond * self.poll_s
+            course = solveh_banded(banded, pull)
+            off = (np.diff(course) - self.poll_s) / self.jitter_s
+            weight = (_STALLS + 1.0) / (_STALLS + off**2)
+        return course

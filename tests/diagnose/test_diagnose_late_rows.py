@@ -1,0 +1,135 @@
+"""Rows that chance stamps late: their neighbours tell by how much, and a clock is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnose_cases import concealed
+from diagnose_motors import clean_case
+from test_diagnose_held_ages import turning
+
+from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness, with_lateness
+from nxt_twin.recording.recording import Recording
+
+ROWS = 1500
+
+
+def polled(rng, poll_s, jitter, *, stalls=3):
+    """When a host that waits for a poll after each one reads: jitter adds up, and it stands still a few times."""
+    waits_s = poll_s * (1.0 + rng.uniform(-jitter, jitter, ROWS))
+    waits_s[rng.choice(ROWS, stalls, replace=False)] += 0.1
+    return np.cumsum(waits_s)
+
+
+def stamped_late(rng, taken_s, span_s):
+    """Each row later by anything up to `span_s`, and none before the row above it."""
+    return np.maximum.accumulate(taken_s + rng.uniform(0.0, span_s, taken_s.size))
+
+
+def known(*stamps_s):
+    """What stamps tell of lateness; nothing turns."""
+    return with_lateness([turning(np.zeros(each.size), each) for each in stamps_s])
+
+
+@pytest.mark.parametrize(("poll_s", "span_s"), [(0.01, 0.02), (0.02, 0.03), (0.05, 0.02), (0.02, 0.1)])
+@pytest.mark.parametrize("jitter", [0.02, 0.15])
+def test_stamps_tell_by_how_much_each_row_is_late(poll_s, span_s, jitter):
+    rng = np.random.default_rng(5)
+    taken_s = [polled(rng, poll_s, jitter) for _ in range(2)]
+    stamps_s = [stamped_late(rng, each, span_s) for each in taken_s]
+    for found, true_s in zip(known(*stamps_s), taken_s, strict=True):
+        late_s = found.time_s - true_s
+        assert found.late_span_s == pytest.approx(np.sqrt(12.0) * np.std(late_s), rel=0.15)
+        told_s = found.late_span_s * found.ages[:, 2]
+        assert np.corrcoef(told_s, late_s)[0, 1] > 0.75
+        left_s = told_s - late_s
+        open_s = found.late_open * found.late_span_s
+        assert 1.4826 * np.median(np.abs(left_s - np.median(left_s))) == pytest.approx(open_s, rel=0.6)
+        assert np.std(left_s) < np.std(late_s)
+
+
+def test_a_command_is_as_late_as_its_row():
+    rng = np.random.default_rng(6)
+    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.05), 0.03)
+    rows = np.array([0, 40, 700])
+    (found,) = with_lateness(
+        [
+            replace(
+                turning(np.zeros(ROWS), stamps_s),
+                command_time_s=stamps_s[rows],
+                command=np.zeros(3),
+                command_mode=np.zeros(3, dtype=np.int64),
+                command_supply_v=np.full(3, 8.0),
+            )
+        ]
+    )
+    np.testing.assert_allclose(found.command_late, found.ages[rows, 2])
+
+
+@pytest.mark.parametrize("jitter", [0.02, 0.25])
+@pytest.mark.parametrize("poll_s", [0.005, 0.05])
+def test_polls_that_are_late_themselves_are_no_late_rows(poll_s, jitter):
+    (found,) = known(polled(np.random.default_rng(7), poll_s, jitter))
+    assert found.late_span_s == 0.0
+    assert not found.ages[:, 2].any()
+
+
+def test_stamps_that_are_rounded_are_no_late_rows():
+    (found,) = known(np.round(polled(np.random.default_rng(8), 0.01, 0.02, stalls=0), 3))
+    assert found.late_span_s == 0.0
+
+
+def test_too_short_recordings_tell_no_lateness():
+    rng = np.random.default_rng(9)
+    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.02), 0.03)
+    assert known(stamps_s[:127])[0].late_span_s == 0.0
+    assert known(stamps_s[:128])[0].late_span_s > 0.0
+    assert with_lateness([]) == []
+
+
+def test_a_short_recording_beside_a_long_one_has_late_rows_too():
+    rng = np.random.default_rng(10)
+    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.02), 0.03)
+    short = known(stamps_s, stamps_s[:50])[1]
+    assert np.corrcoef(short.ages[5:-5, 2], known(stamps_s)[0].ages[5:45, 2])[0, 1] > 0.98
+    assert not known(stamps_s, stamps_s[:1])[1].ages[:, 2].any()
+
+
+def test_drawn_lateness_strays_by_what_stamps_leave_open():
+    rng = np.random.default_rng(11)
+    (found,) = known(stamped_late(rng, polled(rng, 0.02, 0.1), 0.03))
+    drawn = with_drawn_lateness(found, rng)
+    assert np.std(drawn.ages[:, 2] - found.ages[:, 2]) == pytest.approx(found.late_open, rel=0.1)
+    honest = clean_signals()
+    assert with_drawn_lateness(honest, rng) is honest
+
+
+def clean_signals():
+    return problem_for(clean_case(12)).signals[0]
+
+
+def restamped(case, seed, span_s):
+    """The case with each row late by chance."""
+    rng = np.random.default_rng(seed)
+
+    def stamped(recording):
+        stamps_s = stamped_late(rng, recording.columns["time_s"], span_s)
+        return Recording(recording.name, {**recording.columns, "time_s": stamps_s})
+
+    return replace(
+        case,
+        recordings=tuple(stamped(one) for one in case.recordings),
+        holdout=tuple(stamped(one) for one in case.holdout),
+    )
+
+
+@pytest.mark.slow
+def test_rows_that_are_late_by_chance_are_named():
+    said = diagnose(restamped(concealed((), seed=2203, seconds=14.0), 1, 0.04)).diagnosis
+    assert said.verdict == "explained"
+    assert [one.id for one in said.effects] == ["clock_skew"]
+    assert said.effects[0].params["lag_span_s"].value == pytest.approx(0.04, rel=0.35)
+    assert said.effects[0].params["lag_waves"].value == 0.0
+    two_s = next(one for one in said.fit.horizons if one.seconds == 2.0)
+    assert two_s.improved < 0.6 * two_s.baseline
