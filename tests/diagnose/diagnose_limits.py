@@ -1,6 +1,7 @@
 """What a search of which only some parts are there answers to a number that one of its limits judges."""
 
 import math
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import pytest
@@ -198,19 +199,30 @@ def losses(monkeypatch, *costs):
     return trials(_fits=fits)._losses(structure(), effect_named("missed"))
 
 
-def shared_anew_with(effect, gain):
-    """What is tried with the shares of `effect` where a round is likelier by `gain`, and what its end costs."""
+@dataclass(frozen=True)
+class _Noise:
+    disturbance_std: float
+
+
+def shared_anew_with(effect, gain, *, slack_gain=0.0):
+    """What is tried with the shares of `effect` where a round is likelier by `gain`, and what its end costs.
+
+    A start from less friction is likelier by `slack_gain`.
+    """
     tried = []
+    own, larger = _Noise(5.0), _Noise(100.0)
 
     def at(cost):
         plant = SimpleNamespace(with_values=lambda new: SimpleNamespace(cost=cost, shares=[*new.values()]))
-        return SimpleNamespace(plant=plant, noise="own", fitted_cost=cost)
+        return SimpleNamespace(plant=plant, noise=own, fitted_cost=cost)
 
     def settle(plant, noise):
-        tried.append((*plant.shares, noise))
-        return at(plant.cost - (gain if noise == "larger" else 0.0))
+        tried.append((*plant.shares, noise.disturbance_std))
+        gains = {own: 0.0, larger: gain}
+        return at(plant.cost - gains.get(noise, slack_gain))
 
-    best = SimpleNamespace(noise="larger")
+    rubbing = {Slot("coulomb_friction", "coulomb"): 0.1}
+    best = SimpleNamespace(noise=larger, plant=SimpleNamespace(values=rubbing))
     end = sharing.shared_anew(SimpleNamespace(settle=settle), best, at(0.0), effect)
     return SimpleNamespace(tried=tried, cost=end.fitted_cost)
 
