@@ -10,9 +10,12 @@ from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness, with_lateness
+from nxt_twin.diagnose.telling.notes import stamped_late
+from nxt_twin.physics.effects.timing import CLOCK_SKEW
 from nxt_twin.recording.recording import Recording
 
 ROWS = 1500
+STARTS = {p.symbol: p.starts[0] * p.si for p in CLOCK_SKEW.parameters}
 
 
 def polled(rng, poll_s, jitter, *, stalls=3):
@@ -22,7 +25,7 @@ def polled(rng, poll_s, jitter, *, stalls=3):
     return np.cumsum(waits_s)
 
 
-def stamped_late(rng, taken_s, span_s):
+def made_late(rng, taken_s, span_s):
     """Each row later by anything up to `span_s`, and none before the row above it."""
     return np.maximum.accumulate(taken_s + rng.uniform(0.0, span_s, taken_s.size))
 
@@ -37,7 +40,7 @@ def known(*stamps_s):
 def test_stamps_tell_by_how_much_each_row_is_late(poll_s, span_s, jitter):
     rng = np.random.default_rng(5)
     taken_s = [polled(rng, poll_s, jitter) for _ in range(2)]
-    stamps_s = [stamped_late(rng, each, span_s) for each in taken_s]
+    stamps_s = [made_late(rng, each, span_s) for each in taken_s]
     for found, true_s in zip(known(*stamps_s), taken_s, strict=True):
         late_s = found.time_s - true_s
         assert found.late_span_s == pytest.approx(np.sqrt(12.0) * np.std(late_s), rel=0.15)
@@ -51,7 +54,7 @@ def test_stamps_tell_by_how_much_each_row_is_late(poll_s, span_s, jitter):
 
 def test_a_command_is_as_late_as_its_row():
     rng = np.random.default_rng(6)
-    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.05), 0.03)
+    stamps_s = made_late(rng, polled(rng, 0.02, 0.05), 0.03)
     rows = np.array([0, 40, 700])
     (found,) = with_lateness(
         [
@@ -82,7 +85,7 @@ def test_stamps_that_are_rounded_are_no_late_rows():
 
 def test_too_short_recordings_tell_no_lateness():
     rng = np.random.default_rng(9)
-    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.02), 0.03)
+    stamps_s = made_late(rng, polled(rng, 0.02, 0.02), 0.03)
     assert known(stamps_s[:127])[0].late_span_s == 0.0
     assert known(stamps_s[:128])[0].late_span_s > 0.0
     assert with_lateness([]) == []
@@ -90,7 +93,7 @@ def test_too_short_recordings_tell_no_lateness():
 
 def test_a_short_recording_beside_a_long_one_has_late_rows_too():
     rng = np.random.default_rng(10)
-    stamps_s = stamped_late(rng, polled(rng, 0.02, 0.02), 0.03)
+    stamps_s = made_late(rng, polled(rng, 0.02, 0.02), 0.03)
     short = known(stamps_s, stamps_s[:50])[1]
     assert np.corrcoef(short.ages[5:-5, 2], known(stamps_s)[0].ages[5:45, 2])[0, 1] > 0.98
     assert not known(stamps_s, stamps_s[:1])[1].ages[:, 2].any()
@@ -98,7 +101,7 @@ def test_a_short_recording_beside_a_long_one_has_late_rows_too():
 
 def test_drawn_lateness_strays_by_what_stamps_leave_open():
     rng = np.random.default_rng(11)
-    (found,) = known(stamped_late(rng, polled(rng, 0.02, 0.1), 0.03))
+    (found,) = known(made_late(rng, polled(rng, 0.02, 0.1), 0.03))
     drawn = with_drawn_lateness(found, rng)
     assert np.std(drawn.ages[:, 2] - found.ages[:, 2]) == pytest.approx(found.late_open, rel=0.1)
     honest = clean_signals()
@@ -114,7 +117,7 @@ def restamped(case, seed, span_s):
     rng = np.random.default_rng(seed)
 
     def stamped(recording):
-        stamps_s = stamped_late(rng, recording.columns["time_s"], span_s)
+        stamps_s = made_late(rng, recording.columns["time_s"], span_s)
         return Recording(recording.name, {**recording.columns, "time_s": stamps_s})
 
     return replace(
@@ -124,6 +127,19 @@ def restamped(case, seed, span_s):
     )
 
 
+def test_the_answer_tells_by_how_much_rows_are_late_and_what_stays_open():
+    rng = np.random.default_rng(12)
+    recordings = known(made_late(rng, polled(rng, 0.02, 0.1), 0.03))
+    open_ms = 30.0 * recordings[0].late_open
+    plant = problem_for(clean_case(12)).plant
+    late = plant.with_effect("clock_skew", STARTS | {"lag_span": 0.03, "waves": 0.0})
+    (note,) = stamped_late(late, recordings)
+    assert "by up to 30 ms" in note
+    assert f"to {open_ms:.1g} ms" in note
+    wandering = plant.with_effect("clock_skew", STARTS)
+    assert stamped_late(wandering, recordings) == stamped_late(plant, recordings) == ()
+
+
 @pytest.mark.slow
 def test_rows_that_are_late_by_chance_are_named():
     said = diagnose(restamped(concealed((), seed=2203, seconds=14.0), 1, 0.04)).diagnosis
@@ -131,5 +147,6 @@ def test_rows_that_are_late_by_chance_are_named():
     assert [one.id for one in said.effects] == ["clock_skew"]
     assert said.effects[0].params["lag_span_s"].value == pytest.approx(0.04, rel=0.35)
     assert said.effects[0].params["lag_waves"].value == 0.0
+    assert any(note.startswith("Each row is stamped late by chance") for note in said.notes)
     two_s = next(one for one in said.fit.horizons if one.seconds == 2.0)
     assert two_s.improved < 0.6 * two_s.baseline

@@ -12,13 +12,16 @@ from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
 from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.modes import MODE_COAST, MODE_FLOAT
 from nxt_twin.physics.plant import Plant
+from nxt_twin.physics.signals import Signals
 
 _BAD_RUN_RATIO = 2.5  # times the median error of held-out runs, above which a run is told as bad
 _GRAVITY = "gravity_torque_nm"
 _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
+_LAG_SPAN, _WAVES = Slot("clock_skew", "lag_span"), Slot("clock_skew", "waves")
 _ANOTHER = 0.1  # of the given gravity torque: a load that is off by less is not told as another
 _SURE_STDS = 2.0  # standard deviations of the gravity torque by which it has to be off as well
 _MOST_TOLD = 12  # times of one recording
@@ -60,6 +63,7 @@ def notes(
             "Each count is lost by chance, so that no simulation follows these readings: the floor of "
             f"{fit.floor:.3g} {fit.unit} tells how near a right one comes."
         )
+    said.extend(stamped_late(plant, problem.signals))
     said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
     if problem.by_windows:
         said.append(
@@ -85,6 +89,18 @@ def leaping(problem: Problem) -> tuple[str, ...]:
         f"times as far as anything else moves between two readings (at {_listed_s(times_s)} s). No motor does "
         "that: fits and errors leave them out."
         for name, times_s in problem.leaps.items()
+    )
+
+
+def stamped_late(plant: Plant, recordings: Sequence[Signals]) -> tuple[str, ...]:
+    """A remark where each row is late by chance: by how much, and what the stamps beside it leave open."""
+    if plant.values.get(_WAVES, 1.0) > 0.0:
+        return ()
+    span_s = plant.values[_LAG_SPAN]
+    open_s = span_s * max(one.late_open for one in recordings)
+    return (
+        f"Each row is stamped late by chance, by up to {1e3 * span_s:.2g} ms. Its neighbours tell by how much, to "
+        f"{1e3 * open_s:.1g} ms; long simulations err by what that leaves open. Better stamp a row when it is read.",
     )
 
 
