@@ -83,6 +83,21 @@ def test_stamps_that_are_rounded_are_no_late_rows():
     assert found.late_span_s == 0.0
 
 
+@pytest.mark.parametrize(
+    ("poll_s", "jitter", "span_s", "told"),
+    [
+        (0.05, 0.15, 3.6e-3, False),  # neighbouring times turn by -0.05: polls have most of the jitter
+        (0.05, 0.15, 5.6e-3, True),  # by -0.11
+        (0.02, 0.02, 1.7e-3, False),
+        (0.02, 0.02, 2.3e-3, True),
+    ],
+)
+def test_small_lateness_beside_the_jitter_of_polls_is_none(poll_s, jitter, span_s, told):
+    rng = np.random.default_rng(13)
+    found = known(*(made_late(rng, polled(rng, poll_s, jitter, stalls=0), span_s) for _ in range(8)))
+    assert (found[0].late_span_s > 0.0) is told
+
+
 def test_too_short_recordings_tell_no_lateness():
     rng = np.random.default_rng(9)
     stamps_s = made_late(rng, polled(rng, 0.02, 0.02), 0.03)
