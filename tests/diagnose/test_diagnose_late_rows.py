@@ -1,6 +1,7 @@
 """Rows that chance stamps late: their neighbours tell by how much, and a clock is named."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness, with_lateness
+from nxt_twin.diagnose.fitting.wandering import second_waves
 from nxt_twin.diagnose.telling.notes import stamped_late
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
 from nxt_twin.recording.recording import Recording
@@ -153,6 +155,11 @@ def test_the_answer_tells_by_how_much_rows_are_late_and_what_stays_open():
     assert f"to {open_ms:.1g} ms" in note
     wandering = plant.with_effect("clock_skew", STARTS)
     assert stamped_late(wandering, recordings) == stamped_late(plant, recordings) == ()
+
+
+def test_rows_that_are_late_by_chance_have_no_second_wave():
+    plant = problem_for(clean_case(12)).plant.with_effect("clock_skew", STARTS | {"waves": 0.0})
+    assert second_waves(SimpleNamespace(), plant, CLOCK_SKEW) == []
 
 
 @pytest.mark.slow

@@ -61,7 +61,9 @@ def test_a_lag_of_whole_rows_is_named_whatever_its_course(course):
     at_s=st.floats(0.0, 60.0),
 )
 def test_the_search_draws_the_wave_that_a_simulation_draws(rise, straightness, phase, at_s):
-    simulated = CLOCK_SKEW.terms["lag"](at_s, 2.0, 0.0, 1.4, phase, rise, straightness, 0.0, 2.0, 0.0)
+    simulated = CLOCK_SKEW.terms["lag"](
+        at_s, 2.0, 0.0, 1.4, phase, rise, straightness, 0.0, 2.0, 0.0, 1.0, 0.3
+    )
     drawn = lag_wave(np.array([at_s / 1.4 + phase]), rise, straightness)
     np.testing.assert_allclose(drawn, simulated, atol=1e-9)
 
