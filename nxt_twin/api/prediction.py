@@ -13,6 +13,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.units import units_of
 from nxt_twin.errors import RecordingError
 from nxt_twin.physics.base.servo import SERVO
+from nxt_twin.physics.effects.timing import CLOCK_SKEW
 from nxt_twin.physics.goals import follower
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.recorded import signals_of
@@ -85,7 +86,8 @@ def _predicted(
     plant: ModelSource, recording: Recording, port: str | None, every_s: float | None
 ) -> SimulatedChannel:
     signals = signals_of(recording, port, fewest_readings=0, follows_goal=_is_servo(plant))
-    start, values = _run(_followed(plant, recording, port, signals.input_kind), signals, every_s)
+    driven = _followed(plant, recording, port, signals.input_kind)
+    start, values = _run(driven, _stamped(driven, signals), every_s)
     units = units_of("linear" if signals.input_kind == "force_n" else "motor", signals)
     factor = units.reading_factor if signals.channel != "output" else 1.0
     counted = np.isfinite(signals.measured) & ~start.at
@@ -93,6 +95,16 @@ def _predicted(
     if counted.any():
         rmse = float(np.sqrt(np.mean((signals.measured - values)[counted] ** 2))) * units.reading_factor
     return SimulatedChannel(signals.channel, values * factor, units.reading, rmse, int(counted.sum()))
+
+
+def _stamped(plant: Plant, signals: Signals) -> Signals:
+    """The signals with how late each row was stamped, where the plant's clock makes rows late by chance."""
+    if CLOCK_SKEW.id not in plant.active:
+        return signals
+    # Linear algebra takes longer to import than all else that a prediction needs.
+    from nxt_twin.diagnose.fitting.late_rows import as_late_as
+
+    return as_late_as(plant, signals)
 
 
 def _followed(model: ModelSource, recording: Recording, port: str | None, kind: InputKind) -> Plant:

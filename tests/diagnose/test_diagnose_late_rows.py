@@ -10,7 +10,7 @@ from diagnose_motors import clean_case
 from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
-from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness, with_lateness
+from nxt_twin.diagnose.fitting.late_rows import as_late_as, with_drawn_lateness, with_lateness
 from nxt_twin.diagnose.fitting.wandering import second_waves
 from nxt_twin.diagnose.telling.notes import stamped_late
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
@@ -155,6 +155,17 @@ def test_the_answer_tells_by_how_much_rows_are_late_and_what_stays_open():
     assert f"to {open_ms:.1g} ms" in note
     wandering = plant.with_effect("clock_skew", STARTS)
     assert stamped_late(wandering, recordings) == stamped_late(plant, recordings) == ()
+
+
+def test_a_plant_whose_rows_are_late_tells_it_of_stamps_that_alone_are_too_few_to_show_it():
+    rng = np.random.default_rng(14)
+    taken_s = polled(rng, 0.02, 0.1)[:100]
+    signals = turning(np.zeros(100), made_late(rng, taken_s, 0.03))
+    plant = problem_for(clean_case(12)).plant
+    found = as_late_as(plant.with_effect("clock_skew", STARTS | {"lag_span": 0.03, "waves": 0.0}), signals)
+    assert np.corrcoef(found.late_span_s * found.ages[:, 2], signals.time_s - taken_s)[0, 1] > 0.8
+    assert as_late_as(plant.with_effect("clock_skew", STARTS), signals) is signals
+    assert as_late_as(plant, signals) is signals
 
 
 def test_rows_that_are_late_by_chance_have_no_second_wave():

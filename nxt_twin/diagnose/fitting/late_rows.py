@@ -13,6 +13,8 @@ from scipy.linalg import solveh_banded
 from scipy.optimize import nnls
 
 from nxt_twin.arrays import FloatArray
+from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
 _APART = (4, 8, 16, 32)
@@ -29,6 +31,7 @@ _CLIPPED = 5.0  # deviations from the middle time between rows, up to which that
 _STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
 _STALLS = 3.0  # degrees of freedom of a poll's jitter: stalls are rare and long
 _ROUNDS = 30  # of weighing the stalls
+_LAG_SPAN, _WAVES = Slot("clock_skew", "lag_span"), Slot("clock_skew", "waves")
 _LEAST_SPAN_S = (
     2e-3  # rounded stamps seem late as well, by half a millisecond; that turns no motor by what matters
 )
@@ -48,6 +51,18 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     if span_s < _LEAST_SPAN_S:
         return list(recordings)
     return [_with(one, _Polling(late_s, jitter_s, _poll_s(one)), span_s) for one in recordings]
+
+
+def as_late_as(plant: Plant, signals: Signals) -> Signals:
+    """The signals with how late each row was stamped, where `plant` has rows that are late by chance."""
+    if plant.values.get(_WAVES, 1.0) > 0.0 or signals.time_s.size <= _APART[-1]:
+        return signals
+    span_s = plant.values[_LAG_SPAN]
+    late_s = max(span_s / math.sqrt(12.0), 1e-6)
+    adding_up = (_variances([signals]) - 2.0 * late_s**2) / np.array(_APART)
+    jitter_s = math.sqrt(max(float(np.median(adding_up)), 0.0))
+    poll_s = _poll_s(signals)
+    return _with(signals, _Polling(late_s, max(jitter_s, _STEADY * poll_s), poll_s), span_s)
 
 
 def with_drawn_lateness(signals: Signals, rng: Generator) -> Signals:
@@ -94,16 +109,21 @@ def _deviations(recordings: Sequence[Signals]) -> tuple[float, float]:
 
     Over m rows the variance of a difference of stamps is twice that of the lateness, and m times that of the polls.
     """
+    variances = np.maximum(_variances(recordings), 1e-18)
+    design = np.column_stack([np.full(len(_APART), 2.0), np.array(_APART, dtype=float)])
+    (late, jitter), _ = nnls(design / variances[:, None], np.ones(len(_APART)))
+    steady_s = _STEADY * float(np.median([_poll_s(one) for one in recordings]))
+    return math.sqrt(late), max(math.sqrt(jitter), steady_s)
+
+
+def _variances(recordings: Sequence[Signals]) -> FloatArray:
+    """The variances of differences of stamps over each of `_APART` rows, robust, s², shape (numbers of rows,)."""
     found = []
     for apart in _APART:
         off_s = [one.time_s[apart:] - one.time_s[:-apart] for one in recordings]
         middle_s = np.concatenate([each - np.median(each) for each in off_s])
         found.append((1.4826 * float(np.median(np.abs(middle_s)))) ** 2)
-    variances = np.maximum(found, 1e-18)
-    design = np.column_stack([np.full(len(_APART), 2.0), np.array(_APART, dtype=float)])
-    (late, jitter), _ = nnls(design / variances[:, None], np.ones(len(_APART)))
-    steady_s = _STEADY * float(np.median([_poll_s(one) for one in recordings]))
-    return math.sqrt(late), max(math.sqrt(jitter), steady_s)
+    return np.array(found)
 
 
 @final
