@@ -85,7 +85,12 @@ class Signals:
     def of_any_age(self) -> Signals:
         """The same readings, with nothing known of their ages."""
         return replace(
-            self, ages=np.zeros((0, 3)), refreshed_s=0.0, late_span_s=0.0, command_late=np.zeros(0)
+            self,
+            ages=np.zeros((0, 3)),
+            refreshed_s=0.0,
+            late_span_s=0.0,
+            late_open=0.0,
+            command_late=np.zeros(0),
         )
 
     def alone(self) -> Signals:

@@ -166,6 +166,8 @@ def test_a_plant_whose_rows_are_late_tells_it_of_stamps_that_alone_are_too_few_t
     assert np.corrcoef(found.late_span_s * found.ages[:, 2], signals.time_s - taken_s)[0, 1] > 0.8
     assert as_late_as(plant.with_effect("clock_skew", STARTS), signals) is signals
     assert as_late_as(plant, signals) is signals
+    none = plant.with_effect("clock_skew", STARTS | {"lag_span": 0.0, "waves": 0.0})
+    assert as_late_as(none, signals) is signals
 
 
 def test_rows_that_are_late_by_chance_have_no_second_wave():

@@ -32,9 +32,7 @@ _STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
 _STALLS = 3.0  # degrees of freedom of a poll's jitter: stalls are rare and long
 _ROUNDS = 30  # of weighing the stalls
 _LAG_SPAN, _WAVES = Slot("clock_skew", "lag_span"), Slot("clock_skew", "waves")
-_LEAST_SPAN_S = (
-    2e-3  # rounded stamps seem late as well, by half a millisecond; that turns no motor by what matters
-)
+_LEAST_SPAN_S = 2e-3  # rounded stamps seem late as well, by half a millisecond
 
 
 def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
@@ -55,10 +53,10 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
 
 def as_late_as(plant: Plant, signals: Signals) -> Signals:
     """The signals with how late each row was stamped, where `plant` has rows that are late by chance."""
-    if plant.values.get(_WAVES, 1.0) > 0.0 or signals.time_s.size <= _APART[-1]:
+    span_s = plant.values.get(_LAG_SPAN, 0.0)
+    if plant.values.get(_WAVES, 1.0) > 0.0 or span_s <= 0.0 or signals.time_s.size <= _APART[-1]:
         return signals
-    span_s = plant.values[_LAG_SPAN]
-    late_s = max(span_s / math.sqrt(12.0), 1e-6)
+    late_s = span_s / math.sqrt(12.0)
     adding_up = (_variances([signals]) - 2.0 * late_s**2) / np.array(_APART)
     jitter_s = math.sqrt(max(float(np.median(adding_up)), 0.0))
     poll_s = _poll_s(signals)
