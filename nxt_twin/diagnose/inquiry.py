@@ -25,7 +25,7 @@ from nxt_twin.diagnose.judging.verdict import (
 )
 from nxt_twin.diagnose.progress import Progress
 from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
-from nxt_twin.diagnose.search.searched import lessened, searched, with_refused
+from nxt_twin.diagnose.search.searched import Searched, lessened, searched, searched_anew, with_refused
 from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.payload import is_a_payload_s
 from nxt_twin.diagnose.where.beyond import with_shapes
@@ -39,6 +39,7 @@ def inquire(simulator: Simulator, problem: Problem, rng: Generator, progress: Pr
     misled = _misled(evidence)
     if not misled:
         evidence = _reconsidered(simulator, evidence, rng, progress)
+        evidence = _begun_anew(simulator, evidence, rng, progress)
     if misled or _errs_in_colour(evidence.record):
         progress("single steps are coloured: by windows of simulation alone")
         by_windows = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
@@ -96,6 +97,11 @@ def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: 
     """Search for what the baseline lacks, and gather all that the verdict rests on."""
     found = searched(simulator, problem, progress)
     progress("judging on what was held out")
+    return _judged(simulator, problem, found, rng)
+
+
+def _judged(simulator: Simulator, problem: Problem, found: Searched, rng: Generator) -> Evidence:
+    """The evidence for what was found, once effects that no reading and no simulation needs are out again."""
     evidence = gather(simulator, problem, found, rng)
     while (vague := vague_effect(evidence)) is not None:
         evidence = _less(simulator, evidence, vague, rng)
@@ -120,6 +126,28 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, prog
             return replace(more, needless=evidence.needless)
         helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
     return helps if helps and verdict == "unexplained" and not record.found else evidence
+
+
+def _begun_anew(simulator: Simulator, evidence: Evidence, rng: Generator, progress: Progress) -> Evidence:
+    """`evidence`, or what a search finds from a way that it did not go, where that brings unseen windows much nearer.
+
+    Where more than one thing is missing, the likeliest first step may lead away from all of them.
+    """
+    if _verdict(evidence) != "unexplained":
+        return evidence
+    progress("searching from other ways")
+    for found in searched_anew(simulator, evidence.problem, evidence.explanation, progress):
+        more = _judged(simulator, evidence.problem, found, rng)
+        if _is_much_nearer(evidence, more):
+            evidence = more
+        if _verdict(evidence) == "explained":
+            break
+    return evidence
+
+
+def _verdict(evidence: Evidence) -> str:
+    """The verdict once it counts how sure the sizes are."""
+    return verdict_of(_with_sizes(evidence).record)
 
 
 def _is_much_nearer(before: Evidence, after: Evidence) -> bool:

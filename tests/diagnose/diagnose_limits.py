@@ -60,17 +60,24 @@ def belief(effect, *, by_windows=False):
     return Standard(SimpleNamespace(problem=problem), structure(), SimpleNamespace()).belief(effect)
 
 
-def lasts(gain, moments, error=2.1, elsewhere=0.0, *, check=0.0, shows=("high_load",)):
-    """Whether a further effect's gain lasts, beside one that leaves an `error` of so many tolerances."""
+def lasts(
+    gain, moments, error=2.1, elsewhere=0.0, *, check=0.0, shows=("high_load",), ratio=1.0, second="size"
+):
+    """Whether a further effect's gain lasts, beside one that leaves an `error` of so many tolerances.
+
+    `second` is the name of its second parameter.
+    """
     fits = SimpleNamespace(
         moments_gained=lambda *_: moments,
         gained_elsewhere=lambda *_: elsewhere,
         problem=SimpleNamespace(tolerance=1.0),
     )
     standard = Standard(fits, structure(), SimpleNamespace())
-    weight = Weight(gain, check, 1.0, runs_worse=False)
+    weight = Weight(gain, check, ratio, runs_worse=False)
     richer = structure("a", "b")
-    richer.plant.effects = (SimpleNamespace(id="b", shows=shows),)
+    added = effect_named("b", starts=((1.0,), ()))
+    added.shows, added.parameters[1].name = shows, second
+    richer.plant.effects = (added,)
     return standard.lasts(weight, structure("a", error=error), richer)
 
 
@@ -113,7 +120,7 @@ def is_near(behind, *, is_twin=False):
 def search(**parts):
     """A search of which only some parts are there."""
     made = object.__new__(explaining._Search)
-    made._baseline = structure()
+    made.baseline = structure()
     made._tried = []
     made._unnamed = set()
     for name, part in parts.items():
@@ -343,12 +350,12 @@ def rounds(monkeypatch, gain=10.0):
 
     class Searching:
         def __init__(self, _, baseline):
-            self._baseline = baseline
+            self.baseline = baseline
 
         loud = frozenset()
 
         def begun(self):
-            return self._baseline
+            return self.baseline
 
         def unnamed(self, _):
             return ()
@@ -357,7 +364,10 @@ def rounds(monkeypatch, gain=10.0):
             grown.append(best)
             return best, ()
 
-        def found(self, _):
+        def placed(self, *_):
+            return (), {}
+
+        def untaken(self, _):
             return ()
 
         def pruned(self, _):

@@ -4,6 +4,7 @@ from dataclasses import fields
 from types import SimpleNamespace
 
 import pytest
+from diagnose_anew import searched_from
 from diagnose_limits import (
     against_a_hidden_load,
     belief,
@@ -54,6 +55,7 @@ EDGES = {
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
     "few_moments": (lambda _, v: lasts(9.0, v), 3.45, 3.55),
     "loud_nats": (lambda patch, v: is_heard(patch, check=v), 39.0, 41.0),
+    "recurring_nats": (lambda _, v: lasts(9.0, 1.0, check=v, ratio=0.9), 14.9, 15.1),
     "odd_tolerances": (lambda _, v: lasts(1e4, 9.0, v, 7.9), 1.98, 2.02),
     "late_polls": (lambda _, v: is_late(v), 0.24, 0.26),
     "keep_nats": (is_kept, 2.95, 3.05),
@@ -70,7 +72,7 @@ EDGES = {
     "settled_share": (lambda _, v: forward(100.0, -99.0, v)["within"], 9.9, 10.1),
     "in_reach": (lambda _, v: forward(100.0, *[-99.0] * 5, v, states=("twist",))["within"], 24.5, 25.5),
     "lifted": (lambda _, v: leaders(v), 39.5, 40.5),
-    "restoring_nats": (lambda _, v: restored(v), 1.98, 2.02),
+    "restoring_nats": (lambda _, v: restored(v), 1.48, 1.52),
     "fine": (is_rough, 1.48, 1.52),
     "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
 }
@@ -91,6 +93,8 @@ COUNTS = {
     "rugged": (lambda _: rugged(20.0, 30.0, 40.0), 2),
     "losses": (lambda patch: len(losses(patch, 4.0, 3.0, 2.0, 1.0)), 3),
     "shares": (lambda _: len(shared_anew_with(BACKLASH, gain=9.0).tried) // 3, 3),
+    "anew": (lambda patch: len(searched_from(patch, [None] * 7)[1]), 2),
+    "quiet": (lambda patch: searched_from(patch, [None])[2], [pytest.approx(0.02)]),
     "sober": (sober_std, pytest.approx(0.3)),
 }
 
@@ -122,6 +126,22 @@ def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_ba
     check, shows, kept, moments, error, elsewhere
 ):
     assert lasts(99.0, moments, error, elsewhere, check=check, shows=shows) is kept
+
+
+@pytest.mark.parametrize(
+    ("ratio", "second", "kept"),
+    [
+        (0.99, "size", True),
+        (1.0, "size", False),
+        (0.99, "cycles_per_turn", False),
+        (0.99, "lag_period_s", False),
+    ],
+)
+@pytest.mark.parametrize(("moments", "error"), [(1.0, 2.1), (9.0, 1.5)])
+def test_what_checking_readings_call_for_loudly_may_come_from_few_moments_unless_it_has_a_period(
+    ratio, second, kept, moments, error
+):
+    assert lasts(99.0, moments, error, check=15.1, ratio=ratio, second=second) is kept
 
 
 @pytest.mark.parametrize(

@@ -281,8 +281,9 @@ def test_what_brings_a_plain_term_with_it_is_small_only_if_the_baseline_has_that
     search._standard = SimpleNamespace(
         is_notable=lambda *_: False, is_too_small=lambda *_: True, loud=frozenset()
     )
-    search._baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset(stated)))
+    search.baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset(stated)))
     search._ranked = lambda _, settled: settled
+    search._untaken = SimpleNamespace(note=lambda *_: None)
     best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(stated | found)))
     assert search._forward(best) == ([], [(asymmetric, None)] if small else [])
 
@@ -306,7 +307,7 @@ def test_a_small_effect_rounds_off_found_ones_where_a_simulation_gets_much_neare
     found, worth_it, lasts, ratio, added
 ):
     search = object.__new__(_Search)
-    search._baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset()))
+    search.baseline = SimpleNamespace(plant=SimpleNamespace(active=frozenset()))
     search._standard = SimpleNamespace(worth_it=lambda *_: worth_it, lasts=lambda *_: lasts)
     search._unnamed = {"command_delay"}
     best = SimpleNamespace(plant=SimpleNamespace(active=frozenset(found)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import final
@@ -18,6 +19,7 @@ from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
 from nxt_twin.diagnose.search.trials import Trials
+from nxt_twin.diagnose.search.untaken import Untaken
 from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.plant import Plant
@@ -40,6 +42,7 @@ class Explanation:
             with it.
         unnamed: effects in `best` that are too small for a name, and explain more than a larger one would.
         loud: ids of effects that have a name though they are small.
+        untaken: structures that were settled and led on, and which the search did not grow from, the best first.
     """
 
     baseline: Structure
@@ -49,56 +52,85 @@ class Explanation:
     refused: tuple[Ranked, ...]
     unnamed: tuple[Effect, ...] = ()
     loud: frozenset[str] = frozenset()
+    untaken: tuple[Structure, ...] = ()
 
 
 def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
     """Search the library for what the re-fitted `baseline` lacks."""
     search = _Search(fits, baseline)
-    best = search.begun()
-    grown_from: list[Structure] = []
-    while len(grown_from) <= EFFORT.exchanges and not _is_among(best, grown_from):
-        grown_from.append(best)
-        best, refused = search.grown(best, progress)
-        progress("checking each effect's place")
-        found = search.found(best)
-        rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-        better = likelier_structure(rivals)
-        if better is None:
-            break
+    begin = search.begun()
+    return _exchanged(search, begin, search.grown(begin, progress), progress)
+
+
+def explain_anew(
+    fits: Fits, explanation: Explanation, begin: Structure, progress: Progress
+) -> Explanation | None:
+    """As `explain`, from a way that the search for `explanation` did not go; None where it leads to nothing likelier.
+
+    Where more than one thing is missing, the likeliest first step may lead away from all of them.
+    """
+    search = _Search(fits, explanation.baseline, {effect.id for effect in explanation.unnamed})
+    grown = search.grown(begin, progress, steps=1)
+    if weigh(explanation.best, grown[0]).total < LIMITS.gain_nats:
+        return None
+    if grown[0] is not begin:
+        grown = search.grown(grown[0], progress)
+    return _exchanged(search, begin, grown, progress)
+
+
+def _exchanged(
+    search: _Search, begin: Structure, grown: tuple[Structure, tuple[Ranked, ...]], progress: Progress
+) -> Explanation:
+    """What was `grown` from `begin`, with each effect exchanged for a likelier one as long as there are any."""
+    grown_from = [begin]
+    best, refused = grown
+    found, rivals = search.placed(best, progress)
+    while better := likelier_structure(rivals):
         best = search.pruned(better)
-    else:  # what grows is exchanged again and again: the likelier stays as it is, so that no worse one is named
-        found = search.found(best)
-        rivals = {effect.id: search.rivals(best, effect) for effect, _ in found}
-    return Explanation(baseline, best, found, rivals, refused, search.unnamed(best), search.loud)
+        # Where what grows is exchanged again and again, the likelier stays as it is, so that no worse one is named.
+        again = len(grown_from) > EFFORT.exchanges or _is_among(best, grown_from)
+        if not again:
+            grown_from.append(best)
+            best, refused = search.grown(best, progress)
+        found, rivals = search.placed(best, progress)
+        if again:
+            break
+    return Explanation(
+        search.baseline, best, found, rivals, refused, search.unnamed(best), search.loud, search.untaken(best)
+    )
 
 
 @final
 class _Search:
     """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
 
-    def __init__(self, fits: Fits, baseline: Structure) -> None:
+    def __init__(self, fits: Fits, baseline: Structure, unnamed: Iterable[str] = ()) -> None:
+        self.baseline = baseline
         self._fits = fits
-        self._baseline = baseline
         self._settled = Settled(fits, baseline)
-        self._unnamed: set[str] = set()
+        self._unnamed = set(unnamed)
         self._standard = Standard(fits, baseline, self._settled, self._unnamed)
         self._drafts = Drafts(fits)
         self._trials = Trials(fits, self._settled, self._standard, self._drafts)
         self._tried: list[Effect] = []
+        self._untaken = Untaken()
 
     def begun(self) -> Structure:
         """The baseline, with the host's latency if the readings tell of any."""
-        candidates = self._trials.candidates(self._baseline.plant)
-        begun = after_latency(self._fits, self._settled, self._baseline, candidates)
-        self._unnamed.update(begun.plant.active - self._baseline.plant.active)
+        candidates = self._trials.candidates(self.baseline.plant)
+        begun = after_latency(self._fits, self._settled, self.baseline, candidates)
+        self._unnamed.update(begun.plant.active - self.baseline.plant.active)
         return begun
 
-    def grown(self, best: Structure, progress: Progress) -> tuple[Structure, tuple[Ranked, ...]]:
-        """Add effects to `best` while one earns its place; what came near is noted."""
+    def grown(
+        self, best: Structure, progress: Progress, steps: float = math.inf
+    ) -> tuple[Structure, tuple[Ranked, ...]]:
+        """Add effects to `best` while one earns its place, in so many steps at most; what came near is noted."""
         been = {best.plant.active: best.fitted_cost}
         refused: tuple[Ranked, ...] = ()
-        while len(best.plant.active - self._baseline.plant.active) < LIMITS.most_effects:
-            progress(f"trying each effect with {_names(best.plant, self._baseline.plant)}")
+        while steps > 0 and len(best.plant.active - self.baseline.plant.active) < LIMITS.most_effects:
+            steps -= 1
+            progress(f"trying each effect with {_names(best.plant, self.baseline.plant)}")
             ranked, smaller = self._forward(best)
             self._tried.extend(effect for effect, _, _ in ranked if effect not in self._tried)
             refused = tuple(ranked)
@@ -130,7 +162,7 @@ class _Search:
 
         Effects that were found keep their names then: what they leave has a known cause, if a small one.
         """
-        found = best.plant.active - self._baseline.plant.active - self._unnamed
+        found = best.plant.active - self.baseline.plant.active - self._unnamed
         for effect, weight, trial in smaller[:1]:
             told = self._standard.worth_it(effect, weight, best) and self._standard.lasts(weight, best, trial)
             if found and told and weight.free_run_ratio < LIMITS.nearer:
@@ -194,7 +226,7 @@ class _Search:
         """Take out, one at a time, effects that no longer earn their place."""
         while True:
             weakest: tuple[float, Structure] | None = None
-            for effect_id in sorted(best.plant.active - self._baseline.plant.active):
+            for effect_id in sorted(best.plant.active - self.baseline.plant.active):
                 simpler = self._settled.without(best, effect_id)
                 weight = weigh(simpler, best)
                 kept = self._is_told(best, effect_id) and keeps_its_place(
@@ -213,27 +245,39 @@ class _Search:
 
     def unnamed(self, best: Structure) -> tuple[Effect, ...]:
         """The effects in `best` that came in without a name, and have not grown to one."""
-        own = sorted(self._unnamed & (best.plant.active - self._baseline.plant.active))
+        own = sorted(self._unnamed & (best.plant.active - self.baseline.plant.active))
         return tuple(
             best.plant.layout.effect(each) for each in own if not self._standard.is_notable(best, each)
         )
 
     def _belief_in_what_returns(self, simpler: Structure, best: Structure) -> float:
         """What speaks beforehand for the plain effects that come back where one that replaced them goes."""
-        back = simpler.plant.active - best.plant.active - self._baseline.plant.active
+        back = simpler.plant.active - best.plant.active - self.baseline.plant.active
         return sum(self._standard.belief(best.plant.layout.effect(effect_id)) for effect_id in back)
+
+    def untaken(self, best: Structure) -> tuple[Structure, ...]:
+        """What led on, and `best` did not come from."""
+        return self._untaken.beside(best)
 
     @property
     def loud(self) -> frozenset[str]:
         """The effects that have a name whatever their size."""
         return self._standard.loud
 
+    def placed(
+        self, best: Structure, progress: Progress
+    ) -> tuple[tuple[tuple[Effect, Weight], ...], dict[str, tuple[Rival, ...]]]:
+        """The effects in `best` that have a name, and the rivals of each."""
+        progress("checking each effect's place")
+        found = self.found(best)
+        return found, {effect.id: self.rivals(best, effect) for effect, _ in found}
+
     def found(self, best: Structure) -> tuple[tuple[Effect, Weight], ...]:
         """The effects in `best` that have a name, the weightiest first."""
         unnamed = {effect.id for effect in self.unnamed(best)}
         weighed = [
             (best.plant.layout.effect(effect_id), weigh(self._settled.without(best, effect_id), best))
-            for effect_id in sorted(best.plant.active - self._baseline.plant.active - unnamed)
+            for effect_id in sorted(best.plant.active - self.baseline.plant.active - unnamed)
         ]
         return tuple(sorted(weighed, key=lambda item: -item[1].total))
 
@@ -280,13 +324,14 @@ class _Search:
         """
         settled = self._trials.beside(best)
         for effect, trial in settled:
-            if best is self._baseline and self._standard.is_too_small(trial, effect.id):
+            if best is self.baseline and self._standard.is_too_small(trial, effect.id):
                 self._standard.hear(best, trial, effect)
         named = [one for one in settled if self._standard.is_notable(one[1], one[0].id)]
+        self._untaken.note(best, named)
         smaller = [
             (effect, trial)
             for effect, trial in settled
-            if self._baseline.plant.active.issuperset(effect.supersedes)
+            if self.baseline.plant.active.issuperset(effect.supersedes)
             and self._standard.is_too_small(trial, effect.id)
             and effect.id not in self._standard.loud
         ]

@@ -31,6 +31,7 @@ class SearchLimits:
         loud_nats: gain on readings that were not fitted, from which a small effect has a name. It also has to gain
             `many_nats` and to halve the error in free runs. A presliding of 0.4 deg gained 527 and 223 nats.
         few_moments: least number of moments that a smaller gain of a further effect comes from.
+        recurring_nats: gain on readings that were not fitted, from which the moments of a further effect do not matter.
         odd_tolerances: error of a simulation, in tolerances, below which `gain_nats` have to come from other seconds
             than the one in which an effect gains most.
         rival_nats: distance below which two effects cannot be told apart, and what a free curve needs beyond others.
@@ -66,6 +67,7 @@ class SearchLimits:
     many_nats: float = 100.0
     loud_nats: float = 40.0
     few_moments: float = 3.5
+    recurring_nats: float = 15.0
     odd_tolerances: float = 2.0
     rival_nats: float = 8.0
     swap_nats: float = 1.0
@@ -102,12 +104,14 @@ class SearchEffort:
         losses: shares of lost counts that are settled beside an effect that lies in the angle, of those drafted.
         shares: rounds at most in which an effect is settled from other shares of the friction that a load bears.
         sober: share of the unknown torque under which other starts are followed.
+        quiet: share of the unknown torque from which a way is settled once more, where a search begins anew.
         fine: how many times an encoder's step readings have to scatter before held readings are looked for.
         restoring: effects that are settled from the given numbers where a re-fit has moved these far.
         restoring_nats: what the priors of given numbers cost from which these are far. One number that is off by two of
             its standard deviations costs 2. Coulomb friction that grew fivefold cost 6, and hid a voltage drop.
         second_promised: share of `second_nats` that a second wave has to promise to be fitted.
         comb: starts of a period from which its likelihood has separate peaks.
+        anew: ways that a search did not go from which it begins anew, where it ends without an answer.
     """
 
     drafted: int = 10
@@ -127,11 +131,13 @@ class SearchEffort:
     losses: int = 3
     shares: int = 3
     sober: float = 0.3
+    quiet: float = 0.02
     fine: float = 1.5
     restoring: int = 3
-    restoring_nats: float = 2.0
+    restoring_nats: float = 1.5
     second_promised: float = 0.5
     comb: int = 5
+    anew: int = 2
 
 
 LIMITS = SearchLimits()

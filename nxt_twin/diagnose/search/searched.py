@@ -10,8 +10,9 @@ from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.progress import Progress
-from nxt_twin.diagnose.search.explain import Explanation, explain
+from nxt_twin.diagnose.search.explain import Explanation, explain, explain_anew
 from nxt_twin.diagnose.search.helping import helping
+from nxt_twin.diagnose.search.limits import EFFORT
 from nxt_twin.diagnose.search.notable import is_notable
 from nxt_twin.diagnose.search.settled import simpler
 from nxt_twin.diagnose.search.weight import weigh
@@ -50,6 +51,25 @@ def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Sear
     explanation = explain(fits, baseline, progress)
     progress("fitting on every reading that is not held out")
     return _fitted(fits, explanation)
+
+
+def searched_anew(
+    simulator: Simulator, problem: Problem, explanation: Explanation, progress: Progress
+) -> Iterator[Searched]:
+    """What a search finds from each of the ways that `explanation` did not go, as long as it gets likelier."""
+    fits = Fits(simulator, problem)
+    ways, likeliest = explanation.untaken[: EFFORT.anew], explanation
+    for way in ways:
+        other = explain_anew(fits, likeliest, _rested(fits, way), progress)
+        if other is not None and other.best.plant.active != likeliest.best.plant.active:
+            likeliest = other
+            yield _fitted(fits, other)
+
+
+def _rested(fits: Fits, way: Structure) -> Structure:
+    """`way`, or what it comes to from a small unknown torque where that is likelier: a large one forgives too much."""
+    sober = replace(way.noise, disturbance_std=EFFORT.quiet * way.noise.disturbance_std)
+    return min(way, fits.settled(way.plant, sober), key=lambda one: one.fitted_cost + one.check_cost)
 
 
 def lessened(simulator: Simulator, problem: Problem, explanation: Explanation, effect: Effect) -> Searched:

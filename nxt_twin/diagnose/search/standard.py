@@ -21,6 +21,9 @@ from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
 
+_PERIODS = ("per_turn", "period_s")
+"""End the names of parameters that say how often an effect repeats."""
+
 _OUR_OWN = "our own"
 """Begins the source of a law that nobody published."""
 
@@ -115,18 +118,17 @@ class Standard:
 
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
         Where a simulation hardly errs, one odd second is no missing physics either, however loud. What brings given
-        numbers back need gain nothing there: the numbers in their place simulate as well. Nor need friction that acts
-        where a motor turns back, if checking readings bear it out: it may do so once.
+        numbers back need gain nothing there: the numbers in their place simulate as well. Nor need what recurs.
         """
         first = simpler.plant.active - self._unnamed == self._baseline.plant.active - self._unnamed
         errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
-        turning = weight.check_gain > LIMITS.gain_nats and _turns_back(simpler, richer)
-        asked = not errs and not weight.restores and not turning
+        recurs = _recurs(weight, simpler, richer)
+        asked = not errs and not weight.restores and not recurs
         if asked and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
             return False
         return (
             first
-            or turning
+            or recurs
             or weight.gain > LIMITS.many_nats
             or self._fits.moments_gained(simpler, richer) > LIMITS.few_moments
         )
@@ -187,10 +189,18 @@ class Standard:
         return self.belief(effect) + self._fits.problem.leaning.get(effect.id, 0.0)
 
 
-def _turns_back(simpler: Structure, richer: Structure) -> bool:
-    """Whether every effect that `richer` has beyond `simpler` acts where a motor slows and turns back."""
+def _recurs(weight: Weight, simpler: Structure, richer: Structure) -> bool:
+    """Whether checking readings bear out all that `richer` adds, so that it acts in other moments as well.
+
+    For friction that acts where a motor slows and turns back a little will do: it may do so once. Else it takes more,
+    and a nearer simulation. A period that is a little off may fit checking readings too, as they lie in the same turn.
+    """
     new = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
-    return all({"low_speed", "reversal"} <= {*effect.shows} for effect in new)
+    turns_back = all({"low_speed", "reversal"} <= {*effect.shows} for effect in new)
+    if turns_back and weight.check_gain > LIMITS.gain_nats:
+        return True
+    repeats = any(p.name.endswith(_PERIODS) for effect in new for p in effect.parameters)
+    return not repeats and weight.check_gain > LIMITS.recurring_nats and weight.free_run_ratio < 1.0
 
 
 def _choice_nats(effect: Effect) -> float:
