@@ -72,9 +72,9 @@ class VerdictLimits:
         sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
-        much: error in tolerances above which such a law counts however little it adds to all gains. Set on 447 answers to
-            the four families and to a foreign simulator. Beside right names with more than 10 it gained up to 13 nats.
-            Beside a current limit that stood for a driver's slew it gained 117, and 51 were left.
+        much: error in tolerances above which such a law counts however little it adds to all gains. Set on 447 answers
+            to the four families and to a foreign simulator. Beside right names with more than 10 it gained up to 13
+            nats. Beside a current limit that stood for a driver's slew it gained 117, and 51 were left.
         cleared: share of the unknown torque of the baseline up to which effects may leave it. Beside right names of
             wandering stamps up to 0.16 was left, beside dry friction of a real drive 0.07. Of two supply dips that
             passed for such stamps 0.20 and 0.26 was left, and beside one right clock 0.23.
