@@ -133,7 +133,7 @@ def _begun_anew(simulator: Simulator, evidence: Evidence, rng: Generator, progre
 
     Where more than one thing is missing, the likeliest first step may lead away from all of them.
     """
-    if _verdict(evidence) != "unexplained":
+    if not _asks_for_more(evidence):
         return evidence
     progress("searching from other ways")
     for found in searched_anew(simulator, evidence.problem, evidence.explanation, progress):
@@ -143,6 +143,12 @@ def _begun_anew(simulator: Simulator, evidence: Evidence, rng: Generator, progre
         if _verdict(evidence) == "explained":
             break
     return evidence
+
+
+def _asks_for_more(evidence: Evidence) -> bool:
+    """Whether something is missing, or nothing was found and simulations err by several tolerances."""
+    verdict = _verdict(evidence)
+    return verdict == "unexplained" or (verdict == "adequate" and evidence.record.remaining > LIMITS.nearly)
 
 
 def _verdict(evidence: Evidence) -> str:

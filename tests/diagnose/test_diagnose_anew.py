@@ -117,6 +117,7 @@ def judged(record, error):
         (replace(NAMED, moved=9.0), (6.6,), 10.0),
         (LACKING, (4.9, 1.0), 4.9),
         (LACKING, (5.1, 1.0), 1.0),
+        (replace(QUIET, remaining=3.01), (4.9,), 4.9),
     ],
 )
 def test_the_first_answer_of_another_way_that_brings_unseen_readings_much_nearer_is_taken(
@@ -133,7 +134,7 @@ def test_the_first_answer_of_another_way_that_brings_unseen_readings_much_nearer
     assert len(told) == 1
 
 
-@pytest.mark.parametrize("record", [NAMED, QUIET])
+@pytest.mark.parametrize("record", [NAMED, replace(QUIET, remaining=3.0)])
 def test_an_answer_is_left_as_it_is(monkeypatch, record):
     monkeypatch.setattr(inquiry, "searched_anew", lambda *_: pytest.fail("searched anew"))
     monkeypatch.setattr(inquiry, "_with_sizes", lambda one: one)

@@ -55,7 +55,7 @@ EDGES = {
     "many_nats": (lambda _, v: lasts(v, 0.0), 99.0, 101.0),
     "few_moments": (lambda _, v: lasts(9.0, v), 3.45, 3.55),
     "loud_nats": (lambda patch, v: is_heard(patch, check=v), 39.0, 41.0),
-    "recurring_nats": (lambda _, v: lasts(9.0, 1.0, check=v, ratio=0.9), 14.9, 15.1),
+    "recurring_nats": (lambda _, v: lasts(9.0, 1.0, check=v, ratio=0.9), 29.9, 30.1),
     "odd_tolerances": (lambda _, v: lasts(1e4, 9.0, v, 7.9), 1.98, 2.02),
     "late_polls": (lambda _, v: is_late(v), 0.24, 0.26),
     "keep_nats": (is_kept, 2.95, 3.05),
@@ -141,7 +141,7 @@ def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_ba
 def test_what_checking_readings_call_for_loudly_may_come_from_few_moments_unless_it_has_a_period(
     ratio, second, kept, moments, error
 ):
-    assert lasts(99.0, moments, error, check=15.1, ratio=ratio, second=second) is kept
+    assert lasts(99.0, moments, error, check=30.1, ratio=ratio, second=second) is kept
 
 
 @pytest.mark.parametrize(

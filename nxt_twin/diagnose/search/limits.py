@@ -67,7 +67,7 @@ class SearchLimits:
     many_nats: float = 100.0
     loud_nats: float = 40.0
     few_moments: float = 3.5
-    recurring_nats: float = 15.0
+    recurring_nats: float = 30.0
     odd_tolerances: float = 2.0
     rival_nats: float = 8.0
     swap_nats: float = 1.0

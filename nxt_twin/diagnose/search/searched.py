@@ -56,7 +56,7 @@ def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Sear
 def searched_anew(
     simulator: Simulator, problem: Problem, explanation: Explanation, progress: Progress
 ) -> Iterator[Searched]:
-    """What a search finds from each of the ways that `explanation` did not go, as long as it gets likelier."""
+    """Each end, likelier than the last, of a search from the ways that `explanation` did not go."""
     fits = Fits(simulator, problem)
     ways, likeliest = explanation.untaken[: EFFORT.anew], explanation
     for way in ways:
