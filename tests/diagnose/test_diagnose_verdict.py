@@ -96,6 +96,7 @@ def test_each_limit_has_a_case_at_its_edge():
         "worse",
         "nearly",
         "shaped",
+        "half_shaped",
         "coloured",
     }
 
@@ -139,6 +140,22 @@ def test_a_drag_or_a_spring_beside_which_another_sets_in_somewhere_is_refused_un
     assert not is_another_law(near)
     assert is_another_law(replace(near, remaining=3.01)) is another
     assert is_another_law(replace(near, run_ratio=0.061)) is another
+
+
+@pytest.mark.parametrize(
+    ("changes", "another"),
+    [
+        ({}, True),
+        ({"kin_nats": 9.0}, False),
+        ({"remaining": 1.0}, False),
+        ({"nearer": 0.15}, False),
+        ({"nearer": 0.0, "run_ratio": 0.16}, True),
+    ],
+)
+def test_half_of_that_refuses_a_drag_that_leaves_a_good_part_of_an_error_that_matters(changes, another):
+    record = replace(replace(FOUND, kin_nats=9.1, remaining=1.1, nearer=0.16), **changes)
+    assert is_another_law(record) is another
+    assert verdict_of(record) == ("unexplained" if another else "explained")
 
 
 def test_what_goes_with_the_time_at_rest_speaks_against_a_found_effect_alone():
