@@ -60,9 +60,9 @@ class VerdictLimits:
             to 0.07, a quarter to a half of the baseline's.
         shaped: nats that a torque may gain beside a drag or a spring which sets in at the speed or the angle where that
             torque does. More speaks of a law with two sizes.
-        half_shaped: as `shaped`, where effects leave more than `hardly` of the error, and more than the tolerance. Set on 447
-            answers to the four families and to a foreign simulator. Beside right names the torque gained less than 4
-            there, beside two drags that set in at a speed 10 and 16.
+        half_shaped: as `shaped`, where effects leave more than `hardly` of the error, and more than the tolerance. Set
+            on 447 answers to the four families and to a foreign simulator. Beside right names the torque gained less
+            than 4 there, beside two drags that set in at a speed 10 and 16.
         rested: nats that a free function of the time at rest may gain beside found effects, none of which goes with
             it. Set on seeds 640 to 647 of the four families. Beside right names it gained up to 27, beside wrong ones
             60 to 465 in four of six cases.
