@@ -75,9 +75,6 @@ class VerdictLimits:
         sober: nats that a law may gain beside found effects under a soberer unknown torque, where it adds more than
             `most_left` of all gains. Set on seed 700 of the four families. Beside right names it gained up to 40, or
             less than a twentieth of all gains. Beside four of five wrong names it gained 60 to 234.
-        much: error in tolerances above which such a law counts however little it adds to all gains. Set on 447 answers
-            to the four families and to a foreign simulator. Beside right names with more than 10 it gained up to 13
-            nats. Beside a current limit that stood for a driver's slew it gained 117, and 51 were left.
         cleared: share of the unknown torque of the baseline up to which effects may leave it. Beside right names of
             wandering stamps up to 0.16 was left, beside dry friction of a real drive 0.07. Of two supply dips that
             passed for such stamps 0.20 and 0.26 was left, and beside one right clock 0.23.
@@ -117,7 +114,6 @@ class VerdictLimits:
     excused: float = 6e-3
     coloured: float = 1.4
     sober: float = 60.0
-    much: float = 10.0
     cleared: float = 0.2
     hardly_any: float = 0.06
     moved: float = 3.0
@@ -381,19 +377,17 @@ def is_swallowed(record: Record, limits: VerdictLimits = LIMITS) -> bool:
     """Whether the unknown torque stands for a law that goes with speed, angle, time or command.
 
     Fitted readings call for that law beside all that the effects gained, once less of the torque is allowed. By windows
-    alone it is asked where single steps are evidence. Where a large error is left, a small share of the gains will do.
-    What brings given numbers back gains by those, and not by readings: so no share tells, and it is not asked. Nor is
-    it where less than half of the tolerance is left: beside a right name, the equations of another simulator leave as
-    much. Faults of the readings move no motor: beside them, all of the tolerance may be left.
+    alone it is asked where single steps are evidence. What brings given numbers back gains by those, and not by
+    readings: so no share tells, and it is not asked. Nor is it where less than half of the tolerance is left: beside a
+    right name, the equations of another simulator leave as much. Faults of the readings move no motor: beside them, all
+    of the tolerance may be left.
     """
     told = (not record.by_windows or record.colour < limits.coloured) and not record.restores
     little = record.remaining <= (1.0 if record.of_readings else limits.silent)
     hardly = little or _leaves_hardly_any(record, limits)
     heard = record.found and not hardly and not _is_cleared(record, limits)
     share = record.sober_nats / max(record.sober_nats + max(record.gained_nats, 0.0), 1e-15)
-    large = record.remaining > limits.much and not record.of_readings
-    weighty = share > limits.most_left or large
-    return heard and told and record.sober_nats > limits.sober and weighty
+    return heard and told and record.sober_nats > limits.sober and share > limits.most_left
 
 
 def is_contradicted(record: Record, limits: VerdictLimits = LIMITS) -> bool:
