@@ -10,6 +10,7 @@ import pytest
 from nxt_twin.blind.case import SEAL_FILE
 from nxt_twin.blind.families.family import Order
 from nxt_twin.blind.families.habits import Habits, draw_length_s, polls_s
+from nxt_twin.blind.families.numbers import Chain
 from nxt_twin.blind.families.orders import Amounts, families_of, make_orders, plan_orders
 from nxt_twin.blind.families.table import BRISTLE, FAMILIES
 from nxt_twin.blind.sets import CasePlan, plan_set
@@ -134,6 +135,28 @@ def test_a_logger_that_writes_the_last_command_puts_it_a_row_late():
     moved = np.flatnonzero(np.abs(np.diff(recording.columns["a_tacho_deg"])) > 0.0)[0] + 1
     commanded = np.flatnonzero(recording.columns["a_power_pct"])[0]
     assert moved <= commanded
+
+
+def test_rows_that_chance_stamps_late_stay_in_order_and_are_as_late_for_commands():
+    chain = Chain(lag_span_s=0.03, lag_phase=0.4, lag_by_chance=1.0)
+    polls = np.arange(500) * 0.02
+    late_s = chain.lag_s(polls)
+    assert np.diff(polls + late_s).min() > 0.0
+    assert late_s.min() >= 0.0
+    assert late_s.max() == pytest.approx(0.03, rel=0.05)
+    assert np.corrcoef(np.diff(late_s)[1:], np.diff(late_s)[:-1])[0, 1] < -0.2
+    np.testing.assert_array_equal(chain.lag_s(polls), late_s)
+    assert not np.array_equal(chain.lag_s(polls[:400])[:100], late_s[:100])
+
+
+def test_some_skewed_clocks_are_late_by_chance_and_some_wander():
+    turns = []
+    for seed in range(12):
+        late = case_of("workshop", ("clock_skew",), seed=seed).recordings[0].time_s
+        apart = np.diff(late) - np.median(np.diff(late))
+        turns.append(float(np.corrcoef(apart[1:], apart[:-1])[0, 1]))
+    assert min(turns) < -0.2
+    assert max(turns) > -0.08
 
 
 def test_a_recording_begins_with_the_motor_off_or_in_the_midst_of_a_program_or_of_a_motion():

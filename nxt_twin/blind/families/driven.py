@@ -65,6 +65,9 @@ def _delay(at: DrawnCase) -> HiddenEffect:
 
 
 def _skew(at: DrawnCase) -> HiddenEffect:
+    """The lag wanders in two of three cases; otherwise a busy host stamps each row late by chance."""
+    if at.rng.random() < 1.0 / 3.0:
+        return _late_by_chance(at)
     span_s = at.among(small=(9e-3, 13e-3), medium=(20e-3, 35e-3), large=(55e-3, 0.09))
     rate = at.side() * at.between(1e-3, 8e-3)
     return HiddenEffect(
@@ -76,6 +79,12 @@ def _skew(at: DrawnCase) -> HiddenEffect:
             "lag_phase": float(at.rng.random()),
         },
     )
+
+
+def _late_by_chance(at: DrawnCase) -> HiddenEffect:
+    span_s = at.poll_s * at.among(small=(0.3, 0.5), medium=(0.6, 0.9), large=(1.2, 2.0))
+    told = {"lag_span_s": span_s, "rate_error": at.side() * at.between(1e-3, 8e-3)}
+    return HiddenEffect(told, chain={**told, "lag_phase": float(at.rng.random()), "lag_by_chance": 1.0})
 
 
 def _stale(at: DrawnCase) -> HiddenEffect:

@@ -10,6 +10,7 @@ import numpy as np
 from nxt_twin.arrays import FloatArray
 
 NEVER_S: Final = 1e9
+STAMPS_APART_S: Final = 1e-4
 
 
 @final
@@ -93,8 +94,9 @@ class Numbers:
 class Chain:
     """Between the motor and the rows of a recording: when commands act, what is stamped, what is read.
 
-    A reading's stamp is `(1 + rate_error) · (t + lag)`, the lag wandering between 0 and `lag_span_s`. A command
-    acts `delay_s` after its poll; with `late_rows` it is written into the row after.
+    A reading's stamp is `(1 + rate_error) · (t + lag)`, the lag wandering between 0 and `lag_span_s`. With
+    `lag_by_chance` each row is late by itself, and none overtakes the row before it. A command acts `delay_s`
+    after its poll; with `late_rows` it is written into the row after.
     """
 
     delay_s: float = 0.0
@@ -103,6 +105,7 @@ class Chain:
     lag_span_s: float = 0.0
     lag_period_s: float = 1.0
     lag_phase: float = 0.0
+    lag_by_chance: float = 0.0
     stale_fraction: float = 0.0
     refresh_period_s: float = 0.0
     eccentricity_deg: float = 0.0
@@ -114,10 +117,20 @@ class Chain:
         """By how much the stamps of readings taken at these times are late, s."""
         if self.lag_span_s == 0.0:
             return np.zeros(true_s.size)
+        if self.lag_by_chance:
+            return self._lag_by_chance_s(true_s)
         turn = true_s / self.lag_period_s + self.lag_phase
         second = 0.3 * np.cos(2.0 * np.pi * 2.3 * turn)
         wave = 0.5 + 0.5 * (np.sin(2.0 * np.pi * turn) + second) / 1.3
         return np.asarray(self.lag_span_s * wave, dtype=np.float64)
+
+    def _lag_by_chance_s(self, true_s: FloatArray) -> FloatArray:
+        """Mostly short, seldom long; `lag_phase` draws it, so that rows and commands agree."""
+        rng = np.random.default_rng([int(self.lag_phase * 2.0**32), int(1e6 * (true_s[-1] - true_s[0]))])
+        stamped_s = true_s + self.lag_span_s * rng.random(true_s.size) ** 2
+        apart_s = STAMPS_APART_S * np.arange(true_s.size)
+        in_order_s = np.maximum.accumulate(stamped_s - apart_s) + apart_s
+        return np.asarray(in_order_s - true_s, dtype=np.float64)
 
     def encoder_deg(self, hub_deg: FloatArray, miscount_deg: FloatArray) -> FloatArray:
         """The encoder's reading before it is cut to its steps."""
