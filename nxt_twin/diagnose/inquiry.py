@@ -59,7 +59,7 @@ def _misled(evidence: Evidence) -> bool:
     record = evidence.record
     if is_idle(record):
         return True
-    if any("scatter" in effect.terms for effect, _ in evidence.explanation.found):
+    if any(effect.holds_readings for effect, _ in evidence.explanation.found):
         return False
     late = any("outlier" in effect.terms for effect, _ in evidence.explanation.found)
     no_nearer = record.nearer > LIMITS.confirmed and not (late and record.remaining <= 1.0)

@@ -125,6 +125,11 @@ class Effect:
         """Short: id and name."""
         return f"<Effect {self.id}: {self.name}>"
 
+    @property
+    def holds_readings(self) -> bool:
+        """Whether readings are those of an earlier moment, anywhere in a span: they scatter by themselves."""
+        return "scatter" in self.terms and "pace" not in self.terms
+
     def takes(self, kind: InputKind) -> bool:
         """Whether it makes sense under this kind of input; a servo's loop commands a power."""
         return not self.inputs or ("power_pct" if kind in GOALS else kind) in self.inputs

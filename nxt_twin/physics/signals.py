@@ -15,7 +15,7 @@ from nxt_twin.recording.recording import InputKind
 VOLTAGES: Final[tuple[InputKind, ...]] = ("power_pct", "voltage_v", "goal_position_rad")
 """Inputs that set a voltage, under which a motor's motion tells nothing of the size of its torques."""
 
-_OF_ANY_AGE = (-1.0, -1.0, 0.0)
+_OF_ANY_AGE = (-1.0, -1.0, 0.0, 0.0)
 
 
 @final
@@ -37,8 +37,8 @@ class Signals:
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
         ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. The latter
-            is negative where nothing tells. Then by how much each stamp is later than its neighbours tell, as a share
-            of `late_span_s`. Shape (samples, 3).
+            is negative where nothing tells. Then by how much each stamp is later than its neighbours tell, and
+            `late_open`, both as shares of `late_span_s`. Shape (samples, 4).
         refreshed_s: the time from one refreshment of held readings to the next, 0 where nothing tells it.
         late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
         late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
@@ -59,7 +59,7 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
-    ages: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    ages: FloatArray = field(default_factory=lambda: np.zeros((0, 4)))
     refreshed_s: float = 0.0
     late_span_s: float = 0.0
     late_open: float = 0.0
@@ -86,12 +86,16 @@ class Signals:
         """The same readings, with nothing known of their ages."""
         return replace(
             self,
-            ages=np.zeros((0, 3)),
+            ages=np.zeros((0, 4)),
             refreshed_s=0.0,
             late_span_s=0.0,
             late_open=0.0,
             command_late=np.zeros(0),
         )
+
+    def of_known_lateness(self) -> Signals:
+        """The same, as if neighbouring stamps told exactly how late each row is."""
+        return replace(self, ages=self.ages * np.array([1.0, 1.0, 1.0, 0.0]))
 
     def alone(self) -> Signals:
         """The same with the brick's other motors at rest."""

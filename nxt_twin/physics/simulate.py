@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Self, final
+from threading import Lock, local
+from typing import Self, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ from nxt_twin.physics.start import Start
 from nxt_twin.threads import threads_for
 
 STEP_S = 1e-3
+
+ItemT = TypeVar("ItemT")
+ResultT = TypeVar("ResultT")
 
 
 @final
@@ -66,6 +70,9 @@ class Simulator:
         self._kernel = kernel(plan)
         self._states = 1 + sum(len(effect.states) for effect in plan.effects)
         self._pool, self._workers = threads_for(workers)
+        self._thinkers, _ = threads_for(workers)
+        self._within = local()
+        self._grouping = Lock()
         self._stop = np.zeros(1, dtype=np.uint8)
         self._groups: dict[tuple[int, ...], tuple[tuple[Job, ...], list[_Group]]] = {}
 
@@ -75,6 +82,26 @@ class Simulator:
     def __exit__(self, *_: object) -> None:
         self._stop[0] = 1
         self._pool.shutdown(cancel_futures=True)
+        self._thinkers.shutdown(cancel_futures=True)
+
+    def abreast(self, function: Callable[[ItemT], ResultT], items: Iterable[ItemT]) -> list[ResultT]:
+        """What `function`, which runs simulations, gives for each of `items`, which do not depend on one another.
+
+        While one of them evaluates its runs, another keeps the cores busy. Within one of them, items go one by one.
+        """
+        every = list(items)
+        if len(every) < 2 or self._workers == 1 or getattr(self._within, "one", False):
+            return [function(item) for item in every]
+        tasks = [self._thinkers.submit(self._within_one, function, item) for item in every]
+        try:
+            return [task.result() for task in tasks]
+        finally:
+            for task in tasks:
+                task.cancel()
+
+    def _within_one(self, function: Callable[[ItemT], ResultT], item: ItemT) -> ResultT:
+        self._within.one = True
+        return function(item)
 
     def run(self, values: FloatArray, active: BoolArray, jobs: Sequence[Job]) -> list[Result]:
         """Run every parameter set over every job.
@@ -120,11 +147,12 @@ class Simulator:
     def _grouped(self, jobs: Sequence[Job]) -> list[_Group]:
         """`jobs` that may be run abreast together; a fit runs its jobs many times, so the latest are kept."""
         key = tuple(map(id, jobs))
-        if key not in self._groups:
-            while len(self._groups) >= _GROUPS_KEPT:
-                self._groups.pop(next(iter(self._groups)), None)
-            self._groups[key] = (tuple(jobs), _abreast(jobs))
-        return self._groups[key][1]
+        with self._grouping:
+            if key not in self._groups:
+                while len(self._groups) >= _GROUPS_KEPT:
+                    self._groups.pop(next(iter(self._groups)), None)
+                self._groups[key] = (tuple(jobs), _abreast(jobs))
+            return self._groups[key][1]
 
     def trace(self, plant: Plant, job: Job) -> dict[str, FloatArray]:
         """One run of one plant, with what went on inside.

@@ -111,7 +111,7 @@ def run(
                 trust = 1.0
                 if any_scatter:
                     scatter = 0.0
-                    unseen_s = ages[k, 1]
+                    unseen_s, late_open = ages[k, 1], ages[k, 3]
 {scatter}
                     trust, std, log_std = _scattered(std, log_std, scatter)
                 ratio = innovation / std

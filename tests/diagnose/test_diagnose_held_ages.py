@@ -38,7 +38,7 @@ def held_ramp(rows, refresh_s=REFRESH_S):
 def test_ages_of_held_readings_are_known_to_half_a_poll():
     signals, taken_s = held_ramp(400)
     (known,) = with_ages([signals])
-    shown_s, unseen_s, _ = known.ages.T
+    shown_s, unseen_s, *_ = known.ages.T
     second = np.flatnonzero(np.diff(signals.measured))[0] + 1
     np.testing.assert_allclose(unseen_s[second:], POLL_S)
     np.testing.assert_allclose(
@@ -51,7 +51,7 @@ def test_ages_of_held_readings_are_known_to_half_a_poll():
 def test_a_device_that_refreshes_by_its_own_clock_tells_ages_of_repeats_to_a_millisecond():
     signals, taken_s = held_ramp(2000, 0.0373)
     (known,) = with_ages([signals])
-    shown_s, unseen_s, _ = known.ages[10:-10].T
+    shown_s, unseen_s, *_ = known.ages[10:-10].T
     off_s = shown_s + 0.5 * unseen_s - (signals.time_s - taken_s)[10:-10]
     assert np.percentile(np.abs(off_s), 80) < 1e-3  # but for new ones, which are of half a poll at least
     assert np.abs(off_s).max() < 0.6 * POLL_S

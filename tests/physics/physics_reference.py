@@ -39,7 +39,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     ]
     commands, loads = signals.command_time_s - np.array(late_s) + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
-    ages = [dict(zip(("shown_s", "unseen_s", "late"), each, strict=True)) for each in signals.ages.tolist()]
+    ages = [dict(zip(("shown_s", "unseen_s", "late", "late_open"), each, strict=True)) for each in signals.ages.tolist()]
     taken_s = [
         t - axis.formed("lag", {"stamp_s": t - began_s, **known}, 0.0)
         for t, known in zip(signals.time_s.tolist(), ages, strict=True)
@@ -77,7 +77,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
         if math.isnan(reading) or job.start.at[k]:
             continue
         std = float(job.observer.innovation_std[k])
-        wider = axis.widened(std, ages[k]["unseen_s"])
+        wider = axis.widened(std, ages[k]["unseen_s"], ages[k]["late_open"])
         weight, cost = axis.judge(reading, predicted, last_reading, wider)
         weight *= (std / wider) ** 2 if std > 0.0 else 1.0
         found["weight"][k], found["cost"][k] = weight, cost
@@ -134,9 +134,9 @@ class _Axis:
         self._speed += float(change[1])
         self._disturbance += float(change[2])
 
-    def widened(self, std: float, unseen_s: float) -> float:
+    def widened(self, std: float, unseen_s: float, late_open: float) -> float:
         """The standard deviation of a reading with what its scatter adds."""
-        scope = {"angle": self._angle, "speed": self._speed, "unseen_s": unseen_s}
+        scope = {"angle": self._angle, "speed": self._speed, "unseen_s": unseen_s, "late_open": late_open}
         scatter = self.formed("scatter", scope, 0.0)
         return math.sqrt(std * std + scatter) if std > 0.0 else std
 

@@ -107,7 +107,7 @@ def test_readings_whose_ages_are_known_agree_with_plain_python(motor_simulator):
     job = job_with_readings(motor_simulator, seconds=2.0)
     rows = job.signals.time_s.size
     shown_s = 0.01 * (np.arange(rows) % 5)
-    ages = np.column_stack([shown_s, np.where(shown_s > 0.0, 0.012, -1.0), np.zeros(rows)])
+    ages = np.column_stack([shown_s, np.where(shown_s > 0.0, 0.012, -1.0), np.zeros((rows, 2))])
     known = replace(job.signals, ages=ages)
     plant, job = with_effect("sample_hold"), replace(job, signals=known)
     compiled, plain = motor_simulator.trace(plant, job), predict(plant, job)
@@ -120,7 +120,7 @@ def test_rows_that_are_late_by_chance_agree_with_plain_python(motor_simulator):
     late = 0.5 * np.sin(7.0 * np.arange(job.signals.time_s.size))
     known = replace(
         job.signals,
-        ages=np.column_stack([np.full((late.size, 2), -1.0), late]),
+        ages=np.column_stack([np.full((late.size, 2), -1.0), late, np.full(late.size, 0.2)]),
         command_late=0.5 * np.cos(5.0 * np.arange(job.signals.command_time_s.size)),
     )
     plant = with_effect("clock_skew", lag_span=0.03, waves=0.0, of_commands=1.0)

@@ -120,7 +120,7 @@ def test_a_held_reading_is_as_old_as_it_has_been_shown(motor_simulator):
     held = nxt(effects={"sample_hold": {"refresh_period_s": 0.04}})
     run = commanded([(0.0, 0.7)], seconds=1.0)
     shown_s = 0.01 * (np.arange(run.time_s.size) % 4)
-    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02), 0.0 * shown_s]))
+    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02), 0.0 * shown_s, 0.0 * shown_s]))
     taken = replace(run, time_s=run.time_s - 0.01 - shown_s)
     wanted = motion(motor_simulator, nxt(), replace(taken, time_s=np.maximum(taken.time_s, 0.0)))["predicted"]
     found = motion(motor_simulator, held, known)["predicted"]
@@ -150,7 +150,7 @@ def test_rows_that_are_late_by_chance_show_the_motion_of_when_they_were_taken(mo
         run,
         time_s=run.time_s + 0.02 * (0.5 + late),
         command_time_s=run.command_time_s + 0.02 * (0.5 + command_late),
-        ages=np.column_stack([np.full((late.size, 2), -1.0), late]),
+        ages=np.column_stack([np.full((late.size, 2), -1.0), late, 0.0 * late]),
         command_late=command_late,
     )
     by_rows = {"lag_span_s": 0.02, "rate_error": 0.0, "lag_waves": 0.0, "lag_of_commands": 1.0}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -96,13 +97,15 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
     less than its priors cost. Physics that a model leaves out may look like a parameter a hundred times as large.
     """
     simulating, drifting = fitter.simulating(baseline.plant, baseline.noise, everything=True)
-    others = [
-        roughly_everything(fitter, baseline.plant, baseline.noise, rounds=2),
-        roughly_everything(fitter, fitter.problem.plant, final.noise, rounds=0),
-        fitter.checked(simulating, drifting),
-        standing(fitter, fitter.problem.plant, baseline.noise),
+    given = fitter.problem.plant
+    ways: list[Callable[[], Structure]] = [
+        lambda: plainly_fitted(fitter, baseline, final.noise),
+        lambda: roughly_everything(fitter, baseline.plant, baseline.noise, rounds=2),
+        lambda: roughly_everything(fitter, given, final.noise, rounds=0),
+        lambda: fitter.checked(simulating, drifting),
+        lambda: standing(fitter, given, baseline.noise),
     ]
-    fits = [plainly_fitted(fitter, baseline, final.noise), *others]
+    fits = fitter.simulator.abreast(lambda way: way(), ways)
     errors = np.array([fitter.simulated_errors(one.plant, final.noise) for one in fits])
     priors = np.array([one.fitted.prior_cost for one in fits])
     return fits[best_fit(priors, errors, windows_of(fitter.problem), fitter.problem.tolerance)]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import final
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar, final
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.baselines import best_baseline, likely_baseline, settled_baseline, standing
@@ -25,6 +25,9 @@ from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Simulator
 
+ItemT = TypeVar("ItemT")
+ResultT = TypeVar("ResultT")
+
 
 @final
 class Fits:
@@ -37,6 +40,10 @@ class Fits:
     def __init__(self, simulator: Simulator, problem: Problem) -> None:
         self.problem = problem
         self._fitter = Fitter(simulator, problem)
+
+    def abreast(self, function: Callable[[ItemT], ResultT], items: Iterable[ItemT]) -> list[ResultT]:
+        """What `function`, which makes fits, gives for each of `items`, which do not depend on one another."""
+        return self._fitter.simulator.abreast(function, items)
 
     def first_noise(self) -> Noise:
         """Noise of the given plant to start a search from."""

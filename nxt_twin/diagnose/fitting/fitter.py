@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from threading import RLock
 from typing import final
 
 import numpy as np
@@ -74,6 +75,7 @@ class Fitter:
         self.problem = problem
         self._targets: dict[float, Target] = {STEP_S: problem.objective}
         self._tuned: dict[tuple[float, Noise], Target] = {}
+        self._keeping = RLock()  # fits go on abreast
         self._checks = Checks(simulator, problem)
         self.on_everything: dict[tuple[int, Noise, int], tuple[Plant, Structure]] = {}
 
@@ -156,19 +158,21 @@ class Fitter:
 
     def target(self, step_s: float) -> Target:
         """The target with steps of `step_s`."""
-        if step_s not in self._targets:
-            self._targets[step_s] = self.problem.objective.with_step(step_s)
-        return self._targets[step_s]
+        with self._keeping:
+            if step_s not in self._targets:
+                self._targets[step_s] = self.problem.objective.with_step(step_s)
+            return self._targets[step_s]
 
     def tuned(self, noise: Noise, step_s: float) -> Target:
         """The target with steps of `step_s` under the gains that suit `noise`; the latest are kept."""
         key = (step_s, noise)
-        if key not in self._tuned:
-            readings = samples_of(self.problem.objective.jobs)
-            if len(self._tuned) >= min(_TUNED_KEPT, max(1, _KEPT_READINGS // max(readings, 1))):
-                del self._tuned[next(iter(self._tuned))]
-            self._tuned[key] = with_noise(self.target(step_s), noise)
-        return self._tuned[key]
+        with self._keeping:
+            if key not in self._tuned:
+                readings = samples_of(self.problem.objective.jobs)
+                if len(self._tuned) >= min(_TUNED_KEPT, max(1, _KEPT_READINGS // max(readings, 1))):
+                    del self._tuned[next(iter(self._tuned))]
+                self._tuned[key] = with_noise(self.target(step_s), noise)
+            return self._tuned[key]
 
     def _with_shares(self, plant: Plant, target: Target) -> Plant:
         """Set the share of each fault to the mean probability with which it explains a reading."""

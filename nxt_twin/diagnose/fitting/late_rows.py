@@ -20,13 +20,14 @@ from nxt_twin.physics.signals import Signals
 _APART = (4, 8, 16, 32)
 """Rows over which stamps tell how late rows are, which stays, from the jitter of polls, which adds up."""
 
-_FEWEST_ROWS = 4 * _APART[-1]  # of a recording that tells
+_FEWEST_ROWS = 2 * _APART[-1]  # of a recording that tells
 
 _LATE_TURNS = -0.08
 """Correlation of neighbouring times between rows, above which no row is late.
 
 It is -0.079 to 0.29 in 288 cases of Drake's simulator whose polls alone have jitter. Rounded stamps turn more."""
 
+_SURE = 3.0  # standard deviations of that correlation by chance, at least
 _CLIPPED = 5.0  # deviations from the middle time between rows, up to which that correlation counts it
 _STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
 _STALLS = 3.0  # degrees of freedom of a poll's jitter: stalls are rare and long
@@ -42,7 +43,7 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     off all that follow.
     """
     long = [one for one in recordings if one.time_s.size >= _FEWEST_ROWS]
-    if not long or _turning(long) > _LATE_TURNS:
+    if not long or _turning(long) > min(_LATE_TURNS, -_SURE / math.sqrt(sum(one.time_s.size for one in long))):
         return list(recordings)
     late_s, jitter_s = _deviations(long)
     span_s = math.sqrt(12.0) * late_s  # of a lateness that is anywhere in it
@@ -69,17 +70,18 @@ def with_drawn_lateness(signals: Signals, rng: Generator) -> Signals:
         return signals
     off = signals.late_open * rng.standard_normal(signals.time_s.size)
     row = np.clip(np.searchsorted(signals.time_s, signals.command_time_s), 0, off.size - 1)
-    ages = signals.ages + off[:, None] * np.array([0.0, 0.0, 1.0])
+    ages = signals.ages + off[:, None] * np.array([0.0, 0.0, 1.0, 0.0])
     return replace(signals, ages=ages, command_late=signals.command_late + off[row])
 
 
 def _with(signals: Signals, clock: _Polling, span_s: float) -> Signals:
     late = (signals.time_s - clock.course(signals.time_s)) / span_s
+    late_open = clock.open_s / span_s
     return replace(
         signals,
-        ages=np.column_stack([signals.ages[:, :2], late]),
+        ages=np.column_stack([signals.ages[:, :2], late, np.full(late.size, late_open)]),
         late_span_s=span_s,
-        late_open=clock.open_s / span_s,
+        late_open=late_open,
         command_late=np.interp(signals.command_time_s, signals.time_s, late),
     )
 

@@ -56,7 +56,7 @@ def _begun(fitter: Fitter, plant: Plant, noise: Noise, step_s: float) -> tuple[P
     """
     given = fitter.problem.plant.values
     afresh = plant.with_values({slot: value for slot, value in given.items() if slot in plant.values})
-    fits = [fitter.simulating(start, noise) for start in (plant, afresh)]
+    fits = fitter.simulator.abreast(lambda start: fitter.simulating(start, noise), (plant, afresh))
     starts = [plant, *(fitted.plant for fitted, _ in fits)]
     drifting = min(fits, key=lambda fit: fit[1].drift)
     settled_noise, _ = estimate(fitter.simulator, drifting[0].plant, fitter.target(step_s), drifting[1])

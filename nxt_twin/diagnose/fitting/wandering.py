@@ -33,6 +33,7 @@ _KEPT = 6  # courses that are run
 _CHANCE_NATS = 10.0  # that the best of so many courses promises where no stamp is late: 4 to 13
 _APART = 0.9  # correlation of two courses above which the lesser one is left out
 _MOST_SPAN_S = 0.3  # of a start
+_USUAL_LATENESS = (0.5, 0.0)  # of rows that chance makes late, in spans
 
 
 @final
@@ -70,8 +71,21 @@ def wandering_starts(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[d
     probes = [plant.with_effect(effect.id, {**probe, "lag_phase": phase}) for phase in _QUARTER]
     courses = _Response(nuisance, probes).likeliest(_SHAPES, _KEPT)
     found = [_start(one.span_s, one.wave) for one in courses if one.gain > _CHANCE_NATS]
-    late_span_s = max(job.signals.late_span_s for job in nuisance.jobs)
-    return found + ([_start(late_span_s, _PROBE) | {"waves": 0.0}] if late_span_s > 0.0 else [])
+    return found + _late_by_chance(max(job.signals.late_span_s for job in nuisance.jobs))
+
+
+def _late_by_chance(span_s: float) -> list[dict[str, float]]:
+    """Starts of a lag that neighbouring stamps tell; none where they tell none.
+
+    A command acts when its row was due, or when it was stamped. The usual lateness may be in other numbers already.
+    """
+    if span_s <= 0.0:
+        return []
+    return [
+        _start(span_s, _PROBE) | {"waves": 0.0, "of_commands": late, "lag_mean": mean}
+        for late in (1.0, 0.0)
+        for mean in _USUAL_LATENESS
+    ]
 
 
 def second_waves(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[tuple[float, Plant]]:

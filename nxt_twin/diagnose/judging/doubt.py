@@ -70,10 +70,11 @@ def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray
 
     NaN where nothing was read.
     """
-    if not any("scatter" in effect.terms for effect in plant.effects):
+    if not any(effect.holds_readings for effect in plant.effects):
         return np.zeros(signals.time_s.size)
     values, active = plant.vectors()
     active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])
+    signals = signals.of_known_lateness()  # which others draw
     job = Job(signals, free(signals, 1.0), moving_start(signals))
     weight = simulator.run(values[None], active[None], [job])[0].weight[0]
     return 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here

@@ -63,10 +63,12 @@ def refitted_floors(
     has `reached` on the real ones, of which the last is the error of `final`.
     """
     truths = drawn(final, covariance, REPLICATES, rng)
-    made = [
-        _replicate(simulator, problem, final, truth, rng, math.exp(off if complete else 0.0))
-        for truth, off in zip(truths, _offs(rng), strict=True)
+    offs = [math.exp(off if complete else 0.0) for off in _offs(rng)]
+    replicates = [
+        (_read_anew(simulator, problem, final, truth, rng), off)
+        for truth, off in zip(truths, offs, strict=True)
     ]
+    made = simulator.abreast(lambda one: _refitted(simulator, final, *one), replicates)
     # A re-fit that ran away counts as large, and not as none.
     held = np.nan_to_num(np.array([errors.rms for errors, _ in made]), posinf=_HUGE)
     floors = np.quantile(held, MOSTLY, axis=0)
@@ -114,22 +116,23 @@ def _seen(problem: Problem) -> Problem:
     return replace(problem, held_out=tuple(parts))
 
 
-def _replicate(
-    simulator: Simulator,
-    problem: Problem,
-    final: Structure,
-    truth: Plant,
-    rng: Generator,
-    friction_times: float,
+def _read_anew(
+    simulator: Simulator, problem: Problem, final: Structure, truth: Plant, rng: Generator
+) -> Problem:
+    """The problem with synthetic recordings of `truth` in the place of the real ones."""
+    every = [*problem.signals, *(part.signals for part in problem.held_out)]
+    made = {signals.name: synthetic(simulator, truth, signals, final.noise, rng) for signals in every}
+    return _instead(problem, made)
+
+
+def _refitted(
+    simulator: Simulator, final: Structure, own: Problem, friction_times: float
 ) -> tuple[Errors, Errors]:
-    """The errors of a re-fit to synthetic recordings of `truth`: on held-out readings, and on those that were fitted.
+    """The errors of a re-fit to synthetic recordings: on held-out readings, and on those that were fitted.
 
     Held-out readings are judged with the re-fit's dry friction taken `friction_times`.
     """
     plant, noise = final.plant, final.noise
-    every = [*problem.signals, *(part.signals for part in problem.held_out)]
-    made = {signals.name: synthetic(simulator, truth, signals, noise, rng) for signals in every}
-    own = _instead(problem, made)
     fitted = Fitter(simulator, own).simulating(plant, noise, everything=True, rounds=1)[0].plant
     judged = _rubbing(fitted, friction_times)
     return errors_of(simulator, own, judged, judged, noise), errors_of(

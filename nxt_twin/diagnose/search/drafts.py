@@ -55,11 +55,12 @@ class Drafts:
         prospects = self.prospects(structure, effects)
         likely = [e for e in effects if e.id in prospects and prospects[e.id][0].gain > least]
         likely.sort(key=lambda e: -prospects[e.id][0].gain)
-        drafts = self._of(structure).drafts
-        for effect in likely[:most]:
-            if effect.id not in drafts:
-                followed = self._ordered(prospects[effect.id], structure.noise)
-                drafts[effect.id] = self._draft(followed, structure.noise)
+        drafts, noise = self._of(structure).drafts, structure.noise
+        missing = [effect.id for effect in likely[:most] if effect.id not in drafts]
+        made_now = self._fits.abreast(
+            lambda one: self._draft(self._ordered(prospects[one], noise), noise), missing
+        )
+        drafts.update(zip(missing, made_now, strict=True))
         made = [(effect, drafts[effect.id]) for effect in likely[:most]]
         return sorted(made, key=lambda item: item[1].cost)
 
@@ -83,7 +84,9 @@ class Drafts:
         enough = _STARTS_SHARE * prospects[0].gain
         plants = self._nearer([p for p in prospects[:STARTS_FOLLOWED] if p.gain > enough], noise)
         if len(plants) > 1:
-            trials = [self._fits.draft(plant, noise, iterations=START_ITERATIONS) for plant in plants]
+            trials = self._fits.abreast(
+                lambda plant: self._fits.draft(plant, noise, iterations=START_ITERATIONS), plants
+            )
             best = min(trials, key=lambda trial: trial.fitted.cost + trial.fitted.prior_cost)
             plants = [best.fitted.plant]
         # Slopes that have followed a start's steps promise too little here: measured anew, a fit goes further.

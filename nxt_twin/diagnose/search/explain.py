@@ -226,8 +226,9 @@ class _Search:
         """Take out, one at a time, effects that no longer earn their place."""
         while True:
             weakest: tuple[float, Structure] | None = None
-            for effect_id in sorted(best.plant.active - self.baseline.plant.active):
-                simpler = self._settled.without(best, effect_id)
+            added = sorted(best.plant.active - self.baseline.plant.active)
+            lesser = self._fits.abreast(partial(self._settled.without, best), added)
+            for effect_id, simpler in zip(added, lesser, strict=True):
                 weight = weigh(simpler, best)
                 kept = self._is_told(best, effect_id) and keeps_its_place(
                     weight, LIMITS.keep_nats + self._belief_in_what_returns(simpler, best)

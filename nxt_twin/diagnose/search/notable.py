@@ -61,7 +61,7 @@ def is_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
     A fault that doubts or scatters readings is none: it would take in what any other effect leaves.
     """
     main = effect.parameters[0]
-    if {"outlier", "scatter"} & {*effect.terms} or _stands_for_another(plant, effect, scale):
+    if "outlier" in effect.terms or effect.holds_readings or _stands_for_another(plant, effect, scale):
         return False
     value = plant.values[Slot(effect.id, main.symbol)]
     lower = _carried(main, main.lower, plant, scale)
@@ -107,7 +107,7 @@ def is_told_from_jitter(plant: Plant, effect: Effect, recordings: Sequence[Signa
 
     They are held for longer than they are apart, too: below that no reading repeats, and a stamp's jitter looks alike.
     """
-    if "scatter" not in effect.terms:
+    if not effect.holds_readings:
         return True
     held_s = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
     return any(held_s > max(_CLEAR_OF_JITTER * _jitter_s(one), one.interval_s) for one in recordings)

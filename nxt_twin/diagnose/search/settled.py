@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 from nxt_twin.diagnose.fitting.fits import Fits
@@ -28,11 +29,19 @@ class Settled:
 
     def settle(self, plant: Plant, noise: Noise) -> Structure:
         """Settle, unless that set of effects came out better before."""
-        structure = self._fits.settled(plant, noise)
-        before = self._best.get(plant.active)
+        return self.settle_each([(plant, noise)])[0]
+
+    def settle_each(self, starts: Sequence[tuple[Plant, Noise]]) -> list[Structure]:
+        """As `settle`, of plants that do not depend on one another."""
+        made = self._fits.abreast(lambda start: self._fits.settled(*start), starts)
+        return [self._better_known(structure) for structure in made]
+
+    def _better_known(self, structure: Structure) -> Structure:
+        """The best that is known of the effects of `structure`, which was settled just now."""
+        before = self._best.get(structure.plant.active)
         if before is None or structure.fitted_cost < before.fitted_cost:
-            self._best[plant.active] = structure
-        return self._best[plant.active]
+            self._best[structure.plant.active] = structure
+        return self._best[structure.plant.active]
 
     def like(self, plant: Plant) -> Structure | None:
         """The settled structure with the effects of `plant`, or None."""

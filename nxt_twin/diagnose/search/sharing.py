@@ -76,5 +76,7 @@ def _from_other_shares(settled: Settled, best: Structure, trial: Structure, effe
     slots = [Slot(effect.id, each.symbol) for each in effect.parameters if each.shared_out]
     starts = [(slot, share, trial.noise) for slot in slots for share in UNDER_ITS_OWN]
     starts += [(slot, UNDER_MORE, best.noise) for slot in slots]
-    ends = [settled.settle(trial.plant.with_values({slot: share}), noise) for slot, share, noise in starts]
+    ends = settled.settle_each(
+        [(trial.plant.with_values({slot: share}), noise) for slot, share, noise in starts]
+    )
     return min([trial, *ends], key=lambda one: one.fitted_cost)

@@ -99,15 +99,10 @@ class Trials:
             (effect, self._waved(effect, trial) if trial.fitted_cost <= lowest else trial)
             for effect, trial in settled
         ]
-        return [
-            (
-                effect,
-                self._settled_anew(best, effect, trial)
-                if best.fitted_cost - trial.fitted_cost > in_reach
-                else trial,
-            )
-            for effect, trial in settled
-        ]
+        near = [one for one in settled if best.fitted_cost - one[1].fitted_cost > in_reach]
+        anew = self._fits.abreast(lambda one: self._settled_anew(best, *one), near)
+        better = {effect.id: trial for (effect, _), trial in zip(near, anew, strict=True)}
+        return [(effect, better.get(effect.id, trial)) for effect, trial in settled]
 
     def _waved(self, effect: Effect, leading: Structure) -> Structure:
         """The likeliest trial; of a lag that wanders, with a second wave where that gains enough."""
@@ -136,17 +131,25 @@ class Trials:
     ) -> list[tuple[Effect, Structure]]:
         """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
         needed, lifted = self._standard.needed(best), EFFORT.lifted
-        settled: list[tuple[Effect, Structure]] = []
-        for effect, draft in drafts:
-            promise = cost - draft.cost
-            if settled and lifted * promise + EFFORT.slack_nats < needed:
-                continue
-            trial = self._settled.settle(draft.fitted.plant, best.noise)
-            if not settled and promise > 0.0:
-                gain = best.fitted_cost + best.check_cost - trial.fitted_cost - trial.check_cost
-                lifted = max(lifted, gain / promise)
-            settled.append((effect, trial))
-        return settled
+        (leader, leading), others = drafts[0], drafts[1:]
+        first = self._settled.settle(leading.fitted.plant, best.noise)
+        promise = cost - leading.cost
+        if promise > 0.0:
+            gain = best.fitted_cost + best.check_cost - first.fitted_cost - first.check_cost
+            lifted = max(lifted, gain / promise)
+        wanted = [
+            (effect, draft.fitted.plant)
+            for effect, draft in others
+            if lifted * (cost - draft.cost) + EFFORT.slack_nats >= needed
+        ]
+        return [(leader, first), *self._settled_each(best, wanted)]
+
+    def _settled_each(
+        self, best: Structure, plants: list[tuple[Effect, Plant]]
+    ) -> list[tuple[Effect, Structure]]:
+        """Each effect with its plant, settled under the noise of `best`."""
+        settled = self._settled.settle_each([(plant, best.noise) for _, plant in plants])
+        return [(effect, trial) for (effect, _), trial in zip(plants, settled, strict=True)]
 
     def _rested(self, best: Structure, trial: Structure) -> Structure:
         """`trial`, settled once more under the noise of `best` where it simulates much nearer and is not likelier.
@@ -177,7 +180,9 @@ class Trials:
             if effect.id not in listed and draft.cost > cost and prospects[effect.id][0].gain > needed
         ]
         failed.sort(key=lambda prospect: -prospect.gain)
-        return [(p.effect, self._settled.settle(p.plant, noise)) for p in failed[: EFFORT.rugged]]
+        tried = failed[: EFFORT.rugged]
+        settled = self._settled.settle_each([(prospect.plant, noise) for prospect in tried])
+        return [(prospect.effect, trial) for prospect, trial in zip(tried, settled, strict=True)]
 
     def _scattering(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
         """Effects that scatter readings, settled where these are rough.
@@ -191,7 +196,7 @@ class Trials:
         noise = replace(best.noise, reading_std=fine)
         settled = []
         for effect in self.candidates(best.plant):
-            if "scatter" not in effect.terms or effect in known:
+            if not effect.holds_readings or effect in known:
                 continue
             plants = [best.plant.with_effect(effect.id, start) for start in self._fits.starts(effect)]
             costs = self._fits.costs(plants, noise)
@@ -208,7 +213,9 @@ class Trials:
         settled = []
         for effect in self.candidates(best.plant):
             if effect.counted:
-                trials = [self._settled.settle(plant, best.noise) for plant in self._losses(best, effect)]
+                trials = self._settled.settle_each(
+                    [(plant, best.noise) for plant in self._losses(best, effect)]
+                )
                 settled += [(effect, min(trials, key=lambda trial: trial.fitted_cost))] if trials else []
         return settled
 
@@ -232,7 +239,9 @@ class Trials:
         They are settled from where the drafts began: a rough fit beside a stop ends between peaks of the likelihood.
         """
         plants = losing(self._fits, best, effect)
-        drafts = [self._fits.draft(plant, best.noise, iterations=LOSS_ITERATIONS) for plant in plants]
+        drafts = self._fits.abreast(
+            lambda plant: self._fits.draft(plant, best.noise, iterations=LOSS_ITERATIONS), plants
+        )
         most = self._fits.drafted_cost(best, best.noise) + UNFITTED_NATS
         near = [(draft.cost, place) for place, draft in enumerate(drafts) if draft.cost < most]
         return [plants[place] for _, place in sorted(near)[: EFFORT.losses]]
@@ -255,7 +264,9 @@ class Trials:
             return at_whole_cycles(self._settled, trial, effect)
         sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
-        drafts = [self._fits.draft(p.plant, sober, iterations=SLOW_ITERATIONS) for p in prospects]
+        drafts = self._fits.abreast(
+            lambda prospect: self._fits.draft(prospect.plant, sober, iterations=SLOW_ITERATIONS), prospects
+        )
         leading = min(drafts, key=lambda made: made.cost)
         elsewhere = leading.fitted.plant
         costs = self._fits.costs([elsewhere, trial.plant], trial.noise)
@@ -286,8 +297,5 @@ class Trials:
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
         moving = [effect for effect in self.candidates(home) if not effect.fault]
         drafts = self._drafts.of(self._fits.standing(home, best.noise), moving, EFFORT.drafted)
-        return [
-            (effect, self._settled.settle(draft.fitted.plant, best.noise))
-            for effect, draft in drafts[: EFFORT.restoring]
-            if effect.id not in listed
-        ]
+        wanted = [one for one in drafts[: EFFORT.restoring] if one[0].id not in listed]
+        return self._settled_each(best, [(effect, draft.fitted.plant) for effect, draft in wanted])

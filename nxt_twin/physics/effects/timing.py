@@ -212,6 +212,12 @@ def _whole_rows(
     )
 
 
+def _strayed_lateness(speed: float, lag_span: float, waves: float, late_open: float) -> float:
+    """The variance that neighbouring stamps leave to a row's lateness, times the speed squared."""
+    strays = (1.0 - waves) * late_open * lag_span * speed
+    return strays * strays
+
+
 # A lag that wanders by no law, beside its slowest wave; without a share there is no second one to be fitted.
 _SECOND_WAVE = (
     Parameter(
@@ -258,7 +264,7 @@ CLOCK_SKEW = Effect(
         "stamp = (1 + ε)·(t + s·(m + ½·w(t))) for readings; for commands as well, or (1 + ε)·t; "
         "w(t) = (1 - q)·v(t/P + φ) + q·cos(2π·(t/P₂ + φ₂)); "
         "v from 1 to -1 and back in r of a turn, as a cosine (k = 0), by straight lines (k = 1) or between; "
-        "with `lag_waves` 0, s·½·w is what a row is later than its neighbours tell"
+        "with `lag_waves` 0, s·½·w is what a row is later than its neighbours tell, and what they leave open scatters"
     ),
     source=(
         "rate error as of Moon, Skelly and Towsley 1999. The waves are our own: sine, triangle, sawtooth, "
@@ -272,7 +278,7 @@ CLOCK_SKEW = Effect(
         # A half for a wander between none and s. As the span found is off by the law's shape, so is half of it: held to
         # a half, the rest would be taken for a delay.
         Parameter(
-            "lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.3, 0.7, spread=0.12, otherwise=0.5, shapes=True
+            "lag_mean", "lag_mean", "1", NUMBER, (0.5,), 0.0, 1.0, spread=0.12, otherwise=0.5, shapes=True
         ),
         Parameter("rate_error", "rate_error", "1", NUMBER, (3e-3,), -0.1, 0.1, spread=2.0),
         Parameter(
@@ -328,7 +334,7 @@ CLOCK_SKEW = Effect(
         # A logger stamps a command with its row, or when it was sent.
         Parameter("lag_of_commands", "of_commands", "1", NUMBER, (0.0,), 0.0, 1.0, otherwise=0.0, tried=True),
     ),
-    terms={"pace": _pace, "lag": _lag, "commanded": _whole_rows},
+    terms={"pace": _pace, "lag": _lag, "commanded": _whole_rows, "scatter": _strayed_lateness},
     confusable_with={
         "command_delay": "a long recording tells: a delay stays, a lag wanders",
         "stale_samples": "steady turning tells: a stale reading stands still, a late one is behind by the same time",
