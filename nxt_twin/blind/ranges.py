@@ -223,6 +223,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the mixture of `ninth` for the engine after decision 48, looked at by nobody before",
             singles=504,
         ),
+        SeedRange(
+            "sixteenth",
+            (5027, 5028),
+            Amounts(None, 38, 13, 7, 13),
+            None,
+            "the mixture of `ninth` for the engine after decision 51, looked at by nobody before",
+            singles=504,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

@@ -39,7 +39,10 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     ]
     commands, loads = signals.command_time_s - np.array(late_s) + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)
-    ages = [dict(zip(("shown_s", "unseen_s", "late", "late_open"), each, strict=True)) for each in signals.ages.tolist()]
+    ages = [
+        dict(zip(("shown_s", "unseen_s", "late", "late_open"), each, strict=True))
+        for each in signals.ages.tolist()
+    ]
     taken_s = [
         t - axis.formed("lag", {"stamp_s": t - began_s, **known}, 0.0)
         for t, known in zip(signals.time_s.tolist(), ages, strict=True)

@@ -120,7 +120,9 @@ def test_a_held_reading_is_as_old_as_it_has_been_shown(motor_simulator):
     held = nxt(effects={"sample_hold": {"refresh_period_s": 0.04}})
     run = commanded([(0.0, 0.7)], seconds=1.0)
     shown_s = 0.01 * (np.arange(run.time_s.size) % 4)
-    known = replace(run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02), 0.0 * shown_s, 0.0 * shown_s]))
+    known = replace(
+        run, ages=np.column_stack([shown_s, np.full(run.time_s.size, 0.02), 0.0 * shown_s, 0.0 * shown_s])
+    )
     taken = replace(run, time_s=run.time_s - 0.01 - shown_s)
     wanted = motion(motor_simulator, nxt(), replace(taken, time_s=np.maximum(taken.time_s, 0.0)))["predicted"]
     found = motion(motor_simulator, held, known)["predicted"]

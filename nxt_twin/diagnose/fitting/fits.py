@@ -19,7 +19,7 @@ from nxt_twin.diagnose.fitting.promised import promised
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Draft, Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.fitting.wandering import second_waves, wandering_starts
+from nxt_twin.diagnose.fitting.wandering import second_wave_alone, second_waves, wandering_starts
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -62,6 +62,10 @@ class Fits:
     def second_waves(self, structure: Structure, effect: Effect) -> list[tuple[float, Plant]]:
         """The plant of `structure`, whose `effect` is one wave, with second ones and the gain that each promises."""
         return second_waves(self._nuisance(structure), structure.plant, effect)
+
+    def second_wave_alone(self, plant: Plant, effect: Effect) -> Plant | None:
+        """`plant` with the second wave of `effect` alone, where that is a large one."""
+        return second_wave_alone(plant, effect)
 
     def _nuisance(self, structure: Structure) -> Nuisance:
         target = self._fitter.tuned(structure.noise, DRAFTED.step_for(structure.plant)).telling()

@@ -43,7 +43,9 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     off all that follow.
     """
     long = [one for one in recordings if one.time_s.size >= _FEWEST_ROWS]
-    if not long or _turning(long) > min(_LATE_TURNS, -_SURE / math.sqrt(sum(one.time_s.size for one in long))):
+    if not long or _turning(long) > min(
+        _LATE_TURNS, -_SURE / math.sqrt(sum(one.time_s.size for one in long))
+    ):
         return list(recordings)
     late_s, jitter_s = _deviations(long)
     span_s = math.sqrt(12.0) * late_s  # of a lateness that is anywhere in it

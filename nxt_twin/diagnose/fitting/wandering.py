@@ -16,12 +16,12 @@ from nxt_twin.physics.plant import Plant
 
 _PROBE_SPAN_S = 0.04  # of the waves by which the response of readings to a lag is measured
 _PROBE_PERIOD_S = 4.0  # of those waves
-_BIN_S = 0.1  # of the time since a recording began, within which a lag is one number
+_BIN_S = 0.06  # of the time since a recording began, within which a lag is one number
 _MOST_BINS = 3000  # of the longest recording
 _BINS_A_PERIOD = 8  # at least
 _LEAST_PERIODS = 1.5  # in the longest recording: a part of one more is a trend
-_FASTEST_S, _SLOWEST_S = 0.8, 300.0  # periods
-_PERIODS = 80  # that are tried, evenly by frequency
+_FASTEST_S, _SLOWEST_S = 0.5, 300.0  # periods
+_PERIODS = 120  # that are tried, evenly by frequency
 _SHAPES = (  # rise, straightness, and as many phases as show its quickest part
     (0.5, 0.0, 12),
     (0.5, 1.0, 12),
@@ -32,6 +32,7 @@ _BEST_OF_A_SHAPE = 3  # phases of one period and shape that are compared with ot
 _KEPT = 6  # courses that are run
 _CHANCE_NATS = 10.0  # that the best of so many courses promises where no stamp is late: 4 to 13
 _APART = 0.9  # correlation of two courses above which the lesser one is left out
+_LARGE = 0.3  # share of a second wave
 _MOST_SPAN_S = 0.3  # of a start
 _USUAL_LATENESS = (0.5, 0.0)  # of rows that chance makes late, in spans
 
@@ -101,6 +102,17 @@ def second_waves(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[tuple
         (one.gain, plant.with_effect(effect.id, _beside(first, one.span_s, one.wave)))
         for one in _Response(nuisance, probes).likeliest(_SHAPES[:1], _KEPT)
     ]
+
+
+def second_wave_alone(plant: Plant, effect: Effect) -> Plant | None:
+    """`plant`, whose lag wanders by two waves, with the second alone where that is a large one; else None."""
+    own = {each.symbol: plant.values[Slot(effect.id, each.symbol)] for each in effect.parameters}
+    share = own["second_share"]
+    if share <= _LARGE:
+        return None
+    wave = _Wave(own["second_period"], own["second_phase"], 0.5, 0.0)
+    alone = _start(share * own["lag_span"], wave) | {"rate_error": own["rate_error"]}
+    return plant.with_effect(effect.id, alone | {"of_commands": own["of_commands"]})
 
 
 def lag_wave(turns: FloatArray, rise: float, straightness: float) -> FloatArray:
