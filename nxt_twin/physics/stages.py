@@ -77,6 +77,6 @@ a second body bears; two bodies may bear more than there is, and leave the motor
 that it falls; both are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag`
 how late a reading's stamp is, `commanded` how late a command's, `stamp_s` that stamp. `shown_s`, `unseen_s`, `late`
 and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command. `elapsed_s` is the
-step's since the recording began, `session_s` when that was in the session. `held` is the command in force, which a servo's `goal`
-terms turn into what its loop follows. `home` is the angle at which the run began. A `reading` term says how far the
-encoder is off, a `scatter` term by which variance a reading strays, beyond its ordinary noise."""
+step's since the recording began, `session_s` when that was in the session. `held` is the command in force, which a
+servo's `goal` terms turn into what its loop follows. `home` is the angle at which the run began. A `reading` term says
+how far the encoder is off, a `scatter` term by which variance a reading strays, beyond its ordinary noise."""

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -117,6 +118,17 @@ def is_near(behind, *, is_twin=False):
     return bool(near_rivals(SimpleNamespace(explanation=told)))
 
 
+def one_by_one(function, items):
+    """As `Simulator.abreast` does it where it has one worker."""
+    return [function(item) for item in items]
+
+
+def settled_by(settle, **parts):
+    """What `settle` gives for a plant and its noise is settled."""
+    each = partial(one_by_one, lambda start: settle(*start))
+    return SimpleNamespace(settle=settle, settle_each=each, **parts)
+
+
 def search(**parts):
     """A search of which only some parts are there."""
     made = object.__new__(explaining._Search)
@@ -163,15 +175,14 @@ def restored(prior_cost):
     effects = [effect_named(str(n)) for n in range(9)]
     best = structure(prior_cost=prior_cost)
     best.plant.values, best.plant.with_values = {}, lambda _: None
-    fits = SimpleNamespace(
-        problem=SimpleNamespace(plant=SimpleNamespace(values={})), standing=lambda *_: structure()
-    )
+    problem = SimpleNamespace(plant=SimpleNamespace(values={}))
+    fits = SimpleNamespace(problem=problem, standing=lambda *_: structure())
     draft = SimpleNamespace(fitted=SimpleNamespace(plant=None))
     made = trials(
         _fits=fits,
         candidates=lambda _: effects,
         _drafts=SimpleNamespace(of=lambda _, fresh, most: [(one, draft) for one in fresh[:most]]),
-        _settled=SimpleNamespace(settle=lambda *_: structure()),
+        _settled=settled_by(lambda *_: structure()),
     )
     return len(made._restoring(best, {"0"}))
 
@@ -187,7 +198,7 @@ def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
             first_noise=lambda: "first", problem=SimpleNamespace(plant=SimpleNamespace(active=frozenset()))
         ),
         _drafts=SimpleNamespace(prospects=lambda *_: prospects),
-        _settled=SimpleNamespace(settle=lambda _, noise: noise),
+        _settled=settled_by(lambda _, noise: noise),
     )
     drafts = [(e, SimpleNamespace(cost=cost)) for e in effects]
     best = structure(*found)
@@ -201,7 +212,9 @@ def losses(monkeypatch, *costs):
     """The shares of lost counts that are settled, of those whose drafts cost so much; the structure costs nothing."""
     monkeypatch.setattr(trying, "losing", lambda *_: list(range(len(costs))))
     fits = SimpleNamespace(
-        draft=lambda plant, *_, **__: SimpleNamespace(cost=costs[plant]), drafted_cost=lambda *_: 0.0
+        draft=lambda plant, *_, **__: SimpleNamespace(cost=costs[plant]),
+        drafted_cost=lambda *_: 0.0,
+        abreast=one_by_one,
     )
     return trials(_fits=fits)._losses(structure(), effect_named("missed"))
 
@@ -230,14 +243,15 @@ def shared_anew_with(effect, gain, *, slack_gain=0.0):
 
     rubbing = {Slot("coulomb_friction", "coulomb"): 0.1}
     best = SimpleNamespace(noise=larger, plant=SimpleNamespace(values=rubbing))
-    end = sharing.shared_anew(SimpleNamespace(settle=settle), best, at(0.0), effect)
+    end = sharing.shared_anew(settled_by(settle), best, at(0.0), effect)
     return SimpleNamespace(tried=tried, cost=end.fitted_cost)
 
 
 def is_kept(monkeypatch, total):
     monkeypatch.setattr(explaining, "weigh", lambda *_: Weight(total - 1.0, 1.0, 1.0, runs_worse=False))
     standard = SimpleNamespace(is_notable=lambda *_: True)
-    made = search(_standard=standard, _settled=SimpleNamespace(without=lambda *_: structure()))
+    settled, fits = SimpleNamespace(without=lambda *_: structure()), SimpleNamespace(abreast=one_by_one)
+    made = search(_standard=standard, _settled=settled, _fits=fits)
     return bool(made.pruned(structure("a")).plant.active)
 
 
@@ -304,7 +318,7 @@ def leaders(promise):
     """How many of two drafts are settled, where 110 nats are needed and the second promises so many."""
     made = trials(
         _standard=SimpleNamespace(needed=lambda _: 110.0),
-        _settled=SimpleNamespace(settle=lambda *_: structure()),
+        _settled=settled_by(lambda *_: structure()),
     )
     drafts = [SimpleNamespace(cost=-gain, fitted=SimpleNamespace(plant=None)) for gain in (0.0, promise)]
     return len(made._leaders(structure(), 0.0, [(effect_named(str(n)), one) for n, one in enumerate(drafts)]))
@@ -321,7 +335,7 @@ def sober_std(monkeypatch):
     monkeypatch.setattr(trying, "replace", lambda noise, **new: SimpleNamespace(**{**vars(noise), **new}))
     prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
     with pytest.raises(ReachedError):
-        trials(_drafts=prospects, _fits=SimpleNamespace(draft=drafted))._settled_anew(
+        trials(_drafts=prospects, _fits=SimpleNamespace(draft=drafted, abreast=one_by_one))._settled_anew(
             structure(), effect_named(), structure()
         )
     return seen[0][0]

@@ -12,7 +12,8 @@ def has_second_wave(promised: float, gained: float) -> bool:
         second_waves=lambda *_: [(promised, "two waves")],
         draft=lambda *_, **__: draft,
         drafted_cost=lambda *_: 0.0,
+        second_wave_alone=lambda *_: None,
     )
-    trial = SimpleNamespace(noise=None)
-    settled = SimpleNamespace(settle=lambda plant, _: plant)
-    return with_second_wave(fits, settled, trial, None) == "two waves"
+    trial = SimpleNamespace(noise=None, plant="one wave")
+    settled = SimpleNamespace(settle=lambda plant, _: SimpleNamespace(noise=None, plant=plant))
+    return with_second_wave(fits, settled, trial, None).plant == "two waves"

@@ -11,9 +11,11 @@ from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.late_rows import as_late_as, with_drawn_lateness, with_lateness
-from nxt_twin.diagnose.fitting.wandering import second_waves
+from nxt_twin.diagnose.fitting.wandering import late_by_chance_starts, second_waves
+from nxt_twin.diagnose.judging.doubt import straying
 from nxt_twin.diagnose.telling.notes import stamped_late
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
+from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 
 ROWS = 1500
@@ -103,8 +105,8 @@ def test_small_lateness_beside_the_jitter_of_polls_is_none(poll_s, jitter, span_
 def test_too_short_recordings_tell_no_lateness():
     rng = np.random.default_rng(9)
     stamps_s = made_late(rng, polled(rng, 0.02, 0.02), 0.03)
-    assert known(stamps_s[:127])[0].late_span_s == 0.0
-    assert known(stamps_s[:128])[0].late_span_s > 0.0
+    assert known(stamps_s[:63])[0].late_span_s == 0.0
+    assert known(stamps_s[:64])[0].late_span_s > 0.0
     assert with_lateness([]) == []
 
 
@@ -123,6 +125,35 @@ def test_drawn_lateness_strays_by_what_stamps_leave_open():
     assert np.std(drawn.ages[:, 2] - found.ages[:, 2]) == pytest.approx(found.late_open, rel=0.1)
     honest = clean_signals()
     assert with_drawn_lateness(honest, rng) is honest
+
+
+def test_what_others_draw_of_lateness_strays_in_no_synthetic_reading():
+    rng = np.random.default_rng(15)
+    (found,) = known(made_late(rng, polled(rng, 0.02, 0.1), 0.03))
+    plant = problem_for(clean_case(12)).plant.with_effect("clock_skew", STARTS | {"waves": 0.0})
+    held = plant.with_effect("sample_hold", {"refresh_period": 0.05, "age_when_new": 0.5})
+    with Simulator(plant.layout, workers=1) as simulator:
+        assert not straying(simulator, plant, found).any()
+        moving = replace(found, command=np.full(found.command.size, 0.7), command_mode=0 * found.command_mode)
+        alone, both = (straying(simulator, one, moving) for one in (held.without(["clock_skew"]), held))
+    assert np.nanmax(alone) > 0.0
+    np.testing.assert_allclose(np.nanmax(both), np.nanmax(alone), rtol=0.2)
+
+
+def test_a_row_may_be_late_with_its_command_or_not():
+    (found,) = known(made_late(rng := np.random.default_rng(16), polled(rng, 0.02, 0.1), 0.03))
+    starts = late_by_chance_starts(found.late_span_s)
+    assert {one["of_commands"] for one in starts} == {0.0, 1.0}
+    assert all(one["waves"] == 0.0 and one["lag_span"] == found.late_span_s for one in starts)
+    assert late_by_chance_starts(0.0) == []
+
+
+@pytest.mark.parametrize(("rows", "told"), [(64, False), (400, True)])
+def test_few_rows_have_to_turn_the_more_to_tell(rows, told):
+    rng = np.random.default_rng(17)
+    taken_s = polled(rng, 0.02, 0.15, stalls=0)[:rows]
+    found = known(made_late(rng, taken_s, 4e-3))[0]
+    assert (found.late_span_s > 0.0) is told
 
 
 def clean_signals():

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnose_cases import concealed
+from diagnose_motors import clean_case
 from diagnose_second_wave import has_second_wave
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.fitting.wandering import lag_wave
+from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.fitting.wandering import lag_wave, second_wave_alone
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
+from nxt_twin.physics.layout import Slot
 from nxt_twin.recording.recording import Recording
 
 
@@ -66,6 +68,36 @@ def test_the_search_draws_the_wave_that_a_simulation_draws(rise, straightness, p
     )
     drawn = lag_wave(np.array([at_s / 1.4 + phase]), rise, straightness)
     np.testing.assert_allclose(drawn, simulated, atol=1e-9)
+
+
+def quick_beat(at_s):
+    """A sine of 1.57 s, and one of 0.68 s with a third of its size."""
+    slow, quick = (np.sin(2.0 * np.pi * (at_s / period_s + 0.2)) for period_s in (1.57, 0.683))
+    return 0.5 + 0.385 * slow + 0.115 * quick
+
+
+@pytest.mark.slow
+def test_a_quick_lag_of_two_waves_ends_with_the_larger_first():
+    said = diagnose(late(concealed((), seed=2203, seconds=14.0), quick_beat, 0.03)).diagnosis
+    assert [one.id for one in said.effects] == ["clock_skew"]
+    found = said.effects[0].params
+    assert found["lag_period_s"].value == pytest.approx(1.57, rel=0.03)
+    assert found["lag_second_period_s"].value == pytest.approx(0.683, rel=0.03)
+
+
+WAVES = {each.symbol: each.starts[0] * each.si for each in CLOCK_SKEW.parameters}
+
+
+@pytest.mark.parametrize(("share", "leaves"), [(0.29, False), (0.31, True)])
+def test_a_large_second_wave_is_tried_alone(share, leaves):
+    both = {**WAVES, "lag_span": 0.1, "second_share": share, "second_period": 0.7, "second_phase": 0.2}
+    plant = problem_for(clean_case(12)).plant.with_effect("clock_skew", both)
+    alone = second_wave_alone(plant, CLOCK_SKEW)
+    assert (alone is not None) is leaves
+    if alone:
+        found = {symbol: alone.values[Slot("clock_skew", symbol)] for symbol in WAVES}
+        assert found["lag_span"] == pytest.approx(0.1 * share)
+        assert (found["lag_period"], found["lag_phase"], found["second_share"]) == (0.7, 0.2, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -33,3 +33,17 @@ def test_an_interrupt_ends_a_run_that_would_take_an_hour(go, monkeypatch):
     monkeypatch.setattr(Simulator, "_call", interrupted)
     with pytest.raises(KeyboardInterrupt), Simulator(plant.layout, workers=1) as simulator:
         go(simulator, plant, job)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no process can be sent an interrupt alone")
+def test_an_interrupt_ends_what_goes_on_abreast():
+    plant = nxt()
+    endless = commanded([(0.0, 40.0)], seconds=0.0, stamps=np.arange(1_000_000) * 100.0)
+    job = free_job(endless, at_rest(endless))
+
+    def endlessly(_):
+        os.kill(os.getpid(), signal.SIGINT)
+        return simulator.trace(plant, job)
+
+    with pytest.raises(KeyboardInterrupt), Simulator(plant.layout, workers=2) as simulator:
+        simulator.abreast(endlessly, range(5))

@@ -247,3 +247,29 @@ def test_a_late_command_counts_from_when_it_was_given_though_the_plant_rested_be
         stepper.step(np.array([duty]), np.zeros(1, dtype=np.int64), 8.0, 1e-3)
         moved.append(stepper.angle[0] != 0.0)
     assert moved.index(True) == pytest.approx(1000 * rests_s + 30, abs=2)
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_what_goes_on_abreast_comes_in_order_and_may_itself_be_divided(workers):
+    with Simulator(MOTOR, workers=workers) as simulator:
+
+        def tens(n):
+            return simulator.abreast(lambda one: 10 * n + one, range(3))
+
+        assert simulator.abreast(tens, range(3)) == [[0, 1, 2], [10, 11, 12], [20, 21, 22]]
+        with pytest.raises(ZeroDivisionError):
+            simulator.abreast(lambda n: 1 / n, [2, 0, 1])
+
+
+def test_runs_that_go_on_abreast_are_those_that_go_on_alone():
+    run = signals(seconds=1.0)
+    job = free_job(run, at_rest(run))
+    plants = [with_effect("constant_load", load=0.001 * n) for n in range(6)]
+
+    def reached(plant):
+        values, active = plant.vectors()
+        return simulator.run(values[None], active[None], [job])[0].predicted[0]
+
+    with Simulator(MOTOR, workers=2) as simulator:
+        found, wanted = simulator.abreast(reached, plants), [reached(plant) for plant in plants]
+    np.testing.assert_array_equal(found, wanted)

@@ -160,6 +160,25 @@ def test_rows_that_are_late_by_chance_show_the_motion_of_when_they_were_taken(mo
     np.testing.assert_allclose(found, motion(motor_simulator, nxt(), run)["angle"], atol=A_TENTH_OF_A_DEGREE)
 
 
+def test_a_reading_strays_by_how_far_its_lateness_is_open_times_the_speed(motor_simulator):
+    by_rows = {"lag_span_s": 0.03, "rate_error": 0.0, "lag_waves": 0.0}
+    late = nxt(effects={"clock_skew": by_rows})
+    job = job_with_readings(motor_simulator, seconds=2.0)
+    rows = job.signals.time_s.size
+    told = np.column_stack([np.full((rows, 2), -1.0), np.zeros(rows), np.full(rows, 0.1)])
+    job = replace(job, signals=replace(job.signals, ages=told))
+    trace = motor_simulator.trace(late, job)
+    read = np.flatnonzero(np.isfinite(job.signals.measured))[1:]
+    ordinary = job.observer.innovation_std[read] ** 2
+    strayed = (0.1 * 0.03 * trace["speed"][read]) ** 2
+    fast = np.abs(trace["speed"][read]) > 8.0
+    expected = ordinary / (ordinary + strayed)
+    np.testing.assert_allclose(trace["weight"][read][fast], expected[fast], rtol=0.2)
+    assert expected[fast].max() < 0.7
+    wandering = motor_simulator.trace(nxt(effects={"clock_skew": {**by_rows, "lag_waves": 1.0}}), job)
+    np.testing.assert_allclose(wandering["weight"][read], 1.0)
+
+
 def lag_s(stamp_s, **lag):
     """What the effect's own term gives, by the names of a plant file."""
     plant = nxt(effects={"clock_skew": {**LAG, **lag}})

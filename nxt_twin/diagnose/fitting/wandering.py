@@ -72,10 +72,10 @@ def wandering_starts(nuisance: Nuisance, plant: Plant, effect: Effect) -> list[d
     probes = [plant.with_effect(effect.id, {**probe, "lag_phase": phase}) for phase in _QUARTER]
     courses = _Response(nuisance, probes).likeliest(_SHAPES, _KEPT)
     found = [_start(one.span_s, one.wave) for one in courses if one.gain > _CHANCE_NATS]
-    return found + _late_by_chance(max(job.signals.late_span_s for job in nuisance.jobs))
+    return found + late_by_chance_starts(max(job.signals.late_span_s for job in nuisance.jobs))
 
 
-def _late_by_chance(span_s: float) -> list[dict[str, float]]:
+def late_by_chance_starts(span_s: float) -> list[dict[str, float]]:
     """Starts of a lag that neighbouring stamps tell; none where they tell none.
 
     A command acts when its row was due, or when it was stamped. The usual lateness may be in other numbers already.
