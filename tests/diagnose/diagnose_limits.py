@@ -203,9 +203,9 @@ def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
     drafts = [(e, SimpleNamespace(cost=cost)) for e in effects]
     best = structure(*found)
     best.plant.effects = tuple(effect_named(each) for each in found)
-    settled = made._rugged(best, 0.0, drafts, listed)
-    assert all(noise == "first" for _, noise in settled)
-    return len(settled)
+    starts = made._rugged(best, 0.0, drafts, listed)
+    assert all(start.noise == "first" for start in starts)
+    return len(starts)
 
 
 def losses(monkeypatch, *costs):
@@ -321,7 +321,9 @@ def leaders(promise):
         _settled=settled_by(lambda *_: structure()),
     )
     drafts = [SimpleNamespace(cost=-gain, fitted=SimpleNamespace(plant=None)) for gain in (0.0, promise)]
-    return len(made._leaders(structure(), 0.0, [(effect_named(str(n)), one) for n, one in enumerate(drafts)]))
+    pairs = [(effect_named(str(n)), one) for n, one in enumerate(drafts)]
+    settled, starts = made._leaders(structure(), 0.0, pairs)
+    return len(settled) + len(starts)
 
 
 def sober_std(monkeypatch):
@@ -352,7 +354,7 @@ def is_rough(monkeypatch, quanta):
     best.noise.reading_std = quanta
     monkeypatch.setattr(trying, "replace", lambda noise, **_: noise)
     try:
-        trials(_fits=SimpleNamespace(problem=problem), candidates=reached)._scattering(best, [])
+        trials(_fits=SimpleNamespace(problem=problem), candidates=reached)._scattering(best, set())
     except ReachedError:
         return True
     return False

@@ -87,11 +87,20 @@ def test_lost_counts_are_tried_from_several_shares_beside_what_lies_in_the_angle
             problem=SimpleNamespace(plant=structure().plant),
             draft=lambda cost, *_, **__: SimpleNamespace(cost=cost),
             drafted_cost=lambda *_: 0.0,
+            abreast=lambda function, items: [function(item) for item in items],
         ),
-        _settled=SimpleNamespace(settle=lambda cost, _: SimpleNamespace(fitted_cost=cost)),
     )
-    settled = made._losing(structure(effect(found)))
-    assert [(each.id, trial.fitted_cost) for each, trial in settled] == ([("loss", 1.0)] if tried else [])
+    starts = made._losing(structure(effect(found)))
+    assert [(start.effect.id, start.plant) for start in starts] == (
+        [("loss", 1.0), ("loss", 2.0), ("loss", 3.0)] if tried else []
+    )
+
+
+def test_of_several_starts_of_an_effect_the_likeliest_counts():
+    loss, load = SimpleNamespace(id="loss"), SimpleNamespace(id="load")
+    ends = [SimpleNamespace(fitted_cost=cost) for cost in (3.0, 0.0, 1.0, 2.0)]
+    found = trying._likeliest([*zip((loss, load, loss, loss), ends, strict=True)])
+    assert found == [(load, ends[1]), (loss, ends[2])]
 
 
 @pytest.mark.parametrize(
@@ -113,8 +122,7 @@ def test_lost_counts_are_tried_where_their_chance_alone_gains_what_is_needed(
         candidates=lambda _: [loss, SimpleNamespace(id="load", counted=False)],
         _fits=None,
         _standard=SimpleNamespace(needed=lambda _: 8.0),
-        _settled=SimpleNamespace(settle=lambda *parts: parts),
     )
-    settled = made._by_chance(structure(noise=SimpleNamespace(slip=slip)), listed)
-    wanted = [(loss, (("plant", 0.03, "wandering"), "wandering"))] if tried else []
-    assert settled == wanted
+    starts = made._by_chance(structure(noise=SimpleNamespace(slip=slip)), listed)
+    wanted = [(loss, ("plant", 0.03, "wandering"), "wandering")] if tried else []
+    assert [(start.effect, start.plant, start.noise) for start in starts] == wanted

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Set
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -23,6 +23,7 @@ from nxt_twin.diagnose.search.standard import Standard
 from nxt_twin.diagnose.search.weight import weigh
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
+from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -51,6 +52,32 @@ def _has_its_ground(effect: Effect, there: Set[str]) -> bool:
 
 
 @final
+@dataclass(frozen=True)
+class _Start:
+    """A plant with an effect, and the noise from which it is to be settled."""
+
+    effect: Effect
+    plant: Plant
+    noise: Noise
+
+
+def _started(drafted: tuple[Effect, Draft], noise: Noise) -> _Start:
+    """What was drafted, to be settled from `noise`."""
+    effect, draft = drafted
+    return _Start(effect, draft.fitted.plant, noise)
+
+
+def _likeliest(settled: list[tuple[Effect, Structure]]) -> list[tuple[Effect, Structure]]:
+    """Of each effect the likeliest structure, in the order of the effects' last ones."""
+    best: dict[str, tuple[Effect, Structure]] = {}
+    for effect, trial in settled:
+        before = best.pop(effect.id, None)
+        kept = trial if before is None or trial.fitted_cost < before[1].fitted_cost else before[1]
+        best[effect.id] = (effect, kept)
+    return list(best.values())
+
+
+@final
 class Trials:
     """A search's candidates. Each way of settling them finds effects that the others overlook.
 
@@ -73,7 +100,7 @@ class Trials:
         needed = self._standard.needed(best)
         drafts = self._drafts.of(best, self.candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
         if not drafts:
-            return self._restoring(best, set())
+            return self._settled_each(self._restoring(best, set()))
         cost = self._fits.drafted_cost(best, best.noise)
         leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
@@ -84,14 +111,7 @@ class Trials:
             or (rank < EFFORT.short_list and cost - draft.cost > EFFORT.settled_share * leading)
             or (effect.states and cost - draft.cost > EFFORT.in_reach * leading)
         ]
-        settled = self._leaders(best, cost, within)
-        settled += self._rugged(best, cost, drafts, {effect.id for effect, _ in settled})
-        settled += self._scattering(best, [effect for effect, _ in settled])
-        lost = self._losing(best)
-        settled = [one for one in settled if one[0] not in [effect for effect, _ in lost]] + lost
-        settled += self._by_chance(best, {effect.id for effect, _ in settled})
-        settled += self._suspected(best, {effect.id for effect, _ in settled})
-        settled += self._restoring(best, {effect.id for effect, _ in settled})
+        settled = self._settled_from_each_side(best, cost, drafts, within)
         settled = [(effect, self._rested(best, trial)) for effect, trial in settled]
         lowest = min(trial.fitted_cost for _, trial in settled)
         in_reach = EFFORT.in_reach * max(best.fitted_cost - lowest, needed)
@@ -103,6 +123,29 @@ class Trials:
         anew = self._fits.abreast(lambda one: self._settled_anew(best, *one), near)
         better = {effect.id: trial for (effect, _), trial in zip(near, anew, strict=True)}
         return [(effect, better.get(effect.id, trial)) for effect, trial in settled]
+
+    def _settled_from_each_side(
+        self,
+        best: Structure,
+        cost: float,
+        drafts: list[tuple[Effect, Draft]],
+        within: list[tuple[Effect, Draft]],
+    ) -> list[tuple[Effect, Structure]]:
+        """The drafts `within` reach, and effects that no draft shows, settled: as many at once as may be."""
+        leaders, starts = self._leaders(best, cost, within)
+        listed = {effect.id for effect, _ in leaders} | {start.effect.id for start in starts}
+        starts += self._rugged(best, cost, drafts, listed)
+        listed |= {start.effect.id for start in starts}
+        scattering = self._scattering(best, listed)
+        starts += [*scattering, *self._losing(best)]
+        listed |= {start.effect.id for start in starts}
+        starts += self._by_chance(best, listed)
+        suspected = self._suspected(best, listed)
+        listed |= {effect.id for effect, _ in suspected} | {start.effect.id for start in starts}
+        starts += self._restoring(best, listed)
+        settled = _likeliest([*leaders, *self._settled_each(starts), *suspected])
+        brief = {start.effect.id for start in scattering}
+        return [one for one in settled if one[0].id not in brief or self._outlasts_a_poll(*one)]
 
     def _waved(self, effect: Effect, leading: Structure) -> Structure:
         """The likeliest trial; of a lag that wanders, with a second wave where that gains enough."""
@@ -128,28 +171,29 @@ class Trials:
 
     def _leaders(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]]
-    ) -> list[tuple[Effect, Structure]]:
-        """Drafts settled, the first for certain, the others where they may come to gain what is needed."""
-        needed, lifted = self._standard.needed(best), EFFORT.lifted
-        (leader, leading), others = drafts[0], drafts[1:]
-        first = self._settled.settle(leading.fitted.plant, best.noise)
-        promise = cost - leading.cost
-        if promise > 0.0:
-            gain = best.fitted_cost + best.check_cost - first.fitted_cost - first.check_cost
-            lifted = max(lifted, gain / promise)
-        wanted = [
-            (effect, draft.fitted.plant)
-            for effect, draft in others
-            if lifted * (cost - draft.cost) + EFFORT.slack_nats >= needed
-        ]
-        return [(leader, first), *self._settled_each(best, wanted)]
+    ) -> tuple[list[tuple[Effect, Structure]], list[_Start]]:
+        """The first draft settled, with others that may come to gain what is needed, and more that may as well.
 
-    def _settled_each(
-        self, best: Structure, plants: list[tuple[Effect, Plant]]
-    ) -> list[tuple[Effect, Structure]]:
-        """Each effect with its plant, settled under the noise of `best`."""
-        settled = self._settled.settle_each([(plant, best.noise) for _, plant in plants])
-        return [(effect, trial) for (effect, _), trial in zip(plants, settled, strict=True)]
+        The latter are starts: how much the first gains from its draft tells of them.
+        """
+        needed = self._standard.needed(best)
+
+        def may_gain(one: tuple[Effect, Draft], lifted: float) -> bool:
+            return lifted * (cost - one[1].cost) + EFFORT.slack_nats >= needed
+
+        leader, others = drafts[0], drafts[1:]
+        sure = [leader, *(one for one in others if may_gain(one, EFFORT.lifted))]
+        settled = self._settled_each([_started(one, best.noise) for one in sure])
+        promise, first = cost - leader[1].cost, settled[0][1]
+        gain = best.fitted_cost + best.check_cost - first.fitted_cost - first.check_cost
+        lifted = max(EFFORT.lifted, gain / promise) if promise > 0.0 else EFFORT.lifted
+        more = [one for one in others if one not in sure and may_gain(one, lifted)]
+        return settled, [_started(one, best.noise) for one in more]
+
+    def _settled_each(self, starts: list[_Start]) -> list[tuple[Effect, Structure]]:
+        """Each effect settled from its start."""
+        settled = self._settled.settle_each([(start.plant, start.noise) for start in starts])
+        return [(start.effect, trial) for start, trial in zip(starts, settled, strict=True)]
 
     def _rested(self, best: Structure, trial: Structure) -> Structure:
         """`trial`, settled once more under the noise of `best` where it simulates much nearer and is not likelier.
@@ -162,8 +206,8 @@ class Trials:
 
     def _rugged(
         self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]], listed: set[str]
-    ) -> list[tuple[Effect, Structure]]:
-        """Effects that promise enough and whose drafts are worse than `best`, settled under a first guess of the noise.
+    ) -> list[_Start]:
+        """Effects that promise enough and whose drafts are worse than `best`, to settle by a first guess of the noise.
 
         Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
         noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, more promises are
@@ -180,12 +224,10 @@ class Trials:
             if effect.id not in listed and draft.cost > cost and prospects[effect.id][0].gain > needed
         ]
         failed.sort(key=lambda prospect: -prospect.gain)
-        tried = failed[: EFFORT.rugged]
-        settled = self._settled.settle_each([(prospect.plant, noise) for prospect in tried])
-        return [(prospect.effect, trial) for prospect, trial in zip(tried, settled, strict=True)]
+        return [_Start(prospect.effect, prospect.plant, noise) for prospect in failed[: EFFORT.rugged]]
 
-    def _scattering(self, best: Structure, known: list[Effect]) -> list[tuple[Effect, Structure]]:
-        """Effects that scatter readings, settled where these are rough.
+    def _scattering(self, best: Structure, listed: set[str]) -> list[_Start]:
+        """Effects that scatter readings, to settle where these are rough.
 
         No linear look shows them: the baseline's noise has taken the scatter in, and has to give it back first.
         """
@@ -194,32 +236,26 @@ class Trials:
         if best.noise.reading_std < fine or quantum <= 0.0:
             return []
         noise = replace(best.noise, reading_std=fine)
-        settled = []
+        starts = []
         for effect in self.candidates(best.plant):
-            if not effect.holds_readings or effect in known:
+            if not effect.holds_readings or effect.id in listed:
                 continue
             plants = [best.plant.with_effect(effect.id, start) for start in self._fits.starts(effect)]
             costs = self._fits.costs(plants, noise)
-            trial = self._settled.settle(plants[int(np.argmin(costs))], noise)
-            if self._outlasts_a_poll(trial, effect):
-                settled.append((effect, trial))
-        return settled
+            starts.append(_Start(effect, plants[int(np.argmin(costs))], noise))
+        return starts
 
-    def _losing(self, best: Structure) -> list[tuple[Effect, Structure]]:
-        """Lost counts beside what was found and lies in the angle, settled from the shares whose drafts come near."""
+    def _losing(self, best: Structure) -> list[_Start]:
+        """Lost counts beside what was found and lies in the angle, from the shares whose drafts come near."""
         found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
         if not any(lies_in_angle(effect) for effect in found):
             return []
-        settled = []
-        for effect in self.candidates(best.plant):
-            if effect.counted:
-                trials = self._settled.settle_each(
-                    [(plant, best.noise) for plant in self._losses(best, effect)]
-                )
-                settled += [(effect, min(trials, key=lambda trial: trial.fitted_cost))] if trials else []
-        return settled
+        counted = [effect for effect in self.candidates(best.plant) if effect.counted]
+        return [
+            _Start(effect, plant, best.noise) for effect in counted for plant in self._losses(best, effect)
+        ]
 
-    def _by_chance(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
+    def _by_chance(self, best: Structure, listed: set[str]) -> list[_Start]:
         """Lost counts that are not `listed`, where their chance alone makes the readings likelier.
 
         A linear look shows what is lost on average, which other parameters take up.
@@ -230,8 +266,9 @@ class Trials:
         gain, share, noise = chance_alone(self._fits, best)
         if gain < self._standard.needed(best):
             return []
-        plants = [(effect, wandering(self._fits, best, effect, share, noise)) for effect in counted]
-        return [(effect, self._settled.settle(plant, noise)) for effect, plant in plants]
+        return [
+            _Start(effect, wandering(self._fits, best, effect, share, noise), noise) for effect in counted
+        ]
 
     def _losses(self, best: Structure, effect: Effect) -> list[Plant]:
         """`best` with the loss of counts that is `effect`, from the shares whose drafts come near; likeliest first.
@@ -246,7 +283,7 @@ class Trials:
         near = [(draft.cost, place) for place, draft in enumerate(drafts) if draft.cost < most]
         return [plants[place] for _, place in sorted(near)[: EFFORT.losses]]
 
-    def _outlasts_a_poll(self, trial: Structure, effect: Effect) -> bool:
+    def _outlasts_a_poll(self, effect: Effect, trial: Structure) -> bool:
         """Whether a recording's readings are held for longer than they are apart; jitter scatters them as well."""
         held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
         return held_s > min(signals.interval_s for signals in self._fits.problem.signals)
@@ -285,8 +322,8 @@ class Trials:
         known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
         return [(effect, settled) for effect, settled in known if settled is not None]
 
-    def _restoring(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
-        """Effects settled from the given numbers, where `best` has moved these far.
+    def _restoring(self, best: Structure, listed: set[str]) -> list[_Start]:
+        """Effects to settle from the given numbers, where `best` has moved these far.
 
         A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
         limited; a look from the given numbers does. Faults of the readings move no motor, and so none of its numbers.
@@ -297,5 +334,4 @@ class Trials:
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
         moving = [effect for effect in self.candidates(home) if not effect.fault]
         drafts = self._drafts.of(self._fits.standing(home, best.noise), moving, EFFORT.drafted)
-        wanted = [one for one in drafts[: EFFORT.restoring] if one[0].id not in listed]
-        return self._settled_each(best, [(effect, draft.fitted.plant) for effect, draft in wanted])
+        return [_started(one, best.noise) for one in drafts[: EFFORT.restoring] if one[0].id not in listed]
