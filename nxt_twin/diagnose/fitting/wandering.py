@@ -120,8 +120,11 @@ def lag_wave(turns: FloatArray, rise: float, straightness: float) -> FloatArray:
     part = turns - np.floor(turns)
     fall = 1.0 - rise
     half = np.where(part < fall, 0.5 * part / fall, 1.0 - 0.5 * (1.0 - part) / rise)
+    straight = np.abs(4.0 * half - 2.0) - 1.0
+    if straightness == 1.0:  # most courses that are tried
+        return np.asarray(straight)
     rounded = np.cos(2.0 * np.pi * half)
-    return np.asarray(rounded + straightness * (np.abs(4.0 * half - 2.0) - 1.0 - rounded))
+    return np.asarray(rounded + straightness * (straight - rounded))
 
 
 def _beside(first: Mapping[str, float], span_s: float, wave: _Wave) -> dict[str, float]:
@@ -196,7 +199,8 @@ class _Response:
         return kept
 
     def _promising(self, waves: list[_Wave]) -> list[_Course]:
-        turns = np.array([self._middle_s / wave.period_s + wave.phase for wave in waves])
+        phases = np.array([wave.phase for wave in waves])
+        turns = self._middle_s / waves[0].period_s + phases[:, None]
         lag = 0.5 * lag_wave(turns, waves[0].rise, waves[0].straightness)
         growth = np.gradient(lag, self._bin_s, axis=1)
         fit = lag @ self._residual[0] + growth @ self._residual[1]
