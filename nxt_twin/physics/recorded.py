@@ -9,11 +9,13 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.errors import RecordingError
+from nxt_twin.physics.clumped import as_read
 from nxt_twin.physics.goals import Setpoints, goal_deg, regulated, setpoints
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.supply import open_circuit
+from nxt_twin.recording.clumps import told_apart_s
 from nxt_twin.recording.columns import PORTS, power_column, tacho_column
 from nxt_twin.recording.lags import KnownLags
 from nxt_twin.recording.pulses import pulsed
@@ -43,6 +45,9 @@ def signals_of(
     Raises:
         RecordingError: the port was not driven or not read, or nothing was read at all.
     """
+    recording = replace(
+        recording, columns={**recording.columns, "time_s": told_apart_s(recording.columns["time_s"])}
+    )
     if fewest_readings == 0:
         recording = _with_empty_output(recording, port or "a")
     axis = port or "a"
@@ -55,7 +60,7 @@ def signals_of(
             where=f"{recording.name}, column {found.channel}",
             mend="record for longer",
         )
-    return found
+    return as_read(found)
 
 
 def _with_empty_output(recording: Recording, port: str) -> Recording:

@@ -8,6 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
+from nxt_twin.recording.clumps import clump_ends
 from nxt_twin.recording.recording import Recording
 
 _LEAST_S: Final = 0.02
@@ -35,16 +36,19 @@ def stalls(recording: Recording) -> tuple[Stall, ...]:
     """Every wait that is far longer than the recording's usual one.
 
     Usual is up to the third quartile of all waits; far is 20 ms more, and twelve times what lies between that and the
-    median. So neither rows with a slow reading among them nor polls at random moments are taken for stalls.
+    median. So neither rows with a slow reading among them nor polls at random moments are taken for stalls. Rows that
+    came in clumps waited from clump to clump.
     """
-    waits_s = np.diff(recording.time_s)
+    ends = clump_ends(recording.time_s)
+    rows = ends if ends.size else np.arange(recording.time_s.size)
+    waits_s = np.diff(recording.time_s[rows])
     if waits_s.size < _FEWEST_ROWS:
         return ()
     middle_s, usual_s = np.quantile(waits_s, (0.5, 0.75))
     far_s = usual_s + max(_LEAST_S, _SPREADS * (usual_s - middle_s))
     return tuple(
-        Stall(int(row) + 1, float(recording.time_s[row]), float(waits_s[row] - middle_s))
-        for row in np.flatnonzero(waits_s > far_s)
+        Stall(int(rows[n]) + 1, float(recording.time_s[rows[n]]), float(waits_s[n] - middle_s))
+        for n in np.flatnonzero(waits_s > far_s)
     )
 
 

@@ -58,6 +58,7 @@ def notes(
         for name, times_s in stale.items()
     )
     said.extend(leaping(problem))
+    said.extend(in_clumps(problem.signals))
     if by_chance:
         said.append(
             "Each count is lost by chance, so that no simulation follows these readings: the floor of "
@@ -89,6 +90,17 @@ def leaping(problem: Problem) -> tuple[str, ...]:
         f"times as far as anything else moves between two readings (at {_listed_s(times_s)} s). No motor does "
         "that: fits and errors leave them out."
         for name, times_s in problem.leaps.items()
+    )
+
+
+def in_clumps(recordings: Sequence[Signals]) -> tuple[str, ...]:
+    """A remark where rows came in clumps: how many at once, and what is made of their stamps."""
+    rows = [one.clump_rows for one in recordings if one.clump_rows > 0.0]
+    if not rows:
+        return ()
+    return (
+        f"A link handed rows over in clumps of about {np.mean(rows):.2g}: their stamps tell when they came. They are "
+        "taken for read evenly since the clump before. Better stamp a row where it is read.",
     )
 
 

@@ -1,0 +1,78 @@
+"""Signals of rows that a link handed over in clumps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nxt_twin.physics.clumped import as_read
+from nxt_twin.physics.recorded import signals_of
+from nxt_twin.recording.recording import Recording
+
+ROWS, SIZE, POLL_S = 400, 4, 0.01
+READ_S = POLL_S * np.arange(ROWS)
+CAME_S = READ_S[np.arange(ROWS) // SIZE * SIZE + SIZE - 1]
+
+
+def recorded(power_pct, tacho_deg, time_s=CAME_S):
+    columns = {"time_s": time_s, "a_power_pct": power_pct, "a_tacho_deg": tacho_deg}
+    return Recording("r.csv", columns)
+
+
+def in_steps(every):
+    """A power that changes each so many rows."""
+    return 20.0 + 10.0 * (np.arange(ROWS) // every % 3)
+
+
+TURNING_DEG = np.floor(300.0 * READ_S)
+
+
+def test_readings_move_to_when_they_were_read():
+    found = signals_of(recorded(in_steps(40), TURNING_DEG), "a")
+    np.testing.assert_allclose(found.time_s, READ_S, atol=1e-5)
+    assert found.clump_rows == SIZE
+    assert found.interval_s == pytest.approx(POLL_S)
+    one_by_one = signals_of(recorded(in_steps(40), TURNING_DEG, READ_S), "a")
+    assert one_by_one.clump_rows == 0.0
+    assert as_read(one_by_one) is one_by_one
+
+
+def test_commands_that_change_with_a_clump_stay_and_those_that_change_within_move_with_their_rows():
+    stay = signals_of(recorded(in_steps(40), TURNING_DEG), "a")
+    np.testing.assert_allclose(stay.command_time_s, CAME_S[::40], atol=1e-5)
+    move = signals_of(recorded(in_steps(37), TURNING_DEG), "a")
+    np.testing.assert_allclose(move.command_time_s, READ_S[::37], atol=1e-5)
+
+
+@pytest.mark.parametrize(("within", "spread"), [(1, False), (3, True)])
+def test_rows_that_were_polled_at_once_stay_as_they_are_stamped(within, spread):
+    """A burst's readings stand still, but for a count here or there."""
+    rows = np.arange(ROWS)
+    moved = np.where(rows % SIZE == 0, 4.0, float(within))
+    signals = signals_of(recorded(in_steps(40), np.cumsum(moved)), "a")
+    assert (signals.clump_rows > 0.0) is spread
+
+
+def test_readings_of_a_clump_that_waited_are_left_out_but_for_the_last():
+    came_s = np.where(np.arange(ROWS) < 200, CAME_S, CAME_S + 0.3)
+    signals = signals_of(recorded(in_steps(40), TURNING_DEG, came_s), "a")
+    left_out = np.flatnonzero(~np.isfinite(signals.measured))
+    np.testing.assert_array_equal(left_out, [200, 201, 202])
+
+
+@pytest.mark.parametrize(("later", "stay"), [(1, True), (2, False)])
+def test_nine_of_ten_commands_have_to_change_with_a_clump_to_stay(later, stay):
+    power = in_steps(32)
+    changes = np.flatnonzero(np.diff(power)) + 1
+    for change in changes[:later]:
+        power[change] = power[change - 1]  # a row later, within the clump
+    signals = signals_of(recorded(power, TURNING_DEG), "a")
+    last_s = CAME_S if stay else READ_S
+    assert signals.command_time_s[-1] == pytest.approx(last_s[changes[-1]], abs=1e-5)
+
+
+def test_a_motor_at_rest_tells_nothing_of_bursts():
+    still = signals_of(recorded(in_steps(40), np.zeros(ROWS)), "a")
+    assert still.clump_rows == SIZE
+    empty = replace(still, measured=np.full(ROWS, np.nan))
+    assert as_read(replace(empty, time_s=CAME_S + 1e-6 * (np.arange(ROWS) % SIZE))).clump_rows == SIZE

@@ -1,0 +1,91 @@
+"""Rows that come in clumps are told from rows that come one by one, and get the moments at which they were read."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nxt_twin.recording.clumps import clump_ends, read_s, told_apart_s, usual_s
+from nxt_twin.recording.recording import Recording
+from nxt_twin.recording.stalls import stalled_share, stalls
+
+POLL_S = 0.01
+
+
+def taken_s(rows=400, seed=3):
+    """When rows were read: each a hundredth of a second after the one before, or a little more or less."""
+    return np.cumsum(POLL_S + 2e-4 * np.random.default_rng(seed).standard_normal(rows))
+
+
+def clumped(read_at_s, size, apart_s=0.0):
+    """The stamps of rows that came in clumps of `size`."""
+    rows = np.arange(read_at_s.size)
+    last = np.minimum(rows // size * size + size - 1, rows[-1])
+    return read_at_s[last] + apart_s * (rows % size)
+
+
+@given(size=st.integers(2, 12), apart_s=st.sampled_from([0.0, 1e-4, 1e-3]), seed=st.integers(0, 50))
+def test_rows_of_clumps_get_the_moments_at_which_they_were_read(size, apart_s, seed):
+    read_at_s = taken_s(seed=seed)
+    stamps_s = clumped(read_at_s, size, apart_s)
+    ends = clump_ends(stamps_s)
+    assert ends.size == -(-read_at_s.size // size)
+    found_s, known = read_s(stamps_s, ends)
+    assert known.all()
+    assert np.abs(found_s - read_at_s).max() < 0.15 * POLL_S + apart_s * size
+    assert np.diff(found_s).min() > 0.0
+    assert usual_s(stamps_s) == pytest.approx(POLL_S, rel=0.4)
+
+
+@pytest.mark.parametrize("jitter", [0.02, 0.2])
+def test_rows_that_come_one_by_one_are_no_clumps(jitter):
+    rng = np.random.default_rng(4)
+    polls_s = np.cumsum(POLL_S * np.maximum(1.0 + jitter * rng.standard_normal(400), 0.05))
+    late_s = np.maximum.accumulate(polls_s + POLL_S * rng.random(400))
+    for stamps_s in (polls_s, late_s):
+        assert clump_ends(stamps_s).size == 0
+        assert told_apart_s(stamps_s) is stamps_s
+
+
+@pytest.mark.parametrize(("pairs", "found"), [(150, False), (180, True)])
+def test_a_link_clumps_where_two_fifths_of_the_rows_come_with_others(pairs, found):
+    waits_s = np.full(400, POLL_S)
+    waits_s[1 : 2 * pairs : 2] = 0.0
+    assert (clump_ends(np.cumsum(waits_s)).size > 0) is found
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.19, True), (0.21, False)])
+def test_a_row_came_with_another_within_a_fifth_of_the_usual_time(share, found):
+    stamps_s = clumped(taken_s(), 2, share * POLL_S)
+    assert (clump_ends(stamps_s).size > 0) is found
+
+
+@pytest.mark.parametrize(("wait_s", "known"), [(0.018, 4), (0.022, 1)])
+def test_of_a_clump_that_waited_only_the_last_row_has_a_known_moment(wait_s, known):
+    read_at_s = POLL_S * np.arange(200.0)
+    read_at_s[102:] += wait_s  # within a clump
+    stamps_s = clumped(read_at_s, 4)
+    _, found = read_s(stamps_s, clump_ends(stamps_s))
+    assert found[100:104].sum() == known
+    assert found[103]
+    assert found[:100].all()
+    assert found[104:].all()
+
+
+def test_equal_stamps_are_told_apart_and_keep_their_order():
+    stamps_s = clumped(POLL_S * np.arange(200.0), 5)
+    apart_s = told_apart_s(stamps_s)
+    assert np.diff(apart_s).min() > 0.0
+    assert np.abs(apart_s - stamps_s).max() < 1e-5
+    np.testing.assert_array_equal(apart_s[::5], stamps_s[::5])
+
+
+def test_a_link_that_clumps_has_not_stood_still():
+    stamps_s = clumped(taken_s(), 4)
+    recording = Recording("r", {"time_s": stamps_s, "a_power_pct": np.zeros(stamps_s.size)})
+    assert stalls(recording) == ()
+    stamps_s = np.where(np.arange(stamps_s.size) < 200, stamps_s, stamps_s + 0.5)
+    halted = Recording("r", {"time_s": stamps_s, "a_power_pct": np.zeros(stamps_s.size)})
+    (found,) = stalls(halted)
+    assert found.row == 200
+    assert stalled_share(halted) == pytest.approx(0.5 / float(np.ptp(stamps_s)), rel=0.05)
