@@ -43,8 +43,8 @@ class Signals:
         late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
         late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
-        clump_rows: how many rows came at once on average, where they are spread over the time in which they were read;
-            0 where each came by itself.
+        clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
+            each came by itself.
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """

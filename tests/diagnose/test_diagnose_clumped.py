@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from diagnose_cases import concealed
 
-from nxt_twin.diagnose.engine import diagnose
+from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.search.trials import addable_effects
 from nxt_twin.recording.recording import Recording
 
 
@@ -32,7 +33,7 @@ def in_clumps(case, size):
     [
         pytest.param((), 4, marks=pytest.mark.slow),
         (("gravity_load",), 5),
-        pytest.param(("stiction",), 3, marks=pytest.mark.slow),
+        pytest.param(("end_stop",), 3, marks=pytest.mark.slow),
     ],
 )
 def test_a_motor_behind_a_link_that_clumps_rows_is_diagnosed_as_without(effects, size):
@@ -43,3 +44,10 @@ def test_a_motor_behind_a_link_that_clumps_rows_is_diagnosed_as_without(effects,
     (told,) = [note for note in said.notes if "clumps" in note]
     assert f"about {size}:" in told
     assert not any("clumps" in note for note in plain.notes)
+
+
+@pytest.mark.parametrize(("rows", "lost"), [(0.0, True), (2.0, False)])
+def test_rows_that_were_not_read_evenly_are_not_taken_for_lost_counts(rows, lost):
+    problem = problem_for(concealed((), seed=11))
+    signals = replace(problem.signals[0], clump_rows=rows)
+    assert ("missed_counts" in {one.id for one in addable_effects(problem.plant, signals)}) is lost

@@ -140,6 +140,14 @@ def test_what_others_draw_of_lateness_strays_in_no_synthetic_reading():
     np.testing.assert_allclose(np.nanmax(both), np.nanmax(alone), rtol=0.2)
 
 
+def test_stamps_of_rows_that_were_spread_over_a_clump_tell_no_lateness():
+    plant = problem_for(clean_case(12)).plant
+    late = plant.with_effect("clock_skew", STARTS | {"lag_span": 0.03, "waves": 0.0})
+    spread = replace(turning(np.zeros(200), 0.01 * np.arange(200.0)), clump_rows=4.0)
+    assert as_late_as(late, spread) is spread
+    assert as_late_as(late, replace(spread, clump_rows=0.0)).late_span_s == 0.03
+
+
 def test_a_row_may_be_late_with_its_command_or_not():
     (found,) = known(made_late(rng := np.random.default_rng(16), polled(rng, 0.02, 0.1), 0.03))
     starts = late_by_chance_starts(found.late_span_s)

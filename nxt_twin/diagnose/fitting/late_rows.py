@@ -57,7 +57,8 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
 def as_late_as(plant: Plant, signals: Signals) -> Signals:
     """The signals with how late each row was stamped, where `plant` has rows that are late by chance."""
     span_s = plant.values.get(_LAG_SPAN, 0.0)
-    if plant.values.get(_WAVES, 1.0) > 0.0 or span_s <= 0.0 or signals.time_s.size <= _APART[-1]:
+    told = signals.time_s.size > _APART[-1] and not signals.clump_rows
+    if plant.values.get(_WAVES, 1.0) > 0.0 or span_s <= 0.0 or not told:
         return signals
     late_s = span_s / math.sqrt(12.0)
     adding_up = (_variances([signals]) - 2.0 * late_s**2) / np.array(_APART)

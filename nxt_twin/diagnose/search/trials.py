@@ -31,8 +31,10 @@ from nxt_twin.physics.signals import Signals
 def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
     """The effects that `plant` lacks and could have, driven as it is.
 
-    What comes on top of a plain term, as stiction does on friction, waits for that term: alone it is another law.
+    What comes on top of a plain term, as stiction does on friction, waits for that term: alone it is another law. Rows
+    that came in clumps were not read quite evenly, which looks like lost counts: these are no cause there.
     """
+    shows_counts = signals.quantum > 0.0 and not signals.clump_rows
     superseded = {gone for effect in plant.effects for gone in effect.supersedes}
     return [
         effect
@@ -41,7 +43,7 @@ def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
         and effect.id not in superseded
         and _has_its_ground(effect, plant.active | superseded)
         and effect.takes(signals.input_kind)
-        and (not effect.counted or signals.quantum > 0.0)
+        and (not effect.counted or shows_counts)
     ]
 
 
