@@ -15,6 +15,9 @@ _AT_ONCE: Final = 0.5
 """How far readings move within a clump, over how far they move from one to the next, below which they were polled at
 once. Rows that were read evenly have 1, rows that were polled in a burst none."""
 
+_READ: Final = 0.9
+"""Share of the rows that hold a reading: where topics or motors have rows of their own, those come at once as well."""
+
 _BY_CLUMPS: Final = 0.9
 """Share of the commands that change in the first row of a clump, from which a host gave them as that clump came."""
 
@@ -27,7 +30,8 @@ def as_read(signals: Signals) -> Signals:
     others are left out.
     """
     ends = clump_ends(signals.time_s)
-    if not ends.size or _were_polled_at_once(signals, ends):
+    mostly_read = np.mean(np.isfinite(signals.measured)) > _READ
+    if not ends.size or not mostly_read or _were_polled_at_once(signals, ends):
         return signals
     even_s, known = read_s(signals.time_s, ends)
     return replace(

@@ -1,7 +1,5 @@
 """Signals of rows that a link handed over in clumps."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -71,8 +69,14 @@ def test_nine_of_ten_commands_have_to_change_with_a_clump_to_stay(later, stay):
     assert signals.command_time_s[-1] == pytest.approx(last_s[changes[-1]], abs=1e-5)
 
 
+@pytest.mark.parametrize(("missing", "spread"), [(36, True), (44, False)])
+def test_rows_without_a_reading_of_their_own_make_no_clumps(missing, spread):
+    """Two topics that come together have each a row."""
+    tacho_deg = np.where(np.arange(ROWS) % 4 == 1, np.nan, TURNING_DEG)
+    few = np.where(np.arange(ROWS) < 4 * missing, tacho_deg, TURNING_DEG)
+    assert (signals_of(recorded(in_steps(40), few), "a").clump_rows > 0.0) is spread
+
+
 def test_a_motor_at_rest_tells_nothing_of_bursts():
     still = signals_of(recorded(in_steps(40), np.zeros(ROWS)), "a")
     assert still.clump_rows == SIZE
-    empty = replace(still, measured=np.full(ROWS, np.nan))
-    assert as_read(replace(empty, time_s=CAME_S + 1e-6 * (np.arange(ROWS) % SIZE))).clump_rows == SIZE
