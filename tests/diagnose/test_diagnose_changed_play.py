@@ -35,4 +35,4 @@ def test_the_gap_that_a_fit_ends_at_does_not_depend_on_the_one_that_it_begins_at
     assert max(costs) - min(costs) < ALIKE_NATS
     for fit in found:
         gap = fit.model.plant_at(fit.x, after=True).values[Slot("backlash", "gap")]
-        assert math.degrees(gap) == pytest.approx(true_deg, rel=0.3)
+        assert math.degrees(gap) == pytest.approx(true_deg, rel=0.35)

@@ -26,7 +26,7 @@ def held(recording):
 
 @pytest.fixture(scope="module")
 def case():
-    whole = clean_case(41)
+    whole = clean_case(42)
     return replace(
         whole, recordings=tuple(map(held, whole.recordings)), holdout=tuple(map(held, whole.holdout))
     )
@@ -50,7 +50,7 @@ def test_readings_held_for_eighty_milliseconds_are_named(case):
 @pytest.mark.parametrize(("terms", "misled"), [({"outlier": None}, True), ({"scatter": None}, False)])
 def test_coloured_steps_mislead_but_for_those_of_held_readings(terms, misled):
     record = replace(FOUND, moved=9.0, colour=9.0)
-    effect = SimpleNamespace(terms=terms, equation_of="timing")
+    effect = SimpleNamespace(holds_readings="scatter" in terms, terms=terms, equation_of="timing")
     evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
     assert _misled(evidence) is misled
 
@@ -60,7 +60,7 @@ def test_coloured_steps_mislead_but_for_those_of_held_readings(terms, misled):
 )
 def test_coloured_steps_mislead_to_effects_that_leave_most_of_the_error(nearer, colour, misled):
     record = replace(FOUND, nearer=nearer, colour=colour)
-    effect = SimpleNamespace(terms={"outlier": None}, equation_of="torque_balance")
+    effect = SimpleNamespace(holds_readings=False, terms={"outlier": None}, equation_of="torque_balance")
     evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
     assert _misled(evidence) is misled
 
@@ -70,7 +70,7 @@ def test_coloured_steps_mislead_to_effects_that_leave_most_of_the_error(nearer, 
 )
 def test_late_stamps_that_leave_less_than_the_tolerance_mislead_no_steps(term, remaining, misled):
     record = replace(FOUND, nearer=1.02, colour=2.0, remaining=remaining)
-    effect = SimpleNamespace(terms={term: None}, equation_of="timing")
+    effect = SimpleNamespace(holds_readings=False, terms={term: None}, equation_of="timing")
     evidence = SimpleNamespace(record=record, explanation=SimpleNamespace(found=((effect, None),)))
     assert _misled(evidence) is misled
 
