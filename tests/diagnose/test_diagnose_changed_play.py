@@ -16,7 +16,7 @@ USUAL_SHARE = 0.2  # of the friction, from which a fit begins
 
 
 def test_the_gap_that_a_fit_ends_at_does_not_depend_on_the_one_that_it_begins_at(tmp_path):
-    pair = make_pair(PairPlan("pair", "bristle", 880000, ("backlash",)))
+    pair = make_pair(PairPlan("pair", "bristle", 880004, ("backlash",)))
     before, after = (
         Case(name, tmp_path, pair.content["plant"], recordings, (), "a")
         for name, recordings in (("before", pair.recordings[:2]), ("after", pair.recordings[2:]))
@@ -35,4 +35,4 @@ def test_the_gap_that_a_fit_ends_at_does_not_depend_on_the_one_that_it_begins_at
     assert max(costs) - min(costs) < ALIKE_NATS
     for fit in found:
         gap = fit.model.plant_at(fit.x, after=True).values[Slot("backlash", "gap")]
-        assert math.degrees(gap) == pytest.approx(true_deg, rel=0.35)
+        assert math.degrees(gap) == pytest.approx(true_deg, rel=0.3)
