@@ -16,6 +16,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
+from nxt_twin.recording.clumps import usual_s
 
 _APART = (4, 8, 16, 32)
 """Rows over which stamps tell how late rows are, which stays, from the jitter of polls, which adds up."""
@@ -51,7 +52,7 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     span_s = math.sqrt(12.0) * late_s  # of a lateness that is anywhere in it
     if span_s < _LEAST_SPAN_S:
         return list(recordings)
-    return [_with(one, _Polling(late_s, jitter_s, _poll_s(one)), span_s) for one in recordings]
+    return [_with(one, _Polling(late_s, jitter_s, usual_s(one.time_s)), span_s) for one in recordings]
 
 
 def as_late_as(plant: Plant, signals: Signals) -> Signals:
@@ -63,7 +64,7 @@ def as_late_as(plant: Plant, signals: Signals) -> Signals:
     late_s = span_s / math.sqrt(12.0)
     adding_up = (_variances([signals]) - 2.0 * late_s**2) / np.array(_APART)
     jitter_s = math.sqrt(max(float(np.median(adding_up)), 0.0))
-    poll_s = _poll_s(signals)
+    poll_s = usual_s(signals.time_s)
     return _with(signals, _Polling(late_s, max(jitter_s, _STEADY * poll_s), poll_s), span_s)
 
 
@@ -94,17 +95,11 @@ def _turning(recordings: Sequence[Signals]) -> float:
     pairs = []
     for one in recordings:
         off_s = np.diff(one.time_s) - np.median(np.diff(one.time_s))
-        most_s = _CLIPPED * 1.4826 * float(np.median(np.abs(off_s))) + _poll_s(one)
+        most_s = _CLIPPED * 1.4826 * float(np.median(np.abs(off_s))) + usual_s(one.time_s)
         clipped = np.clip(off_s, -most_s, most_s)
         pairs.append(np.column_stack([clipped[:-1], clipped[1:]]) - np.mean(clipped))
     before, after = np.concatenate(pairs).T
     return float(np.sum(before * after) / max(np.sqrt(np.sum(before**2) * np.sum(after**2)), 1e-30))
-
-
-def _poll_s(signals: Signals) -> float:
-    """The usual time from one poll to the next, s, from rows so far apart that their lateness hardly counts."""
-    apart = min(_APART[-1], signals.time_s.size - 1)
-    return float(np.median(signals.time_s[apart:] - signals.time_s[:-apart])) / apart if apart else 0.0
 
 
 def _deviations(recordings: Sequence[Signals]) -> tuple[float, float]:
@@ -115,7 +110,7 @@ def _deviations(recordings: Sequence[Signals]) -> tuple[float, float]:
     variances = np.maximum(_variances(recordings), 1e-18)
     design = np.column_stack([np.full(len(_APART), 2.0), np.array(_APART, dtype=float)])
     (late, jitter), _ = nnls(design / variances[:, None], np.ones(len(_APART)))
-    steady_s = _STEADY * float(np.median([_poll_s(one) for one in recordings]))
+    steady_s = _STEADY * float(np.median([usual_s(one.time_s) for one in recordings]))
     return math.sqrt(late), max(math.sqrt(jitter), steady_s)
 
 
