@@ -56,6 +56,29 @@ def test_stamps_tell_by_how_much_each_row_is_late(poll_s, span_s, jitter):
         assert np.std(left_s) < np.std(late_s)
 
 
+@pytest.mark.parametrize("seldom", [0.05, 0.2])
+@pytest.mark.parametrize("jitter", [0.03, 0.15])
+def test_a_few_rows_may_be_very_late_and_all_others_punctual(seldom, jitter):
+    """As where a host is busy now and then: a row waits for it, and those behind wait as well."""
+    rng = np.random.default_rng(16)
+    taken_s = polled(rng, 0.02, jitter)
+    late_s = np.where(rng.random(ROWS) < seldom, rng.exponential(0.02, ROWS), 0.0)
+    stamps_s = np.maximum.accumulate(taken_s + late_s)
+    (found,) = known(stamps_s)
+    told_s = found.late_span_s * found.ages[:, 2]
+    assert np.std(told_s - (stamps_s - taken_s)) < 0.3 * np.std(stamps_s - taken_s)
+
+
+@pytest.mark.parametrize("after", [4, 40, 400])
+def test_rows_after_a_stall_are_not_late(after):
+    """Though few rows may be very late: these would all be so by one time."""
+    rng = np.random.default_rng(17)
+    taken_s = polled(rng, 0.02, 0.1, stalls=0)
+    taken_s[-after:] += 0.5
+    (found,) = known(np.maximum.accumulate(taken_s + 0.02 * rng.random(ROWS) ** 2))
+    assert np.abs(found.late_span_s * found.ages[-after:, 2]).max() < 0.03
+
+
 def test_a_command_is_as_late_as_its_row():
     rng = np.random.default_rng(6)
     stamps_s = made_late(rng, polled(rng, 0.02, 0.05), 0.03)

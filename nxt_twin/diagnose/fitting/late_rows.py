@@ -31,8 +31,11 @@ It is -0.079 to 0.29 in 288 cases of Drake's simulator whose polls alone have ji
 _SURE = 3.0  # standard deviations of that correlation by chance, at least
 _CLIPPED = 5.0  # deviations from the middle time between rows, up to which that correlation counts it
 _STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
+_PUNCTUAL = 0.3  # of a poll's jitter: where few rows are late, the others are punctual to this
 _STALLS = 3.0  # degrees of freedom of a poll's jitter: stalls are rare and long
+_SELDOM = 1.5  # degrees of freedom of a row's lateness: most rows may be punctual, and few of them very late
 _ROUNDS = 30  # of weighing the stalls
+_STALLED = 5  # of these go to stalls alone, so that no row after a stall is taken for late
 _LAG_SPAN, _WAVES = Slot("clock_skew", "lag_span"), Slot("clock_skew", "waves")
 _LEAST_SPAN_S = 2e-3  # rounded stamps seem late as well, by half a millisecond
 
@@ -49,10 +52,17 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     ):
         return list(recordings)
     late_s, jitter_s = _deviations(long)
-    span_s = math.sqrt(12.0) * late_s  # of a lateness that is anywhere in it
+    clocks = [_Polling(late_s, jitter_s, usual_s(one.time_s)) for one in recordings]
+    known = [
+        clock.lateness(one.time_s)
+        for clock, one in zip(clocks, recordings, strict=True)
+        if one.time_s.size >= _FEWEST_ROWS
+    ]
+    strays_s = math.hypot(float(np.std(np.concatenate(known))), clocks[0].open_s)
+    span_s = math.sqrt(12.0) * strays_s  # of a lateness that is anywhere in it
     if span_s < _LEAST_SPAN_S:
         return list(recordings)
-    return [_with(one, _Polling(late_s, jitter_s, usual_s(one.time_s)), span_s) for one in recordings]
+    return [_with(one, clock, span_s) for one, clock in zip(recordings, clocks, strict=True)]
 
 
 def as_late_as(plant: Plant, signals: Signals) -> Signals:
@@ -79,7 +89,7 @@ def with_drawn_lateness(signals: Signals, rng: Generator) -> Signals:
 
 
 def _with(signals: Signals, clock: _Polling, span_s: float) -> Signals:
-    late = (signals.time_s - clock.course(signals.time_s)) / span_s
+    late = clock.lateness(signals.time_s) / span_s
     late_open = clock.open_s / span_s
     return replace(
         signals,
@@ -111,7 +121,8 @@ def _deviations(recordings: Sequence[Signals]) -> tuple[float, float]:
     design = np.column_stack([np.full(len(_APART), 2.0), np.array(_APART, dtype=float)])
     (late, jitter), _ = nnls(design / variances[:, None], np.ones(len(_APART)))
     steady_s = _STEADY * float(np.median([usual_s(one.time_s) for one in recordings]))
-    return math.sqrt(late), max(math.sqrt(jitter), steady_s)
+    jitter_s = max(math.sqrt(jitter), steady_s)
+    return max(math.sqrt(late), _PUNCTUAL * jitter_s), jitter_s
 
 
 def _variances(recordings: Sequence[Signals]) -> FloatArray:
@@ -140,27 +151,41 @@ class _Polling:
 
     @property
     def open_s(self) -> float:
-        """The deviation of a row's lateness from what `course` tells, far from either end of a recording, s."""
+        """The deviation of a row's lateness from what `lateness` tells, far from either end of a recording, s."""
         return self.late_s / math.sqrt(math.hypot(1.0, 2.0 * self.late_s / self.jitter_s))
 
-    def course(self, stamps_s: FloatArray) -> FloatArray:
-        """The likeliest moments of the polls, up to a lateness that they share, s, shape (rows,)."""
+    def lateness(self, stamps_s: FloatArray) -> FloatArray:
+        """By how much each row was stamped late, less a lateness that all share, s, shape (rows,)."""
+        return np.asarray(stamps_s - self._course(stamps_s))
+
+    def _course(self, stamps_s: FloatArray) -> FloatArray:
+        """The likeliest moments of the polls, s, shape (rows,).
+
+        A stall may make a time between polls long, and chance may make a row late. Nothing makes either short.
+        """
         rows = stamps_s.size
         if rows < 2:
             return stamps_s
-        weight = np.ones(rows - 1)
+        bonds, own = np.ones(rows - 1), np.ones(rows)
         course = stamps_s
-        for _ in range(_ROUNDS):
-            bond = weight / self.jitter_s**2
+        for turn in range(_ROUNDS):
+            bond, pull = bonds / self.jitter_s**2, own / self.late_s**2
             banded = np.zeros((2, rows))
             banded[0, 1:] = -bond
-            banded[1] = 1.0 / self.late_s**2
+            banded[1] = pull
             banded[1, 1:] += bond
             banded[1, :-1] += bond
-            pull = stamps_s / self.late_s**2
-            pull[1:] += bond * self.poll_s
-            pull[:-1] -= bond * self.poll_s
-            course = solveh_banded(banded, pull)
-            off = (np.diff(course) - self.poll_s) / self.jitter_s
-            weight = (_STALLS + 1.0) / (_STALLS + off**2)
+            target = stamps_s * pull
+            target[1:] += bond * self.poll_s
+            target[:-1] -= bond * self.poll_s
+            course = solveh_banded(banded, target)
+            bonds = _weights((np.diff(course) - self.poll_s) / self.jitter_s, _STALLS)
+            if turn >= _STALLED:
+                late = (stamps_s - course) / self.late_s
+                own = _weights(late - np.median(late), _SELDOM)
         return course
+
+
+def _weights(off: FloatArray, freedom: float) -> FloatArray:
+    """Those of Student's t above the middle, and of a normal distribution below it."""
+    return np.asarray((freedom + 1.0) / (freedom + np.square(np.maximum(off, 0.0))))
