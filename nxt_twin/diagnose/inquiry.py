@@ -122,7 +122,8 @@ def _reconsidered(simulator: Simulator, evidence: Evidence, rng: Generator, prog
     helps: Evidence | None = None
     for found in with_refused(simulator, evidence.problem, evidence.explanation):
         more = gather(simulator, evidence.problem, found, rng)
-        if verdict_of(more.record) == "explained" and _is_much_nearer(evidence, more):
+        told = verdict_of(more.record) == "explained" and vague_effect(more) is None
+        if told and _is_much_nearer(evidence, more):
             return replace(more, needless=evidence.needless)
         helps = helps or replace(more, needless=evidence.needless, record=replace(more.record, helps=True))
     return helps if helps and verdict == "unexplained" and not record.found else evidence

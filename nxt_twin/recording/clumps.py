@@ -10,6 +10,7 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 
 _AT_ONCE: Final = 0.2  # of the usual time from row to row, below which a row came with the one before it
 _MOSTLY: Final = 0.4  # share of the rows that come so where a link clumps them: pairs have a half
+_ALONE: Final = 0.5  # share of clumps of one row, above which rows waited for one that a busy host stamped late
 _APART: Final = 32  # rows over which the usual time is told whatever the clumps
 _NEXT_S: Final = 1e-6  # from one row of a clump to the next, where they have one stamp
 _LONGEST: Final = 1.5  # of the usual time between rows, beyond which a clump waited for the link or the host
@@ -25,11 +26,17 @@ def usual_s(time_s: FloatArray) -> float:
 
 def clump_ends(time_s: FloatArray) -> IntArray:
     """The last row of each clump; none where rows come one by one."""
-    waits_s = np.diff(time_s)
-    at_once = waits_s < _AT_ONCE * usual_s(time_s)
-    if time_s.size <= _APART or np.mean(at_once) < _MOSTLY:
+    at_once = came_at_once(time_s)
+    ends = np.append(np.flatnonzero(~at_once), time_s.size - 1)
+    alone = np.diff(ends, prepend=-1) == 1
+    if time_s.size <= _APART or np.mean(at_once) < _MOSTLY or np.mean(alone) > _ALONE:
         return np.zeros(0, dtype=np.int64)
-    return np.append(np.flatnonzero(~at_once), time_s.size - 1)
+    return ends
+
+
+def came_at_once(time_s: FloatArray) -> BoolArray:
+    """Which rows but the first came with the one before them, shape (rows - 1,)."""
+    return np.asarray(np.diff(time_s) < _AT_ONCE * usual_s(time_s))
 
 
 def told_apart_s(time_s: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.recording.clumps import usual_s
+from nxt_twin.recording.clumps import came_at_once, clump_ends, usual_s
 
 _APART = (4, 8, 16, 32)
 """Rows over which stamps tell how late rows are, which stays, from the jitter of polls, which adds up."""
@@ -28,6 +28,12 @@ _LATE_TURNS = -0.08
 
 It is -0.079 to 0.29 in 288 cases of Drake's simulator whose polls alone have jitter. Rounded stamps turn more."""
 
+_WAITING = 0.02
+"""Share of the rows that came with the one before them, from which rows wait for late ones.
+
+A host's polls are never that close: of our families and of a foreign simulator, 0.1 % of the rows at most."""
+
+_TURNED = 0.5  # how far a motor turned between such rows, over how far between others: none, where polls come in bursts
 _SURE = 3.0  # standard deviations of that correlation by chance, at least
 _CLIPPED = 5.0  # deviations from the middle time between rows, up to which that correlation counts it
 _STEADY = 0.05  # of a poll: no host is steadier, so that the course may bend
@@ -47,9 +53,7 @@ def with_lateness(recordings: Sequence[Signals]) -> list[Signals]:
     off all that follow.
     """
     long = [one for one in recordings if one.time_s.size >= _FEWEST_ROWS]
-    if not long or _turning(long) > min(
-        _LATE_TURNS, -_SURE / math.sqrt(sum(one.time_s.size for one in long))
-    ):
+    if not (long and (_turn(long) or _wait(long))):
         return list(recordings)
     late_s, jitter_s = _deviations(long)
     clocks = [_Polling(late_s, jitter_s, usual_s(one.time_s)) for one in recordings]
@@ -98,6 +102,23 @@ def _with(signals: Signals, clock: _Polling, span_s: float) -> Signals:
         late_open=late_open,
         command_late=np.interp(signals.command_time_s, signals.time_s, late),
     )
+
+
+def _turn(recordings: Sequence[Signals]) -> bool:
+    """Whether neighbouring times between rows surely go against each other."""
+    rows = sum(one.time_s.size for one in recordings)
+    return _turning(recordings) <= min(_LATE_TURNS, -_SURE / math.sqrt(rows))
+
+
+def _wait(recordings: Sequence[Signals]) -> bool:
+    """Whether rows came with the row before, though the motor had turned: they were read, and waited for a late one."""
+    waited = [came_at_once(one.time_s) for one in recordings]
+    if any(clump_ends(one.time_s).size for one in recordings) or np.mean(np.concatenate(waited)) < _WAITING:
+        return False
+    moved = np.concatenate([np.abs(np.diff(one.measured)) for one in recordings])
+    at_once = np.concatenate(waited)
+    late, punctual = (moved[own & np.isfinite(moved)] for own in (at_once, ~at_once))
+    return bool(late.size and punctual.size and np.mean(late) > _TURNED * np.mean(punctual))
 
 
 def _turning(recordings: Sequence[Signals]) -> float:

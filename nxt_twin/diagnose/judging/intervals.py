@@ -33,9 +33,28 @@ def covariance_of(simulator: Simulator, problem: Problem, linear: Linear) -> Flo
     These are single steps, or windows of simulation where single steps are no evidence.
     """
     if not problem.by_windows:
-        return _told_by_chance(simulator, problem, linear, robust_covariance(simulator, linear))
-    windows = linearise(simulator, problem, linear.structure, target=problem.simulated.everything())
-    return robust_covariance(simulator, windows, block_s=problem.window_s)
+        told = _told_by_chance(simulator, problem, linear, robust_covariance(simulator, linear))
+    else:
+        windows = linearise(simulator, problem, linear.structure, target=problem.simulated.everything())
+        told = robust_covariance(simulator, windows, block_s=problem.window_s)
+    return _at_bounds(problem, linear, told)
+
+
+def _at_bounds(problem: Problem, linear: Linear, covariance: FloatArray) -> FloatArray:
+    """`covariance` with the variables on a bound as known to all others: readings would have them further still.
+
+    Each keeps its own doubt.
+    """
+    plant = linear.structure.plant
+    for place, variable in enumerate(linear.variables):
+        slot = variable.slots[0]
+        parameter = plant.layout.parameters[slot].scaled(problem.scale)
+        value, own = plant.values[slot] / parameter.si, covariance[place, place]
+        if own > 0.0 and not parameter.lower < value < parameter.upper:
+            along = covariance[place] / math.sqrt(own)
+            covariance = covariance - np.outer(along, along)
+            covariance[place, place] = own
+    return covariance
 
 
 def _told_by_chance(

@@ -136,15 +136,17 @@ class Standard:
     def needed(self, best: Structure, weight: Weight | None = None) -> float:
         """Gain that a further effect needs; more where the error that `best` leaves is below the tolerance.
 
-        Unless the effect's `weight` shows that a simulation gets much nearer still. Nor is more asked of what brings
-        given numbers back: what priors gain is no matter of the form of other laws.
+        Unless the effect's `weight` shows that a simulation gets much nearer still, or that checking readings call for
+        it as well. Nor is more asked of what brings given numbers back: what priors gain is no matter of the form of
+        other laws.
         """
         if weight is not None and weight.restores:
             return LIMITS.gain_nats
         explained = self._explained(best)
         silent = self._is_silent(best)
         share = LIMITS.form_share * explained
-        if silent and weight is not None and weight.free_run_ratio > LIMITS.nearer:
+        borne_out = weight is not None and weight.check_gain > LIMITS.recurring_nats
+        if silent and weight is not None and not borne_out and weight.free_run_ratio > LIMITS.nearer:
             idle = min((weight.free_run_ratio - LIMITS.nearer) / (1.0 - LIMITS.nearer), 1.0)
             further = LIMITS.idle_share * (self._baseline.fitted_cost - best.fitted_cost)
             share += idle * max(further - share, 0.0)
