@@ -95,6 +95,12 @@ def evidence(record, error):
     return Evidence(record=record, final_errors=errors, problem=problem, explanation=None, needless=("x",))
 
 
+@pytest.fixture(autouse=True)
+def clear_sizes(monkeypatch):
+    """Each effect's size is clear of zero, unless a test says otherwise."""
+    monkeypatch.setattr(inquiry, "vague_effect", lambda _: None)
+
+
 @pytest.mark.parametrize(
     ("record", "error", "helps"),
     [(NAMED, 4.9, False), (NAMED, 5.1, True), (replace(NAMED, surprise=99.0, nearer=0.6), 1.0, True)],
@@ -136,6 +142,16 @@ def test_a_second_effect_is_named_where_unseen_readings_are_a_third_nearer(monke
     found = inquiry._reconsidered(None, before, None, told.append)
     assert found.record.named == (2 if named else 1)
     assert (found is before) is not named
+
+
+def test_a_second_effect_whose_size_is_hardly_clear_of_zero_is_not_named(monkeypatch):
+    monkeypatch.setattr(inquiry, "with_refused", lambda *_: iter([None]))
+    monkeypatch.setattr(inquiry, "gather", lambda *_: evidence(replace(NAMED, named=2), 5.0))
+    monkeypatch.setattr(inquiry, "nearest_horizon", lambda *_: 0)
+    monkeypatch.setattr(inquiry, "replace", lambda one, **changes: _replaced(one, changes))
+    monkeypatch.setattr(inquiry, "vague_effect", lambda _: "clock_skew")
+    before = evidence(replace(NAMED, remaining=1.5), 10.0)
+    assert inquiry._reconsidered(None, before, None, lambda _: None) is before
 
 
 @pytest.mark.parametrize(("record", "found"), [(NAMED, True), (replace(NAMED, moved=9.0), False)])

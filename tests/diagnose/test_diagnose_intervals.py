@@ -1,6 +1,7 @@
 """How sure the parameters are said to be."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from diagnose_motors import clean_case, recorded, settled
 
 from nxt_twin.diagnose.engine import problem_for
 from nxt_twin.diagnose.fitting.linear import linearise
-from nxt_twin.diagnose.judging.intervals import robust_covariance
+from nxt_twin.diagnose.judging.intervals import _at_bounds, robust_covariance
 from nxt_twin.physics.simulate import Simulator
 
 
@@ -104,3 +105,23 @@ def test_what_laws_of_one_name_leave_open_is_in_the_interval(fitted):
     added = 0.5 * linear.structure.plant.values[slot]
     assert after[place] == pytest.approx(np.hypot(before[place], added), rel=1e-6)
     assert np.allclose(np.delete(after, place), np.delete(before, place))
+
+
+@pytest.mark.parametrize(
+    ("value", "first", "across"), [(2.0, 0.75, 0.0), (1.0, 0.75, 0.0), (1.5, 1.0, 0.5), (1.99, 1.0, 0.5)]
+)
+def test_what_rests_on_a_bound_leaves_nothing_open_of_the_others(value, first, across):
+    """A size that goes with an exponent is as sure as that exponent lets it be; one on its bound lets it all."""
+    bounds = SimpleNamespace(lower=1.0, upper=2.0, si=1.0)
+    free = SimpleNamespace(lower=0.0, upper=9.0, si=1.0)
+    parameters = {"size": free, "exponent": bounds}
+    parameters = {k: SimpleNamespace(scaled=lambda _, own=own: own, si=1.0) for k, own in parameters.items()}
+    plant = SimpleNamespace(
+        layout=SimpleNamespace(parameters=parameters), values={"size": 3.0, "exponent": value}
+    )
+    linear = SimpleNamespace(
+        structure=SimpleNamespace(plant=plant),
+        variables=[SimpleNamespace(slots=("size",)), SimpleNamespace(slots=("exponent",))],
+    )
+    found = _at_bounds(SimpleNamespace(scale=None), linear, np.array([[1.0, 0.5], [0.5, 1.0]]))
+    np.testing.assert_allclose(found, [[first, across], [across, 1.0]])

@@ -114,6 +114,15 @@ def test_a_search_that_comes_back_to_where_it_has_grown_from_does_not_grow_again
 
 
 @pytest.mark.parametrize(
+    ("check", "gain", "taken"), [(30.1, 41.0, True), (30.1, 29.0, False), (29.9, 41.0, False)]
+)
+def test_a_silent_effect_that_checking_readings_call_for_need_not_bring_a_simulation_nearer(
+    check, gain, taken
+):
+    assert likelier(gain, check=check, explained=1e3, silent=True) is taken
+
+
+@pytest.mark.parametrize(
     ("check", "shows", "kept"),
     [
         (8.1, ("low_speed", "reversal"), True),
