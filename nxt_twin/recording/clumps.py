@@ -11,7 +11,7 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 _AT_ONCE: Final = 0.2  # of the usual time from row to row, below which a row came with the one before it
 _MOSTLY: Final = 0.4  # share of the rows that come so where a link clumps them: pairs have a half
 _ALONE: Final = (
-    0.5  # share of clumps of one row, above which rows waited for one that a busy host stamped late
+    0.5  # of all clumps, those of one row, above which rows waited for a late one, and no link clumps
 )
 _APART: Final = 32  # rows over which the usual time is told whatever the clumps
 _NEXT_S: Final = 1e-6  # from one row of a clump to the next, where they have one stamp

@@ -10,11 +10,13 @@ from diagnose_motors import clean_case
 from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
+from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.late_rows import as_late_as, with_drawn_lateness, with_lateness
 from nxt_twin.diagnose.fitting.wandering import late_by_chance_starts, second_waves
 from nxt_twin.diagnose.judging.doubt import straying
 from nxt_twin.diagnose.telling.notes import stamped_late
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 from nxt_twin.recording.recording import Recording
 
@@ -191,12 +193,12 @@ def clean_signals():
     return problem_for(clean_case(12)).signals[0]
 
 
-def restamped(case, seed, span_s):
+def restamped(case, seed, span_s, made=made_late):
     """The case with each row late by chance."""
     rng = np.random.default_rng(seed)
 
     def stamped(recording):
-        stamps_s = made_late(rng, recording.columns["time_s"], span_s)
+        stamps_s = made(rng, recording.columns["time_s"], span_s)
         return Recording(recording.name, {**recording.columns, "time_s": stamps_s})
 
     return replace(
@@ -247,3 +249,45 @@ def test_rows_that_are_late_by_chance_are_named():
     assert any(note.startswith("Each row is stamped late by chance") for note in said.notes)
     two_s = next(one for one in said.fit.horizons if one.seconds == 2.0)
     assert two_s.improved < 0.6 * two_s.baseline
+
+
+def seldom_late(rng, taken_s, mean_s):
+    """One row of six very late, and none before the row above it."""
+    late_s = np.where(rng.random(taken_s.size) < 1.0 / 6.0, rng.exponential(mean_s, taken_s.size), 0.0)
+    return np.maximum.accumulate(taken_s + late_s)
+
+
+@pytest.mark.slow
+def test_rows_that_are_late_seldom_are_named_and_all_others_keep_their_worth():
+    said = diagnose(restamped(concealed((), seed=2204, seconds=14.0), 2, 0.02, seldom_late)).diagnosis
+    assert (said.verdict, [one.id for one in said.effects]) == ("explained", ["clock_skew"])
+    two_s = next(one for one in said.fit.horizons if one.seconds == 2.0)
+    assert two_s.improved < 0.35 * two_s.baseline
+
+
+@pytest.mark.parametrize(
+    ("share", "turned", "told"),
+    [(0.03, 1.0, True), (0.03, 0.6, True), (0.03, 0.4, False), (0.015, 1.0, False)],
+)
+def test_rows_that_came_at_once_have_waited_where_the_motor_had_turned(share, turned, told):
+    """By half as far as between other rows, or more; where polls come in bursts it had not."""
+    rng = np.random.default_rng(18)
+    stamps_s = np.cumsum(
+        0.01 + 0.006 * np.sin(np.arange(ROWS) / 20.0)
+    )  # slow and quick in turn: no times go against
+    waits = 2 + 3 * rng.choice(ROWS // 3 - 1, int(share * ROWS), replace=False)
+    stamps_s[waits] = stamps_s[waits - 1]
+    moved = np.where(np.diff(stamps_s, prepend=-1.0) == 0.0, turned, 1.0)
+    (found,) = with_lateness([turning(np.cumsum(moved), stamps_s)])
+    assert (found.late_span_s > 0.0) is told
+
+
+@pytest.mark.parametrize(("effect", "starts"), [("clock_skew", [0.0, 1.0]), ("command_delay", [])])
+def test_a_clock_is_settled_with_commands_that_are_late_and_with_punctual_ones(effect, starts):
+    plant = problem_for(clean_case(12)).plant
+    fits = SimpleNamespace(problem=SimpleNamespace(signals=[SimpleNamespace(late_span_s=0.01)]))
+    effect = plant.layout.effect(effect)
+    found = Fits.stamped_late(fits, plant, effect)
+    assert sorted(one.values[Slot(effect.id, "of_commands")] for one in found) == starts
+    fits.problem.signals[0].late_span_s = 0.0
+    assert Fits.stamped_late(fits, plant, effect) == []

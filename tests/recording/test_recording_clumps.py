@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nxt_twin.recording.clumps import clump_ends, read_s, told_apart_s, usual_s
+from nxt_twin.recording.clumps import (
+    clump_ends,
+    read_s,
+    told_apart_s,
+    usual_s,
+)
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stalls import stalled_share, stalls
 
@@ -90,3 +95,12 @@ def test_a_link_that_clumps_has_not_stood_still():
     (found,) = stalls(halted)
     assert found.row == 200
     assert stalled_share(halted) == pytest.approx(0.5 / float(np.ptp(stamps_s)), rel=0.05)
+
+
+@pytest.mark.parametrize(("alone", "clumps"), [(0.4, True), (0.6, False)])
+def test_a_link_clumps_where_most_clumps_have_more_than_one_row(alone, clumps):
+    rng = np.random.default_rng(7)
+    sizes = np.where(rng.random(400) < alone, 1, 5)
+    ends = np.cumsum(sizes) - 1
+    stamps_s = np.repeat(POLL_S * ends, sizes)
+    assert (clump_ends(stamps_s).size > 0) is clumps

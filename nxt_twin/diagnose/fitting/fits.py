@@ -19,7 +19,12 @@ from nxt_twin.diagnose.fitting.promised import promised
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import Draft, Structure
 from nxt_twin.diagnose.fitting.variables import starts_of
-from nxt_twin.diagnose.fitting.wandering import second_wave_alone, second_waves, wandering_starts
+from nxt_twin.diagnose.fitting.wandering import (
+    late_by_chance_starts,
+    second_wave_alone,
+    second_waves,
+    wandering_starts,
+)
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -58,6 +63,13 @@ class Fits:
         if "pace" not in effect.terms:
             return self.starts(effect)
         return self.starts(effect) + wandering_starts(self._nuisance(structure), structure.plant, effect)
+
+    def stamped_late(self, plant: Plant, effect: Effect) -> list[Plant]:
+        """`plant` with rows as late as their neighbours tell, with their commands or without; none where none is."""
+        span_s = max(signals.late_span_s for signals in self.problem.signals)
+        starts = late_by_chance_starts(span_s) if "pace" in effect.terms else []
+        by_commands = {start["of_commands"]: start for start in reversed(starts)}
+        return [plant.with_effect(effect.id, start) for start in by_commands.values()]
 
     def second_waves(self, structure: Structure, effect: Effect) -> list[tuple[float, Plant]]:
         """The plant of `structure`, whose `effect` is one wave, with second ones and the gain that each promises."""

@@ -139,7 +139,7 @@ class Trials:
         starts += self._rugged(best, cost, drafts, listed)
         listed |= {start.effect.id for start in starts}
         scattering = self._scattering(best, listed)
-        starts += [*scattering, *self._losing(best)]
+        starts += [*scattering, *self._stamped_late(best), *self._losing(best)]
         listed |= {start.effect.id for start in starts}
         starts += self._by_chance(best, listed)
         suspected = self._suspected(best, listed)
@@ -246,6 +246,18 @@ class Trials:
             costs = self._fits.costs(plants, noise)
             starts.append(_Start(effect, plants[int(np.argmin(costs))], noise))
         return starts
+
+    def _stamped_late(self, best: Structure) -> list[_Start]:
+        """A clock that stamps rows late by chance, to settle by a first guess of the noise.
+
+        The noise of a plant without it has taken all of the scatter in, and a draft by it tells little.
+        """
+        noise = self._fits.first_noise()
+        return [
+            _Start(effect, plant, noise)
+            for effect in self.candidates(best.plant)
+            for plant in self._fits.stamped_late(best.plant, effect)
+        ]
 
     def _losing(self, best: Structure) -> list[_Start]:
         """Lost counts beside what was found and lies in the angle, from the shares whose drafts come near."""
