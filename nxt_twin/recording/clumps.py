@@ -43,7 +43,8 @@ def came_at_once(time_s: FloatArray) -> BoolArray:
 
 def told_apart_s(time_s: FloatArray) -> FloatArray:
     """Stamps, those of rows that share one a microsecond apart, so that each row keeps its command."""
-    if not np.any(np.diff(time_s) == 0.0):
+    waits_s = np.diff(time_s)
+    if not waits_s.any() or waits_s.all():
         return time_s
     rows = np.arange(time_s.size)
     first = np.maximum.accumulate(np.where(np.diff(time_s, prepend=-np.inf) > 0.0, rows, 0))

@@ -8,8 +8,10 @@ import pytest
 from diagnose_motors import clean_case, recorded, settled
 
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.fitting.braking import braked_alike
 from nxt_twin.diagnose.fitting.linear import linearise
 from nxt_twin.diagnose.judging.intervals import _at_bounds, robust_covariance
+from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import Simulator
 
 
@@ -125,3 +127,31 @@ def test_what_rests_on_a_bound_leaves_nothing_open_of_the_others(value, first, a
     )
     found = _at_bounds(SimpleNamespace(scale=None), linear, np.array([[1.0, 0.5], [0.5, 1.0]]))
     np.testing.assert_allclose(found, [[first, across], [across, 1.0]])
+
+
+def test_hits_against_a_stop_do_not_tell_friction_from_the_braking_of_a_motors_own_voltage(stopped):
+    """Along this direction nothing moves, so that priors alone know the torque constant."""
+    simulator, linear = stopped
+    std, constant = std_of(linear, robust_covariance(simulator, linear), "torque_constant")
+    assert std / constant > 0.01
+    along = braked_alike(linear.structure.plant, linear.variables)
+    along /= np.array([variable.scale for variable in linear.variables])
+    constant_alone = np.array([v.slots[0].symbol == "torque_constant" for v in linear.variables]) * along
+    assert np.linalg.norm(along @ linear.slopes) < 0.01 * np.linalg.norm(constant_alone @ linear.slopes)
+
+
+def test_the_friction_of_a_motor_that_brakes_alike_makes_up_for_its_voltage():
+    plant = problem_for(clean_case(41)).plant
+    slots = [Slot("base", "torque_constant"), Slot("base", "inertia"), Slot("viscous_friction", "viscous")]
+    variables = [SimpleNamespace(slots=(slot,)) for slot in slots]
+    constant, inertia, viscous = (plant.values[slot] for slot in slots)
+    resistance = plant.values[Slot("base", "resistance")]
+
+    def slowing(constant, inertia, viscous):
+        return constant**2 / (resistance * inertia) + viscous / inertia
+
+    size = 1e-4
+    more = np.array([constant, inertia, viscous]) + size * braked_alike(plant, variables)
+    assert slowing(*more) == pytest.approx(slowing(constant, inertia, viscous), rel=1e-7)
+    assert more[0] / more[1] == pytest.approx(constant / inertia)
+    assert not braked_alike(plant, variables[:2]).any()

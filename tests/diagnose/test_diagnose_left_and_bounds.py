@@ -45,7 +45,7 @@ def errors(*rms):
 def test_most_of_an_error_is_left_where_half_of_it_above_what_is_expected_is_and_matters(
     after, tolerance, left
 ):
-    before, expected = errors(10.0, 10.0, 10.0), np.array([2.0, 2.0, 2.0])
+    before, expected = errors(10.0, 10.0, 10.0), np.full(3, 1.6)  # and up to 2, as it may be off
     assert _leaves_most(SimpleNamespace(tolerance=tolerance), before, errors(*after), expected) is left
 
 
@@ -53,7 +53,7 @@ def test_most_of_an_error_is_left_where_half_of_it_above_what_is_expected_is_and
     ("windows", "whole", "left"), [(2.9, 10.9, False), (2.9, 11.1, True), (3.1, 6.1, True)]
 )
 def test_where_windows_err_as_expected_a_longer_simulation_may_err_as_much_as_before(windows, whole, left):
-    before, expected = errors(10.0, 10.0, 10.0), np.array([2.0, 2.0, 2.0])
+    before, expected = errors(10.0, 10.0, 10.0), np.full(3, 1.6)  # and up to 2, as it may be off
     after = errors(2.0, windows, whole)
     assert _leaves_most(SimpleNamespace(tolerance=1.0), before, after, expected) is left
 

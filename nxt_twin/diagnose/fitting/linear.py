@@ -10,6 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.batch import batch_predictions, batches, samples_of
+from nxt_twin.diagnose.fitting.braking import braked_alike, measured_along
 from nxt_twin.diagnose.fitting.fit import Variable, values_of
 from nxt_twin.diagnose.fitting.likeness import told_apart
 from nxt_twin.diagnose.fitting.noise import with_noise
@@ -133,6 +134,13 @@ def linearise(
     jobs = tuple(replace(job, step_s=step_for(structure.plant, step_s)) for job in target.jobs)
     variables = structure.fitted.variables
     sets, widths = moves(structure.plant, variables)
+    own_values, scales = values_of(structure.plant, variables), np.array([v.scale for v in variables])
+    braked = braked_alike(structure.plant, variables)
+    beside = [
+        with_slot_values(structure.plant, variables, own_values + sign * _DIFFERENCE * braked).vectors()[0]
+        for sign in (1.0, -1.0)
+    ]
+    sets = np.concatenate([sets[:-1], beside, sets[-1:]])
     _, active = structure.plant.vectors()
     counted = target.seen()
     predicted, last = batch_predictions(
@@ -143,10 +151,12 @@ def linearise(
         for worth, job, result in zip(target.evidence, jobs, last, strict=True)
     )
     slopes, innovations = [], []
-    along = np.array([v.likeness / v.scale for v in variables]) * values_of(structure.plant, variables)
+    along = np.array([v.likeness / v.scale for v in variables]) * own_values
+    braked = told_apart((braked / scales)[:, None], along)[:, 0]
+    widths = np.append(widths, 2.0 * _DIFFERENCE)
     for job, mask, own, factor in zip(jobs, counted, predicted, gain, strict=True):
-        rise = (own[:-1:2] - own[1:-1:2]) / widths[:, None]
-        slopes.append(told_apart(np.nan_to_num(rise * factor[mask]), along))
+        rise = np.nan_to_num((own[:-1:2] - own[1:-1:2]) / widths[:, None] * factor[mask])
+        slopes.append(measured_along(told_apart(rise[:-1], along), braked, rise[-1]))
         innovations.append(np.nan_to_num((job.signals.measured[mask] - own[-1]) * factor[mask]))
     return Linear(
         structure=structure,

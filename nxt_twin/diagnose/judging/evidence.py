@@ -47,6 +47,9 @@ HALF = 0.5
 STRUCTURED_NATS = 15.0
 """Least leftover of a clean recording, nats, below which no synthetic one puts the limit."""
 
+_FLOOR_DOUBT = 1.25
+"""By how much an expected error may be too small: floors lie within 0.8 to 1.25 of the true structure's error."""
+
 _CLEARLY_LESS = (
     0.9  # of the baseline's error: a noise that explains as much without the effects proves nothing
 )
@@ -304,10 +307,11 @@ def _drift(problem: Problem, before: Errors, after: Errors) -> float:
 def _leaves_most(problem: Problem, before: Errors, after: Errors, expected: FloatArray) -> bool:
     """Whether most of the error of `before` above the `expected` one is left at some horizon, and matters.
 
-    Errors that are too small to show in windows add up in longer simulations. Where windows err as expected, longer
+    The expected one may be off by `_FLOOR_DOUBT`. Errors that are too small to show in windows add up in longer
+    simulations. Where windows err as expected, longer
     ones may err as much as before.
     """
-    rows = list(zip(after.seconds, before.rms, after.rms, expected, strict=True))
+    rows = list(zip(after.seconds, before.rms, after.rms, _FLOOR_DOUBT * expected, strict=True))
     near = all(rms - least <= problem.tolerance for s, _, rms, least in rows if s <= WINDOW_S)
     excused = [other if near and s > WINDOW_S else 0.0 for s, other, _, _ in rows]
     return any(

@@ -71,5 +71,6 @@ def _moments(problem: Problem) -> Iterator[float]:
     for part in problem.held_out:
         times_s = part.signals.time_s[part.counted]
         began_s = part.signals.session_s - float(part.signals.time_s[0])
+        yield part.signals.session_s  # some time before the first reading that counts
         for moment_s in np.linspace(times_s[0], times_s[-1], _MOMENTS + 2):
             yield began_s + float(moment_s)
