@@ -67,6 +67,14 @@ def test_an_onset_that_fits_what_was_held_out_stays():
     assert told == ()
 
 
+def test_an_onset_may_be_the_beginning_of_what_was_held_out_though_later_readings_count():
+    signals = SimpleNamespace(time_s=np.array([3.0, 4.0, 5.0, 6.0]), session_s=20.0)
+    part = SimpleNamespace(signals=signals, counted=np.array([False, True, True, True]))
+    tried = list(onset._moments(SimpleNamespace(held_out=[part])))
+    assert tried[:2] == [20.0, 21.0]
+    assert tried[-1] == 23.0
+
+
 def costing(nats):
     """A target on which every plant but the first costs `nats` more."""
     target = SimpleNamespace(costs_of=lambda _, plants: np.where(np.arange(len(plants)) > 0, nats, 0.0))
