@@ -81,7 +81,7 @@ def test_friction_by_direction_is_no_coincidence():
 
 @pytest.mark.parametrize(
     ("behind", "simulates_worse", "doubt"),
-    [(0.4, False, 0.4), (9.0, False, 1.35), (-9.0, True, -1.35), (149.0, False, 1.35), (151.0, False, 151.0)],
+    [(0.4, False, 0.4), (9.0, False, 1.02), (-9.0, True, -1.02), (149.0, False, 1.02), (151.0, False, 151.0)],
 )
 def test_twins_share_belief_by_what_speaks_beforehand(behind, simulates_worse, doubt):
     assert Rival(None, behind, None, simulates_worse, is_twin=True).doubt_nats == doubt

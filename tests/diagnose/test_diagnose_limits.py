@@ -32,6 +32,7 @@ from diagnose_limits import (
     swapped,
 )
 from diagnose_second_wave import has_second_wave
+from test_diagnose_twins import rival
 
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
 from nxt_twin.physics.effects.transmission import BACKLASH
@@ -65,6 +66,7 @@ EDGES = {
     "rival_ratio": (rival_is_worse, 1.025, 1.035),
     "sure_rival_ratio": (lambda patch, v: rival_is_worse(patch, v, -150.0, ("twist",)), 1.29, 1.31),
     "sure_nats": (lambda patch, v: rival_is_worse(patch, 1.2, v, ("twist",)), -99.0, -101.0),
+    "told_nats": (lambda patch, v: rival(patch, v, found="load").behind > 0.0, 10.1, 9.9),
     "better_nats": (lambda _, v: is_taken(v), 0.98, 1.02),
     "rival_reach_nats": (lambda _, v: rivals_of(0.0, v), 39.5, 40.5),
     "far_reach_nats": (lambda _, v: rivals_of(v), 398.0, 402.0),
@@ -81,7 +83,7 @@ STATED = SimpleNamespace(
 )
 COUNTS = {
     "left_out_nats": (lambda _: belief(STATED), 3.0),
-    "coincidence_nats": (lambda _: against_a_hidden_load(), [1.35, 0.0]),
+    "coincidence_nats": (lambda _: against_a_hidden_load(), [1.02, 0.0]),
     "most_effects": (lambda _: effects_grown(), 4),
     "rivals_drafted": (lambda _: rivals_of(*[0.0] * 9), 4),
     "short_list": (lambda _: rivals_of(known=9), 5),

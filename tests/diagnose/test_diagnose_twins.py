@@ -41,6 +41,13 @@ def test_a_hidden_load_gives_way_to_friction_whatever_likelihood_says(monkeypatc
     assert not likelier_structure({"friction": (rival(monkeypatch, behind, found="friction"),)})
 
 
+@pytest.mark.parametrize("worse", [False, True])
+def test_what_hardly_differs_is_told_by_likelihood_as_no_way_of_sticking_costs_as_little(monkeypatch, worse):
+    assert not likelier_structure({"load": (rival(monkeypatch, 3.0, found="load", worse=worse),)})
+    assert likelier_structure({"friction": (rival(monkeypatch, -3.0, found="friction", worse=worse),)})
+    assert not likelier_structure({"friction": (rival(monkeypatch, -1.5, found="friction", worse=worse),)})
+
+
 def test_what_is_no_twin_or_clearly_likelier_stays(monkeypatch):
     assert not likelier_structure({"load": (rival(monkeypatch, 148.0, found="load", twins=False),)})
     assert not likelier_structure({"load": (rival(monkeypatch, 152.0, found="load"),)})

@@ -313,7 +313,7 @@ class _Search:
         weight = weigh(trial, best)
         twins = are_twins(best.plant, effect, other) or are_twins(trial.plant, other, effect)
         alike = twins and abs(weight.total) < LIMITS.twin_nats
-        told = 0.0 if alike else weight.total
+        told = 0.0 if alike and abs(weight.total) > LIMITS.told_nats else weight.total
         behind = told + self._favour(best, effect) - self._favour(trial, other)
         worse = weight.restores or (not alike and simulates_worse(best, trial, other))
         return Rival(other, behind, trial, worse, twins)
