@@ -40,13 +40,14 @@ class SearchLimits:
         sure_rival_ratio: that ratio for a rival with states of its own that is likelier by `sure_nats`.
         sure_nats: see `sure_rival_ratio`.
         coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart. Friction hid
-            8 of 31 constant loads of the sets 693, 700 and 720 and of two foreign simulators, and 14 of 30 of the spent
-            range `sixteenth`. The logarithm of that share is -1.02.
+            8 of 31 constant loads of the sets 693, 700 and 720 and of two foreign simulators. It hid 16 of 33 of the
+            spent range `sixteenth`. The logarithm of the whole share is -0.98. This is a little more than `swap_nats`,
+            so that friction takes the place of a load where likelihood tells nothing.
         twin_nats: distance up to which likelihood does not tell apart two effects that move a motor alike, but for
             `told_nats`. In the ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 6 of 8 cases
             at 31 to 78 nats. It took the right one at 258.
         told_nats: distance up to which it does: how a simulation lets a motor stick costs more. In `sixteenth` it was
-            for 12 of 14 hidden loads below 10 nats, and for 5 of 16 frictions by direction.
+            for 12 of 14 hidden loads below 10 nats, and for 4 of 15 frictions by direction.
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
