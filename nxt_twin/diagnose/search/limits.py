@@ -41,8 +41,8 @@ class SearchLimits:
         sure_nats: see `sure_rival_ratio`.
         coincidence_nats: what speaks against an effect whose size happens to hide what would set it apart. Friction hid
             8 of 31 constant loads of the sets 693, 700 and 720 and of two foreign simulators. It hid 16 of 33 of the
-            spent range `sixteenth`. The logarithm of the whole share is -0.98. This is a little more than `swap_nats`,
-            so that friction takes the place of a load where likelihood tells nothing.
+            spent range `sixteenth`. The logarithm of the whole share is -0.98. The limit is a little more than
+            `swap_nats`, so that friction takes the place of a load where likelihood tells nothing.
         twin_nats: distance up to which likelihood does not tell apart two effects that move a motor alike, but for
             `told_nats`. In the ranges `eighth` and `ninth`, likelihood took the wrong one of such twins in 6 of 8 cases
             at 31 to 78 nats. It took the right one at 258.
