@@ -9,7 +9,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.physics.signals import Signals
-from nxt_twin.recording.clumps import clump_ends, read_s
+from nxt_twin.recording.clumps import clump_ends, when_read
 
 _AT_ONCE: Final = 0.5
 """How far readings move within a clump, over how far they move from one to the next, below which they were polled at
@@ -33,13 +33,14 @@ def as_read(signals: Signals) -> Signals:
     mostly_read = np.mean(np.isfinite(signals.measured)) > _READ
     if not ends.size or not mostly_read or _were_polled_at_once(signals, ends):
         return signals
-    even_s, known = read_s(signals.time_s, ends)
+    read = when_read(signals.time_s, ends, signals.measured)
     return replace(
         signals,
-        time_s=even_s,
-        measured=np.where(known, signals.measured, np.nan),
-        command_time_s=_commanded_s(signals, ends, even_s),
+        time_s=read.time_s,
+        measured=np.where(read.known, signals.measured, np.nan),
+        command_time_s=_commanded_s(signals, ends, read.time_s),
         clump_rows=signals.time_s.size / ends.size,
+        open_s=read.open_s,
     )
 
 

@@ -45,6 +45,8 @@ class Signals:
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
         clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
             each came by itself.
+        open_s: how far the moment of each reading is open, a standard deviation, s, shape (samples,); 0 where rows came
+            one by one.
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """
@@ -67,12 +69,15 @@ class Signals:
     late_open: float = 0.0
     command_late: FloatArray = field(default_factory=lambda: np.zeros(0))
     clump_rows: float = 0.0
+    open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_load: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         if len(self.ages) != self.time_s.size:
             object.__setattr__(self, "ages", np.tile(_OF_ANY_AGE, (self.time_s.size, 1)))
+        if self.open_s.size != self.time_s.size:
+            object.__setattr__(self, "open_s", np.zeros(self.time_s.size))
         if self.command_late.size != self.command_time_s.size:
             object.__setattr__(self, "command_late", np.zeros(self.command_time_s.size))
 
@@ -81,9 +86,19 @@ class Signals:
         """The median time from one reading to the next, s."""
         return float(np.median(np.diff(self.time_s[np.isfinite(self.measured)])))
 
+    def moments(self) -> FloatArray:
+        """When each reading was taken: `ages`, then `open_s`, shape (samples, 5)."""
+        return np.column_stack([self.ages, self.open_s])
+
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""
-        return replace(self, time_s=self.time_s[rows], measured=self.measured[rows], ages=self.ages[rows])
+        return replace(
+            self,
+            time_s=self.time_s[rows],
+            measured=self.measured[rows],
+            ages=self.ages[rows],
+            open_s=self.open_s[rows],
+        )
 
     def of_any_age(self) -> Signals:
         """The same readings, with nothing known of their ages."""

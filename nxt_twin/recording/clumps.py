@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, final
 
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.recording.clump_course import even_course
 
 _AT_ONCE: Final = 0.2  # of the usual time from row to row, below which a row came with the one before it
 _MOSTLY: Final = 0.4  # share of the rows that come so where a link clumps them: pairs have a half
@@ -15,7 +17,6 @@ _ALONE: Final = (
 )
 _APART: Final = 32  # rows over which the usual time is told whatever the clumps
 _NEXT_S: Final = 1e-6  # from one row of a clump to the next, where they have one stamp
-_LONGEST: Final = 1.5  # of the usual time between rows, beyond which a clump waited for the link or the host
 
 
 def usual_s(time_s: FloatArray) -> float:
@@ -51,23 +52,53 @@ def told_apart_s(time_s: FloatArray) -> FloatArray:
     return np.asarray(time_s + _NEXT_S * (rows - first))
 
 
-def read_s(time_s: FloatArray, ends: IntArray) -> tuple[FloatArray, BoolArray]:
-    """When the rows of clumps were read, s: the last one as it came, the others evenly since the clump before.
+@final
+@dataclass(frozen=True)
+class Read:
+    """When rows of clumps were read.
+
+    Attributes:
+        time_s: the moments, shape (rows,).
+        open_s: how far they are open, standard deviations, shape (rows,).
+        known: which of them are known at all: where a clump was long in coming, only its last row's is.
+    """
+
+    time_s: FloatArray
+    open_s: FloatArray
+    known: BoolArray
+
+
+def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray) -> Read:
+    """When the rows of clumps were read: the last ones on an even course, the others evenly since the clump before.
+
+    Between two last rows the others are open as a random walk is that begins and ends where it is known. Where a clump
+    was long in coming, the wait is taken to lie where the readings move most.
 
     Args:
         time_s: stamps, shape (rows,).
         ends: as `clump_ends` has them.
-
-    Returns:
-        The moments, and which of them are known: where a clump was long in coming, only its last row's is.
+        measured: the readings, shape (rows,).
     """
     sizes = np.diff(ends, prepend=-1)
-    since_s = np.diff(time_s[ends]) / sizes[1:]
-    usual = float(np.median(since_s))
-    apart_s = np.append(usual, since_s)
+    course = even_course(time_s[ends], sizes, usual_s(time_s))
     rows, clump = np.arange(time_s.size), np.repeat(np.arange(ends.size), sizes)
-    moments_s = (
-        time_s[ends][clump]
-        - (ends[clump] - rows) * np.where(apart_s <= _LONGEST * usual, apart_s, usual)[clump]
+    apart_s = np.diff(course.read_s, prepend=-np.inf) / sizes
+    before_end, size = ends[clump] - rows, sizes[clump]
+    each_s = np.where(course.stalled | ~np.isfinite(apart_s), course.row_s, apart_s)
+    moments_s = course.read_s[clump] - before_end * each_s[clump]
+    for waiting in np.flatnonzero(course.stalled):
+        early = _before_wait(measured, int(ends[waiting - 1]), int(ends[waiting]))
+        moments_s[early] = course.read_s[waiting - 1] + course.row_s * (early - ends[waiting - 1])
+    since = (size - before_end) / size
+    ends_s2 = since * course.open_s2[clump] + (1.0 - since) * course.open_s2[np.maximum(clump - 1, 0)]
+    return Read(
+        moments_s,
+        np.sqrt(np.maximum(course.walk_s2 * since * before_end + ends_s2, 0.0)),
+        ~course.stalled[clump] | (before_end == 0),
     )
-    return moments_s, (apart_s <= _LONGEST * usual)[clump] | (rows == ends[clump])
+
+
+def _before_wait(measured: FloatArray, end_before: int, end: int) -> IntArray:
+    """The rows of a clump that were read before the wait: before the reading that moves most."""
+    moved = np.nan_to_num(np.abs(np.diff(measured[end_before : end + 1])))
+    return np.arange(end_before + 1, end_before + 1 + int(np.argmax(moved)))

@@ -7,14 +7,19 @@ from hypothesis import strategies as st
 
 from nxt_twin.recording.clumps import (
     clump_ends,
-    read_s,
     told_apart_s,
     usual_s,
+    when_read,
 )
 from nxt_twin.recording.recording import Recording
 from nxt_twin.recording.stalls import stalled_share, stalls
 
 POLL_S = 0.01
+
+
+def still(stamps_s):
+    """Readings of a motor at rest."""
+    return np.zeros(stamps_s.size)
 
 
 def taken_s(rows=400, seed=3):
@@ -35,7 +40,8 @@ def test_rows_of_clumps_get_the_moments_at_which_they_were_read(size, apart_s, s
     stamps_s = clumped(read_at_s, size, apart_s)
     ends = clump_ends(stamps_s)
     assert ends.size == -(-read_at_s.size // size)
-    found_s, known = read_s(stamps_s, ends)
+    read = when_read(stamps_s, ends, still(stamps_s))
+    found_s, known = read.time_s, read.known
     assert known.all()
     assert np.abs(found_s - read_at_s).max() < 0.2 * POLL_S + apart_s * size
     assert np.diff(found_s).min() > 0.0
@@ -66,12 +72,12 @@ def test_a_row_came_with_another_within_a_fifth_of_the_usual_time(share, found):
     assert (clump_ends(stamps_s).size > 0) is found
 
 
-@pytest.mark.parametrize(("wait_s", "known"), [(0.018, 4), (0.022, 1)])
+@pytest.mark.parametrize(("wait_s", "known"), [(0.008, 4), (0.012, 1)])
 def test_of_a_clump_that_waited_only_the_last_row_has_a_known_moment(wait_s, known):
     read_at_s = POLL_S * np.arange(200.0)
     read_at_s[102:] += wait_s  # within a clump
     stamps_s = clumped(read_at_s, 4)
-    _, found = read_s(stamps_s, clump_ends(stamps_s))
+    found = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s)).known
     assert found[100:104].sum() == known
     assert found[103]
     assert found[:100].all()
@@ -104,3 +110,14 @@ def test_a_link_clumps_where_most_clumps_have_more_than_one_row(alone, clumps):
     ends = np.cumsum(sizes) - 1
     stamps_s = np.repeat(POLL_S * ends, sizes)
     assert (clump_ends(stamps_s).size > 0) is clumps
+
+
+@pytest.mark.parametrize("late_rows", [1, 2, 3])
+def test_a_clump_waited_where_its_readings_move_most(late_rows):
+    first = 104 - late_rows
+    read_at_s = POLL_S * np.arange(200.0)
+    read_at_s[first:] += 0.05
+    stamps_s = clumped(read_at_s, 4)
+    found = when_read(stamps_s, clump_ends(stamps_s), 300.0 * read_at_s)
+    np.testing.assert_allclose(found.time_s, read_at_s, atol=1e-3)
+    assert not found.known[100:103].any()

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+
 from nxt_twin.blind.families.setting import DrawnCase, HiddenEffect, Hideable
 
 QUICK_WINDING_S: Final = 1e-4
@@ -82,9 +84,18 @@ def _skew(at: DrawnCase) -> HiddenEffect:
 
 
 def _late_by_chance(at: DrawnCase) -> HiddenEffect:
+    """Where few rows are late, they are so by more."""
     span_s = at.poll_s * at.among(small=(0.3, 0.5), medium=(0.6, 0.9), large=(1.2, 2.0))
-    told = {"lag_span_s": span_s, "rate_error": at.side() * at.between(1e-3, 8e-3)}
-    return HiddenEffect(told, chain={**told, "lag_phase": float(at.rng.random()), "lag_by_chance": 1.0})
+    rate, phase = at.side() * at.between(1e-3, 8e-3), float(at.rng.random())
+    share = _late_share(phase)
+    told = {"lag_span_s": span_s / math.sqrt(share), "rate_error": rate}
+    return HiddenEffect(told, chain={**told, "lag_phase": phase, "lag_by_chance": 1.0, "lag_share": share})
+
+
+def _late_share(phase: float) -> float:
+    """Every row, or in half of the clocks one in three to twenty; told from what is drawn, so that no clock moves."""
+    chance = np.random.default_rng([*b"share", int(phase * 2.0**32)])
+    return 1.0 if chance.random() < 0.5 else float(chance.uniform(0.05, 0.33))
 
 
 def _stale(at: DrawnCase) -> HiddenEffect:

@@ -18,10 +18,12 @@ from nxt_twin.blind.families.host import Driven, Rows, Script, drive_machine, fo
 from nxt_twin.blind.families.machine import Machine
 from nxt_twin.blind.families.motors import draw_baseline, draw_motor, true_parameters
 from nxt_twin.blind.families.numbers import Chain, Numbers
+from nxt_twin.blind.families.packets import draw_packets, handed_over
 from nxt_twin.blind.families.programs import PROGRAMS, Program, draw_programs
 from nxt_twin.blind.families.setting import DrawnCase, Hideable
 from nxt_twin.blind.kinds import SIZES, Size
 from nxt_twin.errors import CaseError
+from nxt_twin.recording.recording import Recording
 
 ANSWER_SCHEMA: Final = "nxt-twin/answer/1"
 HOLDOUT_CHANCE: Final = 0.5
@@ -163,7 +165,17 @@ def make_foreign(
         "salt": rng.bytes(SALT_BYTES).hex(),
     }
     sidecar = {} if habits.step_deg == 1.0 else {"tacho_step_deg": habits.step_deg}
-    return ConcealedCase(name, content, tuple(one.recording for one in rows), answer, sidecar)
+    recordings = _over_link(seed, habits, effects, [one.recording for one in rows])
+    return ConcealedCase(name, content, recordings, answer, sidecar)
+
+
+def _over_link(
+    seed: int, habits: Habits, effects: Sequence[str], recordings: Sequence[Recording]
+) -> tuple[Recording, ...]:
+    """As the host gets them; chance of its own, so that a case differs in nothing but its stamps."""
+    rng = np.random.default_rng([seed, *b"link"])
+    packets = draw_packets(rng, habits, effects)
+    return tuple(handed_over(rng, one, packets) if packets else one for one in recordings)
 
 
 def _truth_of(

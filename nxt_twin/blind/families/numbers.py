@@ -95,7 +95,8 @@ class Chain:
     """Between the motor and the rows of a recording: when commands act, what is stamped, what is read.
 
     A reading's stamp is `(1 + rate_error) · (t + lag)`, the lag wandering between 0 and `lag_span_s`. With
-    `lag_by_chance` each row is late by itself, and none overtakes the row before it. A command acts `delay_s`
+    `lag_by_chance` each row is late by itself, and none overtakes the row before it; `lag_share` is how many rows are
+    late at all. A command acts `delay_s`
     after its poll; with `late_rows` it is written into the row after.
     """
 
@@ -106,6 +107,7 @@ class Chain:
     lag_period_s: float = 1.0
     lag_phase: float = 0.0
     lag_by_chance: float = 0.0
+    lag_share: float = 1.0
     stale_fraction: float = 0.0
     refresh_period_s: float = 0.0
     eccentricity_deg: float = 0.0
@@ -127,7 +129,10 @@ class Chain:
     def _lag_by_chance_s(self, true_s: FloatArray) -> FloatArray:
         """Mostly short, seldom long; `lag_phase` draws it, so that rows and commands agree."""
         rng = np.random.default_rng([int(self.lag_phase * 2.0**32), int(1e6 * (true_s[-1] - true_s[0]))])
-        stamped_s = true_s + self.lag_span_s * rng.random(true_s.size) ** 2
+        late_s = self.lag_span_s * rng.random(true_s.size) ** 2
+        if self.lag_share < 1.0:
+            late_s = np.where(rng.random(true_s.size) < self.lag_share, late_s, 0.0)
+        stamped_s = true_s + late_s
         apart_s = STAMPS_APART_S * np.arange(true_s.size)
         in_order_s = np.maximum.accumulate(stamped_s - apart_s) + apart_s
         return np.asarray(in_order_s - true_s, dtype=np.float64)

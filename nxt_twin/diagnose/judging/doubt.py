@@ -70,7 +70,7 @@ def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray
 
     NaN where nothing was read.
     """
-    if not any(effect.holds_readings for effect in plant.effects):
+    if not any(effect.holds_readings for effect in plant.effects) and not signals.open_s.any():
         return np.zeros(signals.time_s.size)
     values, active = plant.vectors()
     active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])

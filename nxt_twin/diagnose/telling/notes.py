@@ -94,13 +94,15 @@ def leaping(problem: Problem) -> tuple[str, ...]:
 
 
 def in_clumps(recordings: Sequence[Signals]) -> tuple[str, ...]:
-    """A remark where rows came in clumps: how many at once, and what is made of their stamps."""
-    rows = [one.clump_rows for one in recordings if one.clump_rows > 0.0]
-    if not rows:
+    """A remark where rows came in clumps: how many at once, what is made of their stamps, and what they leave open."""
+    clumped = [one for one in recordings if one.clump_rows > 0.0]
+    if not clumped:
         return ()
+    rows = np.mean([one.clump_rows for one in clumped])
+    open_s = np.sqrt(np.mean(np.concatenate([one.open_s for one in clumped]) ** 2))
     return (
-        f"A link handed rows over in clumps of about {np.mean(rows):.2g}: their stamps tell when they came. They are "
-        "taken for read evenly since the clump before. Better stamp a row where it is read.",
+        f"A link handed rows over in clumps of about {rows:.2g}: their stamps tell when they came. They are "
+        f"taken for read evenly since the clump before, to {1e3 * open_s:.1g} ms. Better stamp a row where it is read.",
     )
 
 
