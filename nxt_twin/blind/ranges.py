@@ -231,6 +231,14 @@ RANGES: Final[dict[str, SeedRange]] = {
             "the mixture of `ninth` for the engine after decision 51, looked at by nobody before",
             singles=504,
         ),
+        SeedRange(
+            "seventeenth",
+            (5029, 5030),
+            Amounts(None, 38, 13, 7, 13),
+            None,
+            "the mixture of `ninth` for the engine after decision 53, looked at by nobody before",
+            singles=504,
+        ),
     )
 }
 """Seeds 1 to 999 are for development; from 5001 on they are scored, and never looked at before."""

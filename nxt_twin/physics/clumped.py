@@ -33,7 +33,7 @@ def as_read(signals: Signals) -> Signals:
     mostly_read = np.mean(np.isfinite(signals.measured)) > _READ
     if not ends.size or not mostly_read or _were_polled_at_once(signals, ends):
         return signals
-    read = when_read(signals.time_s, ends, signals.measured)
+    read = when_read(signals.time_s, ends, signals.measured, signals.quantum)
     return replace(
         signals,
         time_s=read.time_s,

@@ -79,7 +79,10 @@ def _observe(signals: Signals, noise: Noise, known: BoolArray, reset: BoolArray)
     variances = np.array([noise.reading_std, start_speed_std, noise.disturbance_std]) ** 2
     rates_per_s = (noise.damping_per_s, 1.0 / noise.disturbance_time_s)
     slipped = slips(signals, noise)
-    _riccati(signals.time_s, known, reset, variances, rates_per_s, signals.is_speed, slipped, gains, std)
+    strayed = signals.strays**2
+    _riccati(
+        signals.time_s, known, reset, variances, rates_per_s, signals.is_speed, slipped, strayed, gains, std
+    )
     return Observer(gains, std)
 
 
@@ -149,6 +152,7 @@ def _riccati(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba
     rates_per_s,  # noqa: ANN001
     reads_speed,  # noqa: ANN001
     slipped,  # noqa: ANN001
+    strayed,  # noqa: ANN001
     gains,  # noqa: ANN001
     std,  # noqa: ANN001
 ):
@@ -164,7 +168,7 @@ def _riccati(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba
         covariance = (aa + slipped[k], av, ad, vv, vd, dd)
         if reset[k]:
             covariance = first
-        left, gain, variance = corrected(covariance, reads_speed, reading_var)
+        left, gain, variance = corrected(covariance, reads_speed, reading_var + strayed[k])
         std[k] = math.sqrt(variance)
         if not known[k]:
             continue

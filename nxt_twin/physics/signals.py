@@ -16,6 +16,7 @@ VOLTAGES: Final[tuple[InputKind, ...]] = ("power_pct", "voltage_v", "goal_positi
 """Inputs that set a voltage, under which a motor's motion tells nothing of the size of its torques."""
 
 _OF_ANY_AGE = (-1.0, -1.0, 0.0, 0.0)
+_BESIDE_S: Final = 0.02  # to either side of a reading, over which the others tell the speed
 
 
 @final
@@ -86,9 +87,22 @@ class Signals:
         """The median time from one reading to the next, s."""
         return float(np.median(np.diff(self.time_s[np.isfinite(self.measured)])))
 
-    def moments(self) -> FloatArray:
-        """When each reading was taken: `ages`, then `open_s`, shape (samples, 5)."""
-        return np.column_stack([self.ages, self.open_s])
+    @cached_property
+    def strays(self) -> FloatArray:
+        """How far a reading strays as its moment is open, a standard deviation, SI, shape (samples,).
+
+        The readings beside it tell the speed, so that a plant which runs away makes no reading doubtful.
+        """
+        found = np.zeros(self.time_s.size)
+        rows = np.flatnonzero(np.isfinite(self.measured))
+        if self.is_speed or rows.size < 2 or not self.open_s.any():
+            return found
+        beside = max(1, round(_BESIDE_S / self.interval_s))
+        before = rows[np.maximum(np.arange(rows.size) - beside, 0)]
+        after = rows[np.minimum(np.arange(rows.size) + beside, rows.size - 1)]
+        speed = (self.measured[after] - self.measured[before]) / (self.time_s[after] - self.time_s[before])
+        found[rows] = self.open_s[rows] * np.abs(speed)
+        return found
 
     def part(self, rows: IntArray) -> Signals:
         """The same commands with only some of the readings."""

@@ -235,7 +235,7 @@ class Simulator:
             signals.others_time_s,
             signals.others_load,
             signals.time_s,
-            signals.moments(),
+            signals.ages,
             signals.measured,
             *sets.corrections,
             1.0 / job.disturbance_time_s,

@@ -109,8 +109,8 @@ def run(
                 std = reading_std[k]
                 log_std = log_scale[k]
                 trust = 1.0
-                if any_scatter or ages[k, 4] > 0.0:
-                    scatter = 0.0 if observe_speed else (ages[k, 4] * speed) ** 2
+                if any_scatter:
+                    scatter = 0.0
                     unseen_s, late_open = ages[k, 1], ages[k, 3]
 {scatter}
                     trust, std, log_std = _scattered(std, log_std, scatter)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 
-_EVEN: Final = 0.02  # of the time from row to row: no rows are taken for more even than that
+_EVEN: Final = 0.01  # of the time from row to row: no rows are taken for more even than that
 _STALLED: Final = 4.0  # standard deviations beyond which a host or a link kept a clump waiting
 _FAR: Final = 16  # clumps over which the walk is told from the waits
 _NORMAL: Final = 1.4826  # of a normal variable: its standard deviation over the median of its absolute values
@@ -74,14 +75,17 @@ def _is_by_timer(apart_s: FloatArray, rows: IntArray, row_s: float) -> bool:
 
 
 def _variances_s2(off_s: FloatArray, rows: float) -> tuple[float, float]:
-    """Variances of the wait after a clump's last row and of the time from one row to the next, s²."""
+    """Variances of the wait after a clump's last row and of the time from one row to the next, s².
+
+    That of the wait is at least its own standard error: no last row is known exactly.
+    """
     far = min(_FAR, off_s.size // 4)
     if far < 2:
         return 0.0, 0.0
     course_s = np.append(0.0, np.cumsum(off_s))
     near_s2, far_s2 = (float(np.mean((course_s[k:] - course_s[:-k]) ** 2)) for k in (1, far))
     walk_s2 = max(0.0, far_s2 - near_s2) / ((far - 1) * rows)
-    return max(0.0, near_s2 - rows * walk_s2) / 2.0, walk_s2
+    return max(near_s2 - rows * walk_s2, near_s2 * math.sqrt(2.0 / off_s.size)) / 2.0, walk_s2
 
 
 def _smoothed(

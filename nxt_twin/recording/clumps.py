@@ -16,6 +16,7 @@ _ALONE: Final = (
     0.5  # of all clumps, those of one row, above which rows waited for a late one, and no link clumps
 )
 _APART: Final = 32  # rows over which the usual time is told whatever the clumps
+_BY_FAR: Final = 3.0  # times the next longest step of a clump's readings, at a wait of the host
 _NEXT_S: Final = 1e-6  # from one row of a clump to the next, where they have one stamp
 
 
@@ -68,16 +69,17 @@ class Read:
     known: BoolArray
 
 
-def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray) -> Read:
+def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray, quantum: float) -> Read:
     """When the rows of clumps were read: the last ones on an even course, the others evenly since the clump before.
 
     Between two last rows the others are open as a random walk is that begins and ends where it is known. Where a clump
-    was long in coming, the wait is taken to lie where the readings move most.
+    was long in coming, the wait lies before the reading that moves by far the most. Without one it lies before all.
 
     Args:
         time_s: stamps, shape (rows,).
         ends: as `clump_ends` has them.
         measured: the readings, shape (rows,).
+        quantum: their smallest step.
     """
     sizes = np.diff(ends, prepend=-1)
     course = even_course(time_s[ends], sizes, usual_s(time_s))
@@ -87,7 +89,7 @@ def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray) -> Read:
     each_s = np.where(course.stalled | ~np.isfinite(apart_s), course.row_s, apart_s)
     moments_s = course.read_s[clump] - before_end * each_s[clump]
     for waiting in np.flatnonzero(course.stalled):
-        early = _before_wait(measured, int(ends[waiting - 1]), int(ends[waiting]))
+        early = _before_wait(measured, quantum, int(ends[waiting - 1]), int(ends[waiting]))
         moments_s[early] = course.read_s[waiting - 1] + course.row_s * (early - ends[waiting - 1])
     since = (size - before_end) / size
     ends_s2 = since * course.open_s2[clump] + (1.0 - since) * course.open_s2[np.maximum(clump - 1, 0)]
@@ -98,7 +100,13 @@ def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray) -> Read:
     )
 
 
-def _before_wait(measured: FloatArray, end_before: int, end: int) -> IntArray:
-    """The rows of a clump that were read before the wait: before the reading that moves most."""
+def _before_wait(measured: FloatArray, quantum: float, end_before: int, end: int) -> IntArray:
+    """The rows of a clump that were read before the wait, by the reading that moves by far the most; else none.
+
+    A motor that is at rest tells no place, and its command came after the wait, as it would have moved in it.
+    """
     moved = np.nan_to_num(np.abs(np.diff(measured[end_before : end + 1])))
-    return np.arange(end_before + 1, end_before + 1 + int(np.argmax(moved)))
+    place = int(np.argmax(moved))
+    others = np.delete(moved, place)
+    clear = moved[place] > _BY_FAR * (float(np.max(others, initial=0.0)) + quantum)
+    return np.arange(end_before + 1, end_before + 1 + (place if clear else 0))

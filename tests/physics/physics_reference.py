@@ -80,7 +80,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
         if math.isnan(reading) or job.start.at[k]:
             continue
         std = float(job.observer.innovation_std[k])
-        wider = axis.widened(std, 0.0 if signals.is_speed else float(signals.open_s[k]), ages[k])
+        wider = axis.widened(std, ages[k]["unseen_s"], ages[k]["late_open"])
         weight, cost = axis.judge(reading, predicted, last_reading, wider)
         weight *= (std / wider) ** 2 if std > 0.0 else 1.0
         found["weight"][k], found["cost"][k] = weight, cost
@@ -137,11 +137,10 @@ class _Axis:
         self._speed += float(change[1])
         self._disturbance += float(change[2])
 
-    def widened(self, std: float, open_s: float, known: _Scope) -> float:
-        """The standard deviation of a reading with what its scatter adds, and what its moment leaves open."""
-        own = {name: known[name] for name in ("unseen_s", "late_open")}
-        scope = {"angle": self._angle, "speed": self._speed, **own}
-        scatter = self.formed("scatter", scope, 0.0) + (open_s * self._speed) ** 2
+    def widened(self, std: float, unseen_s: float, late_open: float) -> float:
+        """The standard deviation of a reading with what its scatter adds."""
+        scope = {"angle": self._angle, "speed": self._speed, "unseen_s": unseen_s, "late_open": late_open}
+        scatter = self.formed("scatter", scope, 0.0)
         return math.sqrt(std * std + scatter) if std > 0.0 else std
 
     def judge(self, reading: float, predicted: float, last_reading: float, std: float) -> tuple[float, float]:

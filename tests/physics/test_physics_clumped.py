@@ -1,9 +1,12 @@
 """Signals of rows that a link handed over in clumps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from nxt_twin.physics.clumped import as_read
+from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.recorded import signals_of
 from nxt_twin.recording.recording import Recording
 
@@ -80,3 +83,26 @@ def test_rows_without_a_reading_of_their_own_make_no_clumps(missing, spread):
 def test_a_motor_at_rest_tells_nothing_of_bursts():
     still = signals_of(recorded(in_steps(40), np.zeros(ROWS)), "a")
     assert still.clump_rows == SIZE
+
+
+def turned(open_s=0.0):
+    """Readings of a motor that begins to turn after a second, by 6 rad/s."""
+    columns = recorded(np.full(ROWS, 50.0), np.degrees(6.0 * np.maximum(READ_S - 1.0, 0.0)), READ_S)
+    return replace(signals_of(columns, "a"), open_s=np.full(ROWS, open_s))
+
+
+def test_a_reading_strays_by_its_speed_times_how_far_its_moment_is_open():
+    run, loose = turned(), turned(2e-3)
+    assert not run.strays.any()
+    assert not loose.strays[:90].any()
+    np.testing.assert_allclose(loose.strays[110:], 6.0 * 2e-3, rtol=1e-9)
+    assert not replace(loose, is_speed=True).strays.any()
+    assert loose.part(np.arange(200, 300)).strays == pytest.approx(6.0 * 2e-3)
+
+
+def test_an_observer_trusts_readings_less_whose_moments_are_open():
+    noise = Noise(reading_std=0.005, disturbance_std=5.0, disturbance_time_s=0.15, damping_per_s=20.0)
+    exact, loose = (observer(each, noise) for each in (turned(), turned(2e-3)))
+    assert np.all(loose.gains[110:, 0] < 0.8 * exact.gains[110:, 0])
+    assert np.all(loose.innovation_std[110:] > 1.5 * exact.innovation_std[110:])
+    np.testing.assert_array_equal(loose.gains[:80], exact.gains[:80])

@@ -130,21 +130,6 @@ def test_rows_that_are_late_by_chance_agree_with_plain_python(motor_simulator):
         np.testing.assert_allclose(compiled[name], plain[name], rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("effects", [(), ("sample_hold",)])
-def test_readings_whose_moments_are_open_agree_with_plain_python(motor_simulator, effects):
-    job = job_with_readings(motor_simulator, seconds=2.0)
-    plain = job.signals
-    loose = replace(plain, open_s=0.004 * np.abs(np.sin(3.0 * np.arange(plain.time_s.size))))
-    plant = with_effect(*effects) if effects else plant_from_config(NXT, "power_pct")
-    trust = []
-    for each in (plain, loose):
-        found, expected = (run(plant, replace(job, signals=each)) for run in (motor_simulator.trace, predict))
-        for name in ("predicted", "weight", "cost"):
-            np.testing.assert_allclose(found[name], expected[name], rtol=1e-9, atol=1e-9)
-        trust.append(found["weight"])
-    assert np.mean(trust[1]) < 0.9 * np.mean(trust[0])
-
-
 @pytest.mark.parametrize("effect_id", nested("linear"))
 def test_a_plant_on_a_known_force_read_as_speed_agrees_with_plain_python(linear_simulator, effect_id):
     plant = body("force_n", effect_id)

@@ -26,7 +26,7 @@ def by_timer(read_at_s, period_s):
 
 def error_polls(read_at_s, stamps_s):
     """Mean and standard deviation of the errors of what is told, in polls."""
-    off = (when_read(stamps_s, clump_ends(stamps_s), still(stamps_s)).time_s - read_at_s) / POLL_S
+    off = (when_read(stamps_s, clump_ends(stamps_s), still(stamps_s), 1.0).time_s - read_at_s) / POLL_S
     return float(np.mean(off)), float(np.std(off))
 
 
@@ -40,7 +40,7 @@ def test_rows_that_a_timer_sends_get_the_moments_at_which_they_were_read(polls, 
 def test_a_timer_after_which_hosts_stood_still_is_told_all_the_same():
     read_at_s = rows_s() + 0.4 * (np.arange(3000) > 900) + 0.25 * (np.arange(3000) > 2000)
     stamps_s = by_timer(read_at_s, 3.4 * POLL_S)
-    read = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s))
+    read = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s), 1.0)
     assert np.std((read.time_s - read_at_s)[read.known]) < 0.2 * POLL_S
     assert np.sum(~read.known) < 12
 

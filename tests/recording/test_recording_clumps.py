@@ -40,7 +40,7 @@ def test_rows_of_clumps_get_the_moments_at_which_they_were_read(size, apart_s, s
     stamps_s = clumped(read_at_s, size, apart_s)
     ends = clump_ends(stamps_s)
     assert ends.size == -(-read_at_s.size // size)
-    read = when_read(stamps_s, ends, still(stamps_s))
+    read = when_read(stamps_s, ends, still(stamps_s), 1.0)
     found_s, known = read.time_s, read.known
     assert known.all()
     assert np.abs(found_s - read_at_s).max() < 0.2 * POLL_S + apart_s * size
@@ -77,7 +77,7 @@ def test_of_a_clump_that_waited_only_the_last_row_has_a_known_moment(wait_s, kno
     read_at_s = POLL_S * np.arange(200.0)
     read_at_s[102:] += wait_s  # within a clump
     stamps_s = clumped(read_at_s, 4)
-    found = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s)).known
+    found = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s), 1.0).known
     assert found[100:104].sum() == known
     assert found[103]
     assert found[:100].all()
@@ -118,6 +118,17 @@ def test_a_clump_waited_where_its_readings_move_most(late_rows):
     read_at_s = POLL_S * np.arange(200.0)
     read_at_s[first:] += 0.05
     stamps_s = clumped(read_at_s, 4)
-    found = when_read(stamps_s, clump_ends(stamps_s), 300.0 * read_at_s)
+    found = when_read(stamps_s, clump_ends(stamps_s), 300.0 * read_at_s, 1.0)
     np.testing.assert_allclose(found.time_s, read_at_s, atol=1e-3)
     assert not found.known[100:103].any()
+
+
+@pytest.mark.parametrize(("step_deg", "early"), [(5.9, False), (6.1, True)])
+def test_a_motor_that_hardly_moves_in_a_clump_waited_before_it(step_deg, early):
+    read_at_s = POLL_S * np.arange(200.0)
+    read_at_s[102:] += 0.05
+    stamps_s = clumped(read_at_s, 4)
+    moved_deg = np.zeros(200)
+    moved_deg[101], moved_deg[102] = 1.0, step_deg
+    found = when_read(stamps_s, clump_ends(stamps_s), np.cumsum(moved_deg), 1.0)
+    assert (found.time_s[101] - found.time_s[99] < 3.0 * POLL_S) == early

@@ -41,11 +41,13 @@ class Randomness:
 
 
 def quiet(job: Job, noise: Noise) -> Randomness:
-    """The same noise at every sample."""
+    """The same noise at every sample, but for readings whose moment is open."""
     ones = np.ones(job.signals.time_s.size)
     since_s = np.maximum(np.diff(job.signals.time_s, prepend=-np.inf), 1e-9)
     return Randomness(
-        noise.reading_std**2 * ones, noise.disturbance_std**2 * ones, slips(job.signals, noise) / since_s
+        noise.reading_std**2 + job.signals.strays**2,
+        noise.disturbance_std**2 * ones,
+        slips(job.signals, noise) / since_s,
     )
 
 
@@ -106,7 +108,7 @@ def clean_innovations(
     step = np.abs(np.diff(predicted, prepend=predicted[0]))
     standing = step < _STANDING_SHARE * max(float(np.max(step)), 1e-12)
     quantum = 0.0 if signals.is_speed else signals.quantum
-    own_std = math.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0))
+    own_std = np.sqrt(max(noise.reading_std**2 - quantum**2 / 12.0, 0.0) + signals.strays**2)
     found = np.zeros((count, known.size))
     foretold = np.nan_to_num(predicted)
     slipping = np.sqrt(slips(signals, noise))
@@ -229,7 +231,7 @@ def _clean(  # type: ignore[no-untyped-def]  # noqa: ANN202  # compiled: numba i
         if not known[k]:
             continue
         truth = predicted[k] + state[read]
-        seen = truth + own_std * normals[k, 1]
+        seen = truth + own_std[k] * normals[k, 1]
         if quantum > 0.0:
             seen = quantum * math.floor(seen / quantum + 0.5)
         innovation = seen - predicted[k] - guess[read]

@@ -70,14 +70,15 @@ def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray
 
     NaN where nothing was read.
     """
-    if not any(effect.holds_readings for effect in plant.effects) and not signals.open_s.any():
-        return np.zeros(signals.time_s.size)
+    own = signals.strays**2
+    if not any(effect.holds_readings for effect in plant.effects):
+        return own
     values, active = plant.vectors()
     active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])
     signals = signals.of_known_lateness()  # which others draw
     job = Job(signals, free(signals, 1.0), moving_start(signals))
     weight = simulator.run(values[None], active[None], [job])[0].weight[0]
-    return 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here
+    return own + 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here
 
 
 def drawn(structure: Structure, covariance: FloatArray, count: int, rng: Generator) -> list[Plant]:

@@ -32,9 +32,11 @@ def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
     """The effects that `plant` lacks and could have, driven as it is.
 
     What comes on top of a plain term, as stiction does on friction, waits for that term: alone it is another law. Rows
-    that came in clumps were not read quite evenly, which looks like lost counts: these are no cause there.
+    that came in clumps were not read quite evenly, which looks like lost counts and stale readings: neither is a cause
+    there.
     """
     shows_counts = signals.quantum > 0.0 and not signals.clump_rows
+    shows_stale = not signals.clump_rows
     superseded = {gone for effect in plant.effects for gone in effect.supersedes}
     return [
         effect
@@ -44,6 +46,7 @@ def addable_effects(plant: Plant, signals: Signals) -> list[Effect]:
         and _has_its_ground(effect, plant.active | superseded)
         and effect.takes(signals.input_kind)
         and (not effect.counted or shows_counts)
+        and ("outlier" not in effect.terms or shows_stale)
     ]
 
 
