@@ -34,14 +34,18 @@ def as_read(signals: Signals) -> Signals:
     if not ends.size or not mostly_read or _were_polled_at_once(signals, ends):
         return signals
     read = when_read(signals.time_s, ends, signals.measured, signals.quantum)
-    return replace(
+    found = replace(
         signals,
         time_s=read.time_s,
         measured=np.where(read.known, signals.measured, np.nan),
-        command_time_s=_commanded_s(signals, ends, read.time_s),
         clump_rows=signals.time_s.size / ends.size,
         open_s=read.open_s,
     )
+    row = np.clip(np.searchsorted(signals.time_s, signals.command_time_s), 0, signals.time_s.size - 1)
+    if _came_by_clumps(signals, ends, row):
+        return found
+    after_s = signals.command_time_s - signals.time_s[row]
+    return replace(found, command_time_s=read.time_s[row] + after_s, command_open_s=read.open_s[row])
 
 
 def _firsts(rows: int, ends: IntArray) -> BoolArray:
@@ -61,12 +65,9 @@ def _were_polled_at_once(signals: Signals, ends: IntArray) -> bool:
     return bool(np.mean(moved[~across]) < _AT_ONCE * np.mean(moved[across]))
 
 
-def _commanded_s(signals: Signals, ends: IntArray, even_s: FloatArray) -> FloatArray:
-    """When each command was given, s."""
+def _came_by_clumps(signals: Signals, ends: IntArray, row: IntArray) -> bool:
+    """Whether a host gave its commands as clumps came; `row` is that of each command, shape (commands,)."""
     own = np.column_stack([signals.command, signals.command_mode])
     changed = np.flatnonzero(np.any(np.diff(own, axis=0) != 0.0, axis=1)) + 1
-    row = np.clip(np.searchsorted(signals.time_s, signals.command_time_s), 0, signals.time_s.size - 1)
     by_clumps = _firsts(signals.time_s.size, ends)[row[changed]]
-    if not changed.size or np.mean(by_clumps) >= _BY_CLUMPS:
-        return signals.command_time_s
-    return np.asarray(even_s[row] + (signals.command_time_s - signals.time_s[row]))
+    return not changed.size or bool(np.mean(by_clumps) >= _BY_CLUMPS)

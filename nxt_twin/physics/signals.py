@@ -48,6 +48,7 @@ class Signals:
             each came by itself.
         open_s: how far the moment of each reading is open, a standard deviation, s, shape (samples,); 0 where rows came
             one by one.
+        command_open_s: as `open_s`, of the commands that came with rows in clumps, shape (commands,).
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
     """
@@ -71,6 +72,7 @@ class Signals:
     command_late: FloatArray = field(default_factory=lambda: np.zeros(0))
     clump_rows: float = 0.0
     open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
+    command_open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_load: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
@@ -79,6 +81,8 @@ class Signals:
             object.__setattr__(self, "ages", np.tile(_OF_ANY_AGE, (self.time_s.size, 1)))
         if self.open_s.size != self.time_s.size:
             object.__setattr__(self, "open_s", np.zeros(self.time_s.size))
+        if self.command_open_s.size != self.command_time_s.size:
+            object.__setattr__(self, "command_open_s", np.zeros(self.command_time_s.size))
         if self.command_late.size != self.command_time_s.size:
             object.__setattr__(self, "command_late", np.zeros(self.command_time_s.size))
 
@@ -125,9 +129,10 @@ class Signals:
             command_late=np.zeros(0),
         )
 
-    def of_known_lateness(self) -> Signals:
-        """The same, as if neighbouring stamps told exactly how late each row is."""
-        return replace(self, ages=self.ages * np.array([1.0, 1.0, 1.0, 0.0]))
+    def of_known_moments(self) -> Signals:
+        """The same, as if stamps told exactly when each row was read."""
+        known = self.ages * np.array([1.0, 1.0, 1.0, 0.0])
+        return replace(self, ages=known, open_s=np.zeros(0), command_open_s=np.zeros(0))
 
     def alone(self) -> Signals:
         """The same with the brick's other motors at rest."""

@@ -11,7 +11,7 @@ from test_diagnose_held_ages import turning
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
 from nxt_twin.diagnose.fitting.fits import Fits
-from nxt_twin.diagnose.fitting.late_rows import as_late_as, with_drawn_lateness, with_lateness
+from nxt_twin.diagnose.fitting.late_rows import as_late_as, with_drawn_moments, with_lateness
 from nxt_twin.diagnose.fitting.wandering import late_by_chance_starts, second_waves
 from nxt_twin.diagnose.judging.doubt import straying
 from nxt_twin.diagnose.telling.notes import stamped_late
@@ -146,10 +146,32 @@ def test_a_short_recording_beside_a_long_one_has_late_rows_too():
 def test_drawn_lateness_strays_by_what_stamps_leave_open():
     rng = np.random.default_rng(11)
     (found,) = known(made_late(rng, polled(rng, 0.02, 0.1), 0.03))
-    drawn = with_drawn_lateness(found, rng)
+    drawn = with_drawn_moments(found, rng)
     assert np.std(drawn.ages[:, 2] - found.ages[:, 2]) == pytest.approx(found.late_open, rel=0.1)
     honest = clean_signals()
-    assert with_drawn_lateness(honest, rng) is honest
+    assert with_drawn_moments(honest, rng) is honest
+
+
+def test_rows_of_clumps_are_drawn_about_their_moments_with_their_commands():
+    time_s = 0.01 * np.arange(2000)
+    given = replace(
+        turning(6.0 * time_s, time_s),
+        command_time_s=time_s[::10].copy(),
+        command=np.zeros(200),
+        command_mode=np.zeros(200, dtype=np.int64),
+        command_supply_v=np.full(200, 8.0),
+        command_late=np.zeros(200),
+        command_open_s=np.zeros(200),
+        open_s=np.full(2000, 1e-3),
+    )
+    loose = replace(given, command_open_s=np.full(200, 2e-3))
+    drawn, kept = (with_drawn_moments(each, np.random.default_rng(4)) for each in (loose, given))
+    assert np.std(drawn.time_s - time_s) == pytest.approx(1e-3, rel=0.1)
+    assert np.diff(drawn.time_s).min() > 0.0
+    assert np.std(drawn.command_time_s - time_s[::10]) == pytest.approx(2e-3, rel=0.15)
+    np.testing.assert_array_equal(kept.command_time_s, time_s[::10])
+    exact = replace(loose, open_s=np.zeros(2000))
+    assert with_drawn_moments(exact, np.random.default_rng(4)) is exact
 
 
 def test_what_others_draw_of_lateness_strays_in_no_synthetic_reading():

@@ -16,7 +16,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
-from nxt_twin.recording.clumps import came_at_once, clump_ends, usual_s
+from nxt_twin.recording.clumps import came_at_once, clump_ends, told_apart_s, usual_s
 
 _APART = (4, 8, 16, 32)
 """Rows over which stamps tell how late rows are, which stays, from the jitter of polls, which adds up."""
@@ -83,14 +83,28 @@ def as_late_as(plant: Plant, signals: Signals) -> Signals:
     return _with(signals, _Polling(late_s, max(jitter_s, _STEADY * poll_s), poll_s), span_s)
 
 
-def with_drawn_lateness(signals: Signals, rng: Generator) -> Signals:
-    """The signals with each row as late as chance may have made it beside its neighbours, a command with its row."""
+def with_drawn_moments(signals: Signals, rng: Generator) -> Signals:
+    """The signals with each row read when chance may have had it read, as stamps leave that open, a command with it."""
     if signals.late_open <= 0.0:
-        return signals
+        return _with_drawn_clumps(signals, rng)
     off = signals.late_open * rng.standard_normal(signals.time_s.size)
     row = np.clip(np.searchsorted(signals.time_s, signals.command_time_s), 0, off.size - 1)
     ages = signals.ages + off[:, None] * np.array([0.0, 0.0, 1.0, 0.0])
     return replace(signals, ages=ages, command_late=signals.command_late + off[row])
+
+
+def _with_drawn_clumps(signals: Signals, rng: Generator) -> Signals:
+    """As `with_drawn_moments`, of rows that came in clumps: none overtakes the row before it."""
+    if not signals.open_s.any():
+        return signals
+    read_s, given_s = (
+        np.maximum.accumulate(at_s + open_s * rng.standard_normal(at_s.size))
+        for at_s, open_s in (
+            (signals.time_s, signals.open_s),
+            (signals.command_time_s, signals.command_open_s),
+        )
+    )
+    return replace(signals, time_s=told_apart_s(read_s), command_time_s=given_s)
 
 
 def _with(signals: Signals, clock: _Polling, span_s: float) -> Signals:

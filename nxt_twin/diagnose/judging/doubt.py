@@ -8,7 +8,7 @@ from scipy.special import ndtri
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fit import values_of
-from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness
+from nxt_twin.diagnose.fitting.late_rows import with_drawn_moments
 from nxt_twin.diagnose.fitting.linear import with_slot_values
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
@@ -70,15 +70,14 @@ def straying(simulator: Simulator, plant: Plant, signals: Signals) -> FloatArray
 
     NaN where nothing was read.
     """
-    own = signals.strays**2
     if not any(effect.holds_readings for effect in plant.effects):
-        return own
+        return np.zeros(signals.time_s.size)
     values, active = plant.vectors()
     active &= np.array(["outlier" not in effect.terms for effect in plant.layout.effects])
-    signals = signals.of_known_lateness()  # which others draw
+    signals = signals.of_known_moments()  # which others draw
     job = Job(signals, free(signals, 1.0), moving_start(signals))
     weight = simulator.run(values[None], active[None], [job])[0].weight[0]
-    return own + 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here
+    return 1.0 / np.where(weight > 0.0, weight, np.nan) - 1.0  # ordinary noise has a variance of 1 here
 
 
 def drawn(structure: Structure, covariance: FloatArray, count: int, rng: Generator) -> list[Plant]:
@@ -137,9 +136,9 @@ def _late(
     """The mean square of each judged reading's error by drawn lateness, SI, shape (readings,)."""
     start = _start(simulator, part, structure, horizon_s)
     judged = part.counted & ~start.at
-    if part.signals.late_open <= 0.0:
+    if part.signals.late_open <= 0.0 and not part.signals.open_s.any():
         return np.zeros(int(judged.sum()))
-    drawn = [part.signals] + [with_drawn_lateness(part.signals, rng) for _ in range(_DRAWS)]
+    drawn = [part.signals] + [with_drawn_moments(part.signals, rng) for _ in range(_DRAWS)]
     values, active = structure.plant.vectors()
     runs = simulator.run(values[None], active[None], [free_job(signals, start) for signals in drawn])
     exact, *late = (run.predicted[0, judged] for run in runs)

@@ -13,7 +13,7 @@ from scipy.special import ndtri
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fitter import Fitter
-from nxt_twin.diagnose.fitting.late_rows import with_drawn_lateness
+from nxt_twin.diagnose.fitting.late_rows import with_drawn_moments
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.splits import WINDOW_S
 from nxt_twin.diagnose.fitting.structure import Structure
@@ -152,7 +152,7 @@ def synthetic(simulator: Simulator, plant: Plant, signals: Signals, noise: Noise
     pushes = noise.disturbance_std * np.sqrt(1.0 - forget**2) * rng.standard_normal(rows)
     gains = np.zeros((rows, 3))
     gains[:, 2] = _FAINT
-    pushed = replace(with_drawn_lateness(signals, rng), measured=pushes / _FAINT)
+    pushed = replace(with_drawn_moments(signals, rng), measured=pushes / _FAINT)
     job = Job(pushed, Observer(gains, np.zeros(rows)), moving_start(signals), noise.disturbance_time_s)
     exact = simulator.trace(plant, job)["predicted"]
     quantum = 0.0 if signals.is_speed else signals.quantum
