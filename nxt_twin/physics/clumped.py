@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.arrays import BoolArray, IntArray
 from nxt_twin.physics.signals import Signals
 from nxt_twin.recording.clumps import clump_ends, when_read
 
