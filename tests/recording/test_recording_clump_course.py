@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nxt_twin.recording.clump_course import even_course
 from nxt_twin.recording.clumps import clump_ends, when_read
@@ -68,3 +70,49 @@ def test_rows_that_a_device_counts_keep_the_moment_at_which_their_clump_came():
 def test_few_clumps_are_taken_as_they_came():
     came_s = np.array([0.05, 0.1, 0.15, 0.2])
     np.testing.assert_allclose(even_course(came_s, np.full(4, 5), POLL_S).read_s, came_s)
+
+
+@given(
+    seed=st.integers(0, 10_000),
+    jitter=st.sampled_from([0.0, 0.02, 0.25, 0.5]),
+    wait_polls=st.sampled_from([0.0, 0.1, 1.0, 3.0]),
+    stalls=st.integers(0, 4),
+)
+def test_moments_keep_the_order_of_their_rows(seed, jitter, wait_polls, stalls):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(40, 400))
+    read_at_s = np.cumsum(POLL_S * np.maximum(1.0 + jitter * rng.standard_normal(count), 0.1))
+    for row in rng.integers(1, count, stalls):
+        read_at_s[row:] += POLL_S * rng.uniform(1.0, 60.0)
+    ends = np.unique(np.append(np.cumsum(rng.integers(1, 8, count)) - 1, count - 1))
+    last = ends[np.searchsorted(ends, np.arange(count))]
+    last = np.minimum(last, count - 1)
+    came_s = read_at_s[last] + wait_polls * POLL_S * np.abs(rng.standard_normal(count))[last]
+    stamps_s = np.maximum.accumulate(came_s)
+    clumps = clump_ends(stamps_s)
+    if clumps.size:
+        read = when_read(stamps_s, clumps, np.cumsum(rng.integers(-1, 5, count)).astype(float), 1.0)
+        assert np.diff(read.time_s).min() > 0.0
+        assert np.isfinite(read.open_s).all()
+        assert read.known.mean() > 0.5
+
+
+@pytest.mark.parametrize(("wait_rows", "stalled"), [(2.8, 0), (3.2, 1)])
+def test_a_clump_waited_beyond_four_standard_deviations(wait_rows, stalled):
+    apart = 4.0 + 0.5 * (-1.0) ** np.arange(200)  # deviations of 0.74 rows, as a median tells them
+    apart[100] = 4.0 + wait_rows
+    course = even_course(POLL_S * np.cumsum(apart), np.full(200, 4), POLL_S)
+    assert course.stalled.sum() == stalled
+
+
+def test_what_comes_back_after_sixteen_clumps_is_no_walk():
+    clumps = np.arange(801)
+    came_s = POLL_S * (4.0 * clumps + 0.5 * np.sin(2.0 * np.pi * clumps / 16.0))
+    course = even_course(came_s, np.full(801, 4), POLL_S)
+    assert np.sqrt(course.walk_s2) / course.row_s == pytest.approx(0.01, rel=0.02)
+
+
+def test_even_rows_that_a_timer_sends_stay_open_by_what_a_walk_of_a_hundredth_leaves():
+    stamps_s = by_timer(rows_s(), 3.37 * POLL_S)
+    read = when_read(stamps_s, clump_ends(stamps_s), still(stamps_s), 1.0)
+    assert np.median(read.open_s) / POLL_S == pytest.approx(0.05, rel=0.15)
