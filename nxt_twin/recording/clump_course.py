@@ -56,6 +56,8 @@ def even_course(came_s: FloatArray, sizes: IntArray, usual_s: float) -> ClumpCou
     wait_s2, walk_s2 = _variances_s2(np.where(stalled, 0.0, off_s), float(np.mean(sizes)))
     if _is_by_timer(apart_s[~stalled], rows[~stalled], row_s):
         wait_s2 = row_s**2 / 12.0
+        stalled = off_s > row_s + _STALLED * math.sqrt(float(np.mean(sizes)) * walk_s2)
+        _, walk_s2 = _variances_s2(np.where(stalled, 0.0, off_s), float(np.mean(sizes)))
     steps_s = np.asarray(rows * row_s + np.where(stalled, off_s, 0.0), dtype=np.float64)
     walk_s2 = max(walk_s2, (_EVEN * row_s) ** 2)
     walks_s2 = np.asarray(rows * walk_s2 + np.where(stalled, row_s**2, 0.0), dtype=np.float64)

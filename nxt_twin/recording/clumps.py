@@ -61,7 +61,7 @@ class Read:
     Attributes:
         time_s: the moments, shape (rows,).
         open_s: how far they are open, standard deviations, shape (rows,).
-        known: which of them are known at all: where a clump was long in coming, only its last row's is.
+        known: which of them are known at all: where a clump was long in coming, its last row's is at most.
     """
 
     time_s: FloatArray
@@ -88,24 +88,31 @@ def when_read(time_s: FloatArray, ends: IntArray, measured: FloatArray, quantum:
     before_end, size = ends[clump] - rows, sizes[clump]
     each_s = np.where(course.stalled | ~np.isfinite(apart_s), course.row_s, apart_s)
     moments_s = course.read_s[clump] - before_end * each_s[clump]
+    known = ~course.stalled[clump] | (before_end == 0)
     for waiting in np.flatnonzero(course.stalled):
         early = _before_wait(measured, quantum, int(ends[waiting - 1]), int(ends[waiting]))
-        moments_s[early] = course.read_s[waiting - 1] + course.row_s * (early - ends[waiting - 1])
+        after_s = course.row_s * (early - ends[waiting - 1])
+        moments_s[early] = np.minimum(course.read_s[waiting - 1] + after_s, course.read_s[waiting])
+        known[early] = False
     since = (size - before_end) / size
     ends_s2 = since * course.open_s2[clump] + (1.0 - since) * course.open_s2[np.maximum(clump - 1, 0)]
     return Read(
-        moments_s,
+        told_apart_s(np.maximum.accumulate(moments_s)),
         np.sqrt(np.maximum(course.walk_s2 * since * before_end + ends_s2, 0.0)),
-        ~course.stalled[clump] | (before_end == 0),
+        known,
     )
 
 
 def _before_wait(measured: FloatArray, quantum: float, end_before: int, end: int) -> IntArray:
     """The rows of a clump that were read before the wait, by the reading that moves by far the most; else none.
 
-    A motor that is at rest tells no place, and its command came after the wait, as it would have moved in it.
+    A motor that is at rest tells no place, and its command came after the wait, as it would have moved in it. A timer
+    may have sent the clump in the midst of the wait: then the next reading moves most. The last clump of a recording
+    has fewer rows than others, and waited for nothing.
     """
-    moved = np.nan_to_num(np.abs(np.diff(measured[end_before : end + 1])))
+    if end == measured.size - 1:
+        return np.arange(end_before + 1, end + 1)
+    moved = np.nan_to_num(np.abs(np.diff(measured[end_before : end + 2])))
     place = int(np.argmax(moved))
     others = np.delete(moved, place)
     clear = moved[place] > _BY_FAR * (float(np.max(others, initial=0.0)) + quantum)

@@ -1,6 +1,7 @@
 """What fitted readings leave open, on held-out readings; and sizes that hide what would set an effect apart."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from diagnose_motors import clean_case, settled
 
 from nxt_twin.blind.case import NOMINAL
 from nxt_twin.diagnose.engine import problem_for
+from nxt_twin.diagnose.judging import doubt
 from nxt_twin.diagnose.judging.doubt import doubts_of, scatter_of
 from nxt_twin.diagnose.judging.horizons import horizons_of
 from nxt_twin.diagnose.search.coincidence import are_twins, coincidence_nats
@@ -97,3 +99,12 @@ def test_a_load_below_friction_is_the_twin_of_friction_by_direction(load_nm, oth
     effect, its = (loaded.layout.effect(name) for name in ("constant_load", other))
     assert are_twins(loaded, effect, its) is twins
     assert not are_twins(loaded, its, effect)
+
+
+def test_readings_err_less_than_told_nine_times_of_ten_as_moments_are_open(monkeypatch):
+    draws = np.random.default_rng(3).normal(5.0, 1.0, 8)
+    monkeypatch.setattr(doubt, "horizons_of", lambda problem: (2.0,))
+    monkeypatch.setattr(doubt, "_late", lambda *given: np.tile(draws[:, None] ** 2, (1, 30)))
+    (told,) = doubt.lateness_of(None, SimpleNamespace(held_out=(None, None)), None, None)
+    below = (draws.mean() + each * draws.std() for each in (1.25, 1.31))
+    assert next(below) < told < next(below)

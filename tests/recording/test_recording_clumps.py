@@ -132,3 +132,24 @@ def test_a_motor_that_hardly_moves_in_a_clump_waited_before_it(step_deg, early):
     moved_deg[101], moved_deg[102] = 1.0, step_deg
     found = when_read(stamps_s, clump_ends(stamps_s), np.cumsum(moved_deg), 1.0)
     assert (found.time_s[101] - found.time_s[99] < 3.0 * POLL_S) == early
+
+
+def test_the_last_clump_of_a_recording_follows_the_one_before_it_and_tells_no_moment():
+    read_at_s = POLL_S * np.arange(203.0)
+    stamps_s = clumped(read_at_s, 5)
+    stamps_s[200:] += 2.0 * POLL_S  # a timer sends it when the next two rows would have been there
+    found = when_read(stamps_s, clump_ends(stamps_s), 300.0 * read_at_s, 1.0)
+    np.testing.assert_allclose(found.time_s, read_at_s, atol=1e-3)
+    assert not found.known[200:].any()
+    assert found.known[:200].all()
+
+
+def test_a_timer_may_send_a_clump_in_the_midst_of_a_wait():
+    read_at_s = POLL_S * np.arange(1000.0)
+    read_at_s[500:] += 0.07
+    period_s = 3.37 * POLL_S
+    stamps_s = (np.floor(read_at_s / period_s) + 1.0) * period_s
+    found = when_read(stamps_s, clump_ends(stamps_s), 300.0 * read_at_s, 1.0)
+    late_s = found.time_s - read_at_s
+    assert np.abs(late_s - np.median(late_s))[found.known].max() < 0.6 * POLL_S
+    assert np.abs(late_s - np.median(late_s))[495:505].max() < POLL_S
