@@ -103,8 +103,8 @@ def test_a_load_below_friction_is_the_twin_of_friction_by_direction(load_nm, oth
 
 def test_readings_err_less_than_told_nine_times_of_ten_as_moments_are_open(monkeypatch):
     draws = np.random.default_rng(3).normal(5.0, 1.0, 8)
-    monkeypatch.setattr(doubt, "horizons_of", lambda problem: (2.0,))
-    monkeypatch.setattr(doubt, "_late", lambda *given: np.tile(draws[:, None] ** 2, (1, 30)))
+    monkeypatch.setattr(doubt, "horizons_of", lambda _: (2.0,))
+    monkeypatch.setattr(doubt, "_late", lambda *_: np.tile(draws[:, None] ** 2, (1, 30)))
     (told,) = doubt.lateness_of(None, SimpleNamespace(held_out=(None, None)), None, None)
     below = (draws.mean() + each * draws.std() for each in (1.25, 1.31))
     assert next(below) < told < next(below)
