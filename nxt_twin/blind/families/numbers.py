@@ -96,8 +96,7 @@ class Chain:
 
     A reading's stamp is `(1 + rate_error) · (t + lag)`, the lag wandering between 0 and `lag_span_s`. With
     `lag_by_chance` each row is late by itself, and none overtakes the row before it; `lag_share` is how many rows are
-    late at all. A command acts `delay_s`
-    after its poll; with `late_rows` it is written into the row after.
+    late at all. A command acts `delay_s` after its poll; with `late_rows` it is written into the row after.
     """
 
     delay_s: float = 0.0
