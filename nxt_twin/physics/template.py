@@ -257,41 +257,41 @@ COMPILED = '@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contra
 
 FORMING = """\
 goal = held
+supply_v = open_circuit_v
+resistance = {resistance}
+inductance = 0.0
+drop = 0.0
+knee = 0.0
+limit = math.inf
+damping = 0.0
+load_torque = 0.0
+level = 0.0
+borne = 0.0
 {goal}
 duty = {control}
 {duty}
-supply_v = open_circuit_v
 {supply}
 if any_inertia:
     inertia = base__inertia
 {inertia}
     momentum = 2.0 * inertia / step_s
-resistance = {resistance}
 {resistance_terms}
-inductance = 0.0
 {inductance}
-drop = 0.0
 {drop}
-knee = 0.0
 {knee}
-limit = math.inf
 {limit}
 force, coupling = {drive}
 drive_torque = force - coupling * speed
 before = speed
 mid_angle = angle + 0.5 * step_s * before
-damping = 0.0
 {damping}
-load_torque = 0.0
 {torque}
 inverse = 1.0 / (momentum + coupling + damping)
 free = _free_speed(momentum - coupling - damping, before, force + load_torque + inertia * disturbance, inverse)
 direction = math.copysign(1.0, before if before != 0.0 else free)
-level = 0.0
 {friction}
 {lean}
 dry = level
-borne = 0.0
 {borne}
 level = max(dry - borne, 0.0)
 {hold}
@@ -306,10 +306,10 @@ after = _slowed(before, free, direction, 2.0 * level * inverse)
 LEAVING = """\
 {advance}
 current = {current}
+disturbance *= fading
 angle += 0.5 * step_s * (before + after)
 speed = after
 {stop}
-disturbance *= fading
 """
 """What the step left behind."""
 
