@@ -339,10 +339,24 @@ class _Search:
         return self._ranked(best, named), self._ranked(best, smaller)
 
     def _ranked(self, best: Structure, settled: list[tuple[Effect, Structure]]) -> list[Ranked]:
-        """What was `settled` beside `best`, the likeliest first."""
+        """What was `settled` beside `best`, the likeliest first.
+
+        What restores given numbers comes before, unless another is likelier and brings simulations much nearer: numbers
+        that a missing load has moved come back in part with anything.
+        """
         ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
-        ranked.sort(key=lambda item: self._rank(item[0], item[1], item[2], best), reverse=True)
-        return ranked
+        ranks = {effect.id: self._rank(effect, weight, trial, best) for effect, weight, trial in ranked}
+        nearest = max(
+            (weight.total for effect, weight, _ in ranked if ranks[effect.id][1] and _is_much_nearer(weight)),
+            default=-math.inf,
+        )
+
+        def key(one: Ranked) -> tuple[bool, bool, bool, float]:
+            worth_it, lasts, restores, total = ranks[one[0].id]
+            first = restores and (_is_much_nearer(one[1]) or total > nearest)
+            return worth_it, lasts, first, total
+
+        return sorted(ranked, key=key, reverse=True)
 
     def _rank(
         self, effect: Effect, weight: Weight, trial: Structure, best: Structure
@@ -359,6 +373,10 @@ class _Search:
     def _favour(self, structure: Structure, effect: Effect) -> float:
         """What speaks for `effect` beside the readings, at the size that it has in `structure`, nats."""
         return self._standard.leaning(effect) - coincidence_nats(structure.plant, effect)
+
+
+def _is_much_nearer(weight: Weight) -> bool:
+    return weight.free_run_ratio < LIMITS.much_nearer
 
 
 def _is_among(structure: Structure, others: list[Structure]) -> bool:

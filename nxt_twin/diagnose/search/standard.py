@@ -118,17 +118,19 @@ class Standard:
 
         Asked of what comes on top of other effects: where the laws of those are a little off, such moments come about.
         Where a simulation hardly errs, one odd second is no missing physics either, however loud. What brings given
-        numbers back need gain nothing there: the numbers in their place simulate as well. Nor need what recurs.
+        numbers back need gain nothing there: the numbers in their place simulate as well. Nor need friction that acts
+        where a motor turns back. What recurs may gain in few moments, but in more than one.
         """
         first = simpler.plant.active - self._unnamed == self._baseline.plant.active - self._unnamed
         errs = simpler.free_run_rms[0] > LIMITS.odd_tolerances * self._fits.problem.tolerance
-        recurs = _recurs(weight, simpler, richer)
-        asked = not errs and not weight.restores and not recurs
+        returns = _turns_back(weight, simpler, richer)
+        asked = not errs and not weight.restores and not returns
         if asked and self._fits.gained_elsewhere(simpler, richer) < LIMITS.gain_nats:
             return False
         return (
             first
-            or recurs
+            or returns
+            or _recurs(weight, simpler, richer)
             or weight.gain > LIMITS.many_nats
             or self._fits.moments_gained(simpler, richer) > LIMITS.few_moments
         )
@@ -191,18 +193,25 @@ class Standard:
         return self.belief(effect) + self._fits.problem.leaning.get(effect.id, 0.0)
 
 
-def _recurs(weight: Weight, simpler: Structure, richer: Structure) -> bool:
-    """Whether checking readings bear out all that `richer` adds, so that it acts in other moments as well.
+def _turns_back(weight: Weight, simpler: Structure, richer: Structure) -> bool:
+    """Whether `richer` adds friction where a motor slows and turns back, which it may do once, and it is borne out."""
+    turns_back = all({"low_speed", "reversal"} <= {*effect.shows} for effect in _new(simpler, richer))
+    return turns_back and weight.check_gain > LIMITS.gain_nats
 
-    For friction that acts where a motor slows and turns back a little will do: it may do so once. Else it takes more,
-    and a nearer simulation. A period that is a little off may fit checking readings too, as they lie in the same turn.
+
+def _recurs(weight: Weight, simpler: Structure, richer: Structure) -> bool:
+    """Whether checking readings and a nearer simulation bear out what `richer` adds, so that it acts in other moments.
+
+    A period that is a little off may fit checking readings too, as they lie in the same turn.
     """
-    new = [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
-    turns_back = all({"low_speed", "reversal"} <= {*effect.shows} for effect in new)
-    if turns_back and weight.check_gain > LIMITS.gain_nats:
-        return True
+    new = _new(simpler, richer)
     repeats = any(p.name.endswith(_PERIODS) for effect in new for p in effect.parameters)
     return not repeats and weight.check_gain > LIMITS.recurring_nats and weight.free_run_ratio < 1.0
+
+
+def _new(simpler: Structure, richer: Structure) -> list[Effect]:
+    """The effects that `richer` adds."""
+    return [effect for effect in richer.plant.effects if effect.id not in simpler.plant.active]
 
 
 def _choice_nats(effect: Effect) -> float:
