@@ -148,11 +148,15 @@ def test_friction_that_checking_readings_bear_out_may_act_where_a_motor_turns_ba
         (0.99, "lag_period_s", False),
     ],
 )
-@pytest.mark.parametrize(("moments", "error"), [(1.0, 2.1), (9.0, 1.5)])
+@pytest.mark.parametrize(("error", "elsewhere"), [(2.1, 0.0), (1.5, 8.1)])
 def test_what_checking_readings_call_for_loudly_may_come_from_few_moments_unless_it_has_a_period(
-    ratio, second, kept, moments, error
+    ratio, second, kept, error, elsewhere
 ):
-    assert lasts(99.0, moments, error, check=30.1, ratio=ratio, second=second) is kept
+    assert lasts(99.0, 1.0, error, elsewhere, check=30.1, ratio=ratio, second=second) is kept
+
+
+def test_what_gains_in_one_odd_second_alone_does_not_recur_however_loudly_it_checks():
+    assert not lasts(190.0, 4.4, 1.5, 7.9, check=44.5, ratio=0.82)
 
 
 @pytest.mark.parametrize(

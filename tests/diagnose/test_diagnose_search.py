@@ -17,11 +17,12 @@ from nxt_twin.diagnose.fitting.noise import damping_per_s, estimate, first_noise
 from nxt_twin.diagnose.fitting.problem import problem_of
 from nxt_twin.diagnose.fitting.settling import settled
 from nxt_twin.diagnose.fitting.structure import DRAFT_STEP_S, step_for
+from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.explain import _Search, explain
 from nxt_twin.diagnose.search.screen import screen
 from nxt_twin.diagnose.search.trials import addable_effects
-from nxt_twin.diagnose.search.weight import weigh
+from nxt_twin.diagnose.search.weight import Weight, weigh
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.simulate import STEP_S, Simulator
 from nxt_twin.recording.recording import Recording, SignalKinds
@@ -268,6 +269,31 @@ def test_what_a_smaller_effect_clearly_explains_names_no_larger_one(smaller_rank
     added = search._added("bare", [(larger, None, "with cogging")], [(smaller, None, "with presliding")])
     assert added == ("with presliding" if ahead else "with cogging")
     assert search._unnamed == ({"presliding"} if ahead else set())
+
+
+@pytest.mark.parametrize(
+    ("gain", "ratio", "own_ratio", "first"),
+    [
+        (102.0, 0.49, 0.94, "constant_load"),
+        (102.0, 0.51, 0.94, "command_delay"),
+        (43.0, 0.49, 0.94, "command_delay"),
+        (102.0, 0.49, 0.4, "command_delay"),
+    ],
+)
+def test_restored_numbers_come_first_unless_a_likelier_effect_simulates_much_nearer(
+    gain, ratio, own_ratio, first, monkeypatch
+):
+    search = object.__new__(_Search)
+    search._standard = SimpleNamespace(worth_it=lambda *_: True, lasts=lambda *_: True, leaning=lambda _: 0.0)
+    monkeypatch.setattr(explaining, "coincidence_nats", lambda *_: 0.0)
+    delay, load = (SimpleNamespace(id=name) for name in ("command_delay", "constant_load"))
+    weights = {
+        "delayed": Weight(44.0, 0.0, own_ratio, runs_worse=False, restored_nats=12.0),
+        "loaded": Weight(gain, 0.0, ratio, runs_worse=False),
+    }
+    monkeypatch.setattr(explaining, "weigh", lambda _, trial: weights[trial.plant])
+    settled = [(load, SimpleNamespace(plant="loaded")), (delay, SimpleNamespace(plant="delayed"))]
+    assert search._ranked("bare", settled)[0][0].id == first
 
 
 @pytest.mark.parametrize(
