@@ -346,10 +346,8 @@ class _Search:
         """
         ranked = [(effect, weigh(best, trial), trial) for effect, trial in settled]
         ranks = {effect.id: self._rank(effect, weight, trial, best) for effect, weight, trial in ranked}
-        nearest = max(
-            (weight.total for effect, weight, _ in ranked if ranks[effect.id][1] and _is_much_nearer(weight)),
-            default=-math.inf,
-        )
+        nearer = [ranks[effect.id] for effect, weight, _ in ranked if _is_much_nearer(weight)]
+        nearest = max((total for _, lasts, _, total in nearer if lasts), default=-math.inf)
 
         def key(one: Ranked) -> tuple[bool, bool, bool, float]:
             worth_it, lasts, restores, total = ranks[one[0].id]
