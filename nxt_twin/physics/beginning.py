@@ -13,6 +13,7 @@ from nxt_twin.physics.signals import Signals
 
 _SPAN_S = 0.12
 _SPAN_READINGS = 6
+_SPAN_REFRESHED = 9  # refreshments of readings that a device holds: their moments are open
 _FEWEST_READINGS = 3
 _LAGS_S = np.geomspace(0.015, 0.5, 11)
 _DELAYS_S = np.linspace(0.0, 0.08, 17)
@@ -32,8 +33,7 @@ def begins_at_rest(signals: Signals) -> bool:
     """
     if signals.is_speed:
         return False
-    elapsed_s, moved = _first_readings(signals)
-    return _stands(signals, elapsed_s, moved) or _follows(signals, elapsed_s, moved)
+    return _stands(signals, *_first_readings(signals)) or _follows(signals)
 
 
 def _stands(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:
@@ -44,8 +44,9 @@ def _stands(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:
     return bool(before.size and np.abs(before).max() <= signals.quantum)
 
 
-def _follows(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:
+def _follows(signals: Signals) -> bool:
     """Whether the readings follow the commands as from rest, and show that it was one."""
+    elapsed_s, moved, open_s = _first_moments(signals)
     if elapsed_s.size < _FEWEST_READINGS:
         return False
     lag_s, delay_s = (each.reshape(-1, 1) for each in np.meshgrid(_LAGS_S, _DELAYS_S, indexing="ij"))
@@ -55,6 +56,8 @@ def _follows(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool
     moving = _least(_without(_without(moved, risen), _without(dying, risen)))
     steady = _least(_without(moved, elapsed_s[None]))
     variance = signals.quantum**2 / 12.0 + (_NOT_OF_FIRST_ORDER * np.abs(moved).max()) ** 2
+    if open_s.any():
+        variance += float(np.mean((open_s * np.gradient(moved, elapsed_s)) ** 2)) / 12.0
     nats = 0.5 * moved.size / max(variance, _NOTHING)
     near = still**2 < _NEAR * variance and nats * (still**2 - moving**2) < _AS_GOOD_NATS
     return bool(near and nats * (steady**2 - still**2) > _SHOWN_NATS)
@@ -69,6 +72,20 @@ def _first_readings(signals: Signals) -> tuple[FloatArray, FloatArray]:
     rows = (elapsed_s > 0.0) & (elapsed_s <= max(_SPAN_S, _SPAN_READINGS * signals.interval_s))
     moved = signals.measured[known] - signals.measured[0]
     return elapsed_s[rows], moved[rows]
+
+
+def _first_moments(signals: Signals) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """As `_first_readings`, and how far the moments are open, s; of held readings those that were new, as taken."""
+    ages = signals.ages[:, :2]
+    held = ages[:, 1] >= 0.0
+    if not held.any():
+        elapsed_s, moved = _first_readings(signals)
+        return elapsed_s, moved, np.zeros(elapsed_s.size)
+    taken_s = signals.time_s - signals.time_s[0] - ages[:, 0] - 0.5 * ages[:, 1]
+    new = held & (np.diff(signals.measured, prepend=np.nan) != 0.0) & np.isfinite(signals.measured)
+    rows = np.flatnonzero(new & (taken_s > 0.0) & (taken_s <= _SPAN_REFRESHED * signals.refreshed_s))
+    rows = rows[np.diff(taken_s[rows], prepend=0.0) > 0.0]
+    return taken_s[rows], signals.measured[rows] - signals.measured[0], ages[rows, 1]
 
 
 def _first_change_s(signals: Signals) -> float:

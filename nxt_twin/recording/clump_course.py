@@ -61,7 +61,7 @@ def even_course(came_s: FloatArray, sizes: IntArray, usual_s: float) -> ClumpCou
     steps_s = np.asarray(rows * row_s + np.where(stalled, off_s, 0.0), dtype=np.float64)
     walk_s2 = max(walk_s2, (_EVEN * row_s) ** 2)
     walks_s2 = np.asarray(rows * walk_s2 + np.where(stalled, row_s**2, 0.0), dtype=np.float64)
-    smooth_s, open_s2 = _smoothed(came_s - np.sqrt(3.0 * wait_s2), steps_s, walks_s2, wait_s2)
+    smooth_s, open_s2 = walk_smoothed(came_s - np.sqrt(3.0 * wait_s2), steps_s, walks_s2, wait_s2)
     return ClumpCourse(np.minimum(smooth_s, came_s), open_s2, np.append(False, stalled), row_s, walk_s2)
 
 
@@ -90,7 +90,7 @@ def _variances_s2(off_s: FloatArray, rows: float) -> tuple[float, float]:
     return max(near_s2 - rows * walk_s2, near_s2 * math.sqrt(2.0 / off_s.size)) / 2.0, walk_s2
 
 
-def _smoothed(
+def walk_smoothed(
     observed_s: FloatArray, steps_s: FloatArray, walk_s2: FloatArray, noise_s2: float
 ) -> tuple[FloatArray, FloatArray]:
     """A random walk seen under noise, from the step and variance of each move: its course, and the variance of that."""

@@ -119,3 +119,35 @@ def test_what_moves_at_the_first_row_was_driven_before_it():
     still = read(time_s, motion(time_s, lambda _: 0.6), [(0.0, 0.6)])
     assert driven_before(moving).command_time_s.tolist() == [-1.0, 1.0]
     assert driven_before(still).command_time_s.tolist() == [0.0]
+
+
+def held(time_s, angle, pieces, *, held_s, phase_s):
+    """What a device shows that refreshes its reading each `held_s`, with the ages that repeats tell."""
+    taken_s = held_s * np.floor((time_s - phase_s) / held_s) + phase_s
+    counts = np.floor(np.interp(np.maximum(taken_s, 0.0), time_s, angle) / QUANTUM) * QUANTUM
+    run = commanded(pieces, seconds=time_s[-1], stamps=time_s)
+    poll_s = time_s[1] - time_s[0]
+    shown_s = np.where(taken_s > 0.0, poll_s * np.floor((time_s - taken_s) / poll_s), -1.0)
+    ages = np.column_stack([shown_s, np.where(taken_s > 0.0, poll_s, -1.0), *np.zeros((2, time_s.size))])
+    return Signals(
+        **{**run.__dict__, "measured": counts, "quantum": QUANTUM, "ages": ages, "refreshed_s": held_s}
+    )
+
+
+@pytest.mark.parametrize("held_s", [0.03, 0.05, 0.08])
+@pytest.mark.parametrize("phase_s", [0.002, 0.02])
+def test_readings_that_a_device_holds_show_a_start_from_rest(held_s, phase_s):
+    time_s = np.arange(0.0, 2.0, 0.015)
+    levels = np.clip(1.0 - 5.0 * time_s, 0.1, 1.0)
+    angle = motion(time_s, lambda t: levels[int(t / 0.015)])
+    pieces = list(zip(time_s.tolist(), levels.tolist(), strict=True))
+    signals = held(time_s, angle, pieces, held_s=held_s, phase_s=phase_s)
+    assert begins_at_rest(signals)
+    assert moving_start(signals).speed[0] == 0.0
+
+
+@pytest.mark.parametrize("held_s", [0.03, 0.05])
+def test_held_readings_of_a_motor_that_moves_show_no_rest(held_s):
+    time_s = np.arange(0.0, 2.0, 0.015)
+    angle = motion(time_s, lambda _: 0.6, speed=9.0)
+    assert not begins_at_rest(held(time_s, angle, [(0.0, 0.6)], held_s=held_s, phase_s=0.01))

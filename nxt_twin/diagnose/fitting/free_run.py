@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
+from nxt_twin.diagnose.fitting.doubted import is_doubted
 from nxt_twin.physics.observer import Noise, observer
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.simulate import Job, Result, Simulator, free_job
@@ -53,7 +54,7 @@ class FreeRunCheck:
         results = simulator.run(values[None], active[None], runs)
         faults = any("outlier" in effect.terms for effect in plant.effects)
         judged = [
-            check & (seen.weight[0] > 0.5 if faults else True) & np.isfinite(job.signals.measured)
+            check & ~(is_doubted(plant, seen.weight[0]) & faults) & np.isfinite(job.signals.measured)
             for job, check, seen in zip(self._jobs, self._check, corrected, strict=True)
         ]
         errors = [

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.doubted import is_doubted
 from nxt_twin.diagnose.fitting.fitter import SETTLED, Fitter
 from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
-_DOUBTED = 0.5  # belief in a reading
 _MOSTLY = 0.5  # of the doubted readings: where more are at a stop, it is the stop's law that is doubted
 _AT_A_STOP_RAD = 0.25
 """How near a stop a bounce takes place: of 286 readings that a foreign motor had doubted, 252 were that near."""
@@ -28,7 +28,7 @@ def lateness_s(fitter: Fitter, structure: Structure) -> float:
     for job in tuned.jobs:
         trace = fitter.simulator.trace(structure.plant, job)
         measured, speed = job.signals.measured, trace["speed"]
-        doubted = np.isfinite(measured) & ~job.start.at & (trace["weight"] < _DOUBTED)
+        doubted = np.isfinite(measured) & ~job.start.at & is_doubted(structure.plant, trace["weight"])
         lacking += float(np.sum(((trace["predicted"] - measured) * np.sign(speed))[doubted]))
         passed += float(np.sum(np.abs(speed[doubted])))
         every += int(np.sum(doubted))

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray
+from nxt_twin.diagnose.fitting.doubted import is_doubted
 from nxt_twin.diagnose.fitting.observed import observed_starts
 from nxt_twin.diagnose.fitting.problem import HeldOut, Problem
 from nxt_twin.diagnose.fitting.residuals import Residuals
@@ -116,7 +117,7 @@ def stale_readings(simulator: Simulator, signals: Signals, plant: Plant, noise: 
     job = Job(signals, observer(signals, noise), moving_start(signals), noise.disturbance_time_s)
     weight = simulator.trace(plant, job)["weight"]
     read = np.isfinite(signals.measured) & ~job.start.at
-    stale: BoolArray = read & (weight < 0.5)
+    stale: BoolArray = read & is_doubted(plant, weight)
     return stale if np.sum(stale) <= _MOST_STALE * np.sum(read) else np.zeros_like(stale)
 
 

@@ -142,11 +142,11 @@ STALE_SAMPLES = Effect(
     shows=("after_gap",),
     parameters=(
         # How many of the readings that lie between count as late hangs on how late they are.
-        Parameter("stale_fraction", "stale_fraction", "1", NUMBER, (0.02,), 1e-4, 0.5, frozen=True, law=0.1),
+        Parameter("stale_fraction", "stale_fraction", "1", NUMBER, (0.02,), 1e-4, 0.7, frozen=True, law=0.1),
     ),
     terms={"outlier": _stale_density},
     fault=True,
-    notable_most=0.47,  # where half of all readings are late, it is no few of them
+    notable_most=0.55,  # where half of all readings are late, it is no few of them
 )
 
 
