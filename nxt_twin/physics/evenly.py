@@ -33,6 +33,7 @@ def evenly_read(signals: Signals) -> Signals:
     return replace(
         signals,
         time_s=told_apart_s(course.time_s),
+        rounded_s=step_s,
         open_s=course.open_s,
         command_time_s=np.maximum.accumulate(course.time_s[row] + after_s),
         command_open_s=course.open_s[row],

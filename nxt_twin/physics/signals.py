@@ -46,8 +46,9 @@ class Signals:
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
         clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
             each came by itself.
+        rounded_s: the step to which stamps were rounded, where rows are put on an even course for it; else 0.
         open_s: how far the moment of each reading is open, a standard deviation, s, shape (samples,); 0 where rows came
-            one by one.
+            one by one, with fine stamps.
         command_open_s: as `open_s`, of the commands that came with rows in clumps, shape (commands,).
         others_time_s: stamps from which the brick's other motors load the supply anew, empty where none is driven.
         others_load: how they do: shares and duty·speed (rad/s) as `others.with_others` has them, shape (stamps, 2).
@@ -71,6 +72,7 @@ class Signals:
     late_open: float = 0.0
     command_late: FloatArray = field(default_factory=lambda: np.zeros(0))
     clump_rows: float = 0.0
+    rounded_s: float = 0.0
     open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     command_open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
     others_time_s: FloatArray = field(default_factory=lambda: np.zeros(0))

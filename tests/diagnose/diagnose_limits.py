@@ -187,8 +187,11 @@ def restored(prior_cost):
     return len(made._restoring(best, {"0"}))
 
 
-def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
-    """How many effects that promise so much are settled, where 8 nats are needed and each draft costs `cost` more."""
+def rugged(*promised, cost=1.0, listed=frozenset(), found=(), led=0.0):
+    """How many effects that promise so much are settled, where 8 nats are needed and each draft costs `cost` more.
+
+    The leader gained `led`.
+    """
     effects = [effect_named(str(n)) for n in range(len(promised))]
     pairs = zip(effects, promised, strict=True)
     prospects = {e.id: [SimpleNamespace(effect=e, plant=None, gain=nats)] for e, nats in pairs}
@@ -203,7 +206,7 @@ def rugged(*promised, cost=1.0, listed=frozenset(), found=()):
     drafts = [(e, SimpleNamespace(cost=cost)) for e in effects]
     best = structure(*found)
     best.plant.effects = tuple(effect_named(each) for each in found)
-    starts = made._rugged(best, 0.0, drafts, listed)
+    starts = made._rugged(best, 0.0, drafts, listed, led)
     assert all(start.noise == "first" for start in starts)
     return len(starts)
 

@@ -29,12 +29,14 @@ from diagnose_limits import (
     rugged,
     shared_anew_with,
     sober_std,
+    structure,
     swapped,
 )
 from diagnose_second_wave import has_second_wave
 from test_diagnose_twins import rival
 
 from nxt_twin.diagnose.search.limits import SearchEffort, SearchLimits
+from nxt_twin.diagnose.search.trials import _may_lead
 from nxt_twin.physics.effects.transmission import BACKLASH
 from nxt_twin.physics.library import library
 
@@ -77,6 +79,7 @@ EDGES = {
     "restoring_nats": (lambda _, v: restored(v), 1.48, 1.52),
     "fine": (is_rough, 1.48, 1.52),
     "comb": (lambda _, v: comb(v) > 0.0, 4, 5),
+    "shared_nats": (lambda _, v: not _may_lead(structure(cost=v), 0.0), 149.0, 151.0),
 }
 STATED = SimpleNamespace(
     plain=True, parameters=(SimpleNamespace(frozen=True),), source="a book", commoner_nats=0.0
@@ -203,6 +206,11 @@ def test_an_effect_whose_draft_breaks_its_promise_is_settled_under_a_first_guess
     assert rugged(promised, cost=drafted) == settled
     assert rugged(promised, cost=drafted, listed={"0"}) == 0
     assert rugged(promised, cost=drafted, found=("a",)) == 0
+
+
+@pytest.mark.parametrize(("led", "settled"), [(199.0, 1), (201.0, 0)])
+def test_such_an_effect_has_to_come_to_a_fourth_of_the_leaders_gain(led, settled):
+    assert rugged(20.0, led=led) == settled
 
 
 def test_by_windows_a_free_curve_gives_way_to_what_it_cannot_be_told_from():

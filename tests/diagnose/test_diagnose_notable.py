@@ -99,6 +99,23 @@ def test_a_payload_on_no_lever_or_from_the_first_reading_to_the_last_is_an_arm_o
     assert not is_too_small(plant, payload, NXT_SCALE)
 
 
+@pytest.mark.parametrize(
+    ("pace", "of_commands", "named"), [(5.9e-3, 1.0, False), (6.1e-3, 1.0, True), (5.9e-3, 0.0, True)]
+)
+@pytest.mark.parametrize(("rise", "straightness"), [(0.5, 1.0), (0.04, 1.0), (0.3, 0.0)])
+def test_a_clock_of_rows_and_commands_that_wanders_slowly_is_none(
+    pace, of_commands, named, rise, straightness
+):
+    clock = PLAIN.layout.effect("clock_skew")
+    values = {p.symbol: p.starts[0] * p.si for p in clock.parameters}
+    steepest = (1.0 if straightness else 0.5 * np.pi) / rise
+    values |= {"lag_rise": rise, "lag_straightness": straightness, "of_commands": of_commands}
+    values |= {"lag_span": 0.03, "lag_period": 0.03 * steepest / pace}
+    plant = PLAIN.with_effect(clock.id, values)
+    assert is_notable(plant, clock, NXT_SCALE) is named
+    assert not is_too_small(plant, clock, NXT_SCALE)
+
+
 @pytest.mark.parametrize(("jitter_s", "told"), [(2.9e-3, True), (3.1e-3, False)])
 def test_readings_held_for_less_than_three_times_the_jitter_of_polls_are_jitter(jitter_s, told):
     deviation = np.random.default_rng(1).normal(size=4001)

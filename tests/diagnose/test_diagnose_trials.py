@@ -55,7 +55,7 @@ def test_a_broken_promise_is_settled_at_first_and_beside_late_stamps(found, sett
         _settled=SimpleNamespace(settle=lambda *_: structure()),
     )
     worse = [(promising, SimpleNamespace(cost=1.0))]
-    assert len(made._rugged(structure(*found), 0.0, worse, set())) == settled
+    assert len(made._rugged(structure(*found), 0.0, worse, set(), 0.0)) == settled
 
 
 @pytest.mark.parametrize(("fault", "asked"), [(False, ["load"]), (True, [])])

@@ -29,6 +29,7 @@ def test_rounded_rows_are_put_where_they_were_read_with_their_commands():
     found = evenly_read(recorded(read_s, np.round(read_s / STEP_S) * STEP_S))
     assert np.std(found.time_s - read_s) < 6e-4
     assert found.command_time_s == pytest.approx(found.time_s, abs=1e-6)
+    assert found.rounded_s == pytest.approx(STEP_S)
     assert 0.0 < np.mean(found.open_s) < 1e-3
     assert found.command_open_s == pytest.approx(found.open_s)
 

@@ -21,6 +21,11 @@ _ABOVE = 1.1  # times the size at which an effect does nothing: a smaller one ma
 _HARDLY = 0.5  # of its notable size, from which an effect may have a name
 _PERIODS = 2.0  # periods of an effect by angle that one recording has to go through
 _LEAST_SHARE = 0.14  # of the inertia of both bodies
+_SLOWEST_PACE = 0.006
+"""By how much a clock of rows and commands has to run faster or slower at its quickest, to have a name.
+
+A supply or a torque constant that changes by less makes an equal motion, and laws of other names leave as much.
+"""
 _CLEAR_OF_JITTER = 3.0
 """Standard deviations of the time between readings that a reading has to be held for.
 
@@ -86,7 +91,9 @@ def _nothing(plant: Plant, effect: Effect, scale: Scale) -> float:
 def _stands_for_another(plant: Plant, effect: Effect, scale: Scale) -> bool:
     """Whether its other parameters say that it is no such effect."""
     on_a_bound = any(_on_a_bound(plant, effect, parameter, scale) for parameter in effect.parameters[1:])
-    return on_a_bound or _is_light(plant, effect) or _is_an_arm(plant, effect)
+    return (
+        on_a_bound or _is_light(plant, effect) or _is_an_arm(plant, effect) or _is_a_slow_clock(plant, effect)
+    )
 
 
 def is_repeated(plant: Plant, effect: Effect, recordings: Sequence[Signals]) -> bool:
@@ -123,6 +130,16 @@ def _is_light(plant: Plant, effect: Effect) -> bool:
     """Whether a second body is too light to be one: friction that yields a little is taken for such."""
     load = plant.values.get(Slot(effect.id, "load_inertia"))
     return load is not None and load < _LEAST_SHARE * (load + plant.values[Slot(BASE_OWNER, "inertia")])
+
+
+def _is_a_slow_clock(plant: Plant, effect: Effect) -> bool:
+    """Whether stamps of rows and commands wander together, and so slowly that a speed which changes looks alike."""
+    own = {slot.symbol: value for slot, value in plant.values.items() if slot.owner == effect.id}
+    if own.get("waves", 0.0) == 0.0 or own["of_commands"] == 0.0:
+        return False
+    straight = own["lag_straightness"]
+    steepest = (straight + (1.0 - straight) * 0.5 * math.pi) / min(own["lag_rise"], 1.0 - own["lag_rise"])
+    return own["lag_span"] * steepest / own["lag_period"] < _SLOWEST_PACE
 
 
 def _is_an_arm(plant: Plant, effect: Effect) -> bool:

@@ -82,6 +82,11 @@ def _likeliest(settled: list[tuple[Effect, Structure]]) -> list[tuple[Effect, St
     return list(best.values())
 
 
+def _may_lead(trial: Structure, lowest: float) -> bool:
+    """Whether friction shared anew may make `trial` likelier than one whose cost is the `lowest`, nats."""
+    return trial.fitted_cost < lowest + EFFORT.shared_nats
+
+
 @final
 class Trials:
     """A search's candidates. Each way of settling them finds effects that the others overlook.
@@ -125,7 +130,9 @@ class Trials:
             for effect, trial in settled
         ]
         near = [one for one in settled if best.fitted_cost - one[1].fitted_cost > in_reach]
-        anew = self._fits.abreast(lambda one: self._settled_anew(best, *one), near)
+        anew = self._fits.abreast(
+            lambda one: self._settled_anew(best, *one, shares=_may_lead(one[1], lowest)), near
+        )
         better = {effect.id: trial for (effect, _), trial in zip(near, anew, strict=True)}
         return [(effect, better.get(effect.id, trial)) for effect, trial in settled]
 
@@ -139,7 +146,8 @@ class Trials:
         """The drafts `within` reach, and effects that no draft shows, settled: as many at once as may be."""
         leaders, starts = self._leaders(best, cost, within)
         listed = {effect.id for effect, _ in leaders} | {start.effect.id for start in starts}
-        starts += self._rugged(best, cost, drafts, listed)
+        led = max(best.fitted_cost - trial.fitted_cost for _, trial in leaders)
+        starts += self._rugged(best, cost, drafts, listed, led)
         listed |= {start.effect.id for start in starts}
         scattering = self._scattering(best, listed)
         starts += [*scattering, *self._stamped_late(best), *self._losing(best)]
@@ -210,9 +218,16 @@ class Trials:
         return self._settled.settle(trial.plant, best.noise) if stuck else trial
 
     def _rugged(
-        self, best: Structure, cost: float, drafts: list[tuple[Effect, Draft]], listed: set[str]
+        self,
+        best: Structure,
+        cost: float,
+        drafts: list[tuple[Effect, Draft]],
+        listed: set[str],
+        led: float,
     ) -> list[_Start]:
         """Effects that promise enough and whose drafts are worse than `best`, to settle by a first guess of the noise.
+
+        Enough beside the gain of the leader, too, which is `led`: another round follows once that one is in.
 
         Counts that are lost above a speed, or readings that are held, have a likelihood with many peaks under the small
         noise of a settled plant. Under a larger noise it leads to the highest. Beside found effects, more promises are
@@ -221,7 +236,8 @@ class Trials:
         found = [e for e in best.plant.effects if e.id not in self._fits.problem.plant.active]
         if found and not any("outlier" in effect.terms for effect in found):
             return []
-        needed, noise = self._standard.needed(best), self._fits.first_noise()
+        needed = max(self._standard.needed(best), EFFORT.in_reach / EFFORT.lifted * led)
+        noise = self._fits.first_noise()
         prospects = self._drafts.prospects(best, [effect for effect, _ in drafts])
         failed = [
             prospects[effect.id][0]
@@ -305,11 +321,12 @@ class Trials:
         held_s = trial.plant.values[Slot(effect.id, effect.parameters[0].symbol)]
         return held_s > min(signals.interval_s for signals in self._fits.problem.signals)
 
-    def _settled_anew(self, best: Structure, effect: Effect, trial: Structure) -> Structure:
+    def _settled_anew(self, best: Structure, effect: Effect, trial: Structure, *, shares: bool) -> Structure:
         """The best of `trial` and of what other starts lead to, for effects with an onset, cycles or mechanical states.
 
         Their likelihood is rugged, the more so under the noise of a plant that lacks them, which forgives everything:
-        so they are led from each start through a smaller unknown torque.
+        so they are led from each start through a smaller unknown torque. Friction that may be a load's is shared anew
+        where `shares` says that the effect may come to lead by it.
         """
         if has_onset(effect):
             moved = at_likeliest_onset(self._fits, trial.plant, effect, trial.noise)
@@ -327,7 +344,7 @@ class Trials:
         near = costs[0] < costs[1] + UNFITTED_NATS
         anew = self._settled.settle(elsewhere, sober) if near else trial
         wanted = best.fitted_cost - anew.fitted_cost > self._standard.needed(best)
-        return shared_anew(self._settled, best, anew, effect) if wanted else anew
+        return shared_anew(self._settled, best, anew, effect) if wanted and shares else anew
 
     def _suspected(self, best: Structure, listed: set[str]) -> list[tuple[Effect, Structure]]:
         """What was settled at first, where it adds one effect to `best` and is not `listed` already."""

@@ -59,6 +59,7 @@ def notes(
     )
     said.extend(leaping(problem))
     said.extend(in_clumps(problem.signals))
+    said.extend(rounded(problem.signals))
     if by_chance:
         said.append(
             "Each count is lost by chance, so that no simulation follows these readings: the floor of "
@@ -103,6 +104,18 @@ def in_clumps(recordings: Sequence[Signals]) -> tuple[str, ...]:
     return (
         f"A link handed rows over in clumps of about {rows:.2g}: their stamps tell when they came. They are "
         f"taken for read evenly since the clump before, to {1e3 * open_s:.1g} ms. Better stamp a row where it is read.",
+    )
+
+
+def rounded(recordings: Sequence[Signals]) -> tuple[str, ...]:
+    """A remark where stamps were rounded to a coarse step: to which, and how far moments are open nevertheless."""
+    coarse = [one for one in recordings if one.rounded_s > 0.0]
+    if not coarse:
+        return ()
+    open_s = np.sqrt(np.mean(np.concatenate([one.open_s for one in coarse]) ** 2))
+    return (
+        f"Stamps are rounded to {1e3 * max(one.rounded_s for one in coarse):.3g} ms. An even course through them tells "
+        f"when rows were read, to {1e3 * open_s:.1g} ms. Better write finer stamps.",
     )
 
 

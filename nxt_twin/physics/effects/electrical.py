@@ -89,8 +89,13 @@ VOLTAGE_DROP = Effect(
 )
 
 
-def _power_law(duty: float, exponent: float) -> float:
-    return math.copysign(power(abs(duty), exponent), duty)
+_BENT = 0.15  # how far the exponent commonly changes from no power to full, one standard deviation
+_FLATTEST = 0.05  # exponent
+
+
+def _power_law(duty: float, exponent: float, bend: float) -> float:
+    size = abs(duty)
+    return math.copysign(power(size, max(exponent + bend * (size - 0.5), _FLATTEST)), duty)
 
 
 POWER_CURVE = Effect(
@@ -98,11 +103,14 @@ POWER_CURVE = Effect(
     neutral=1.0,
     notable=0.015,
     name="nonlinear power curve",
-    equation="U = Ub·sign(u)·|u|^n",
-    source="our own: the simplest curve through 0 and full power",
+    equation="U = Ub·sign(u)·|u|^(n + b·(|u| - ½))",
+    source="our own: the simplest curve through 0 and full power, and how a driver's own bends from it",
     equation_of="electrical",
     shows=("after_command", "high_speed"),
-    parameters=(Parameter("exponent", "exponent", "1", NUMBER, (1.3, 0.8), 0.3, 3.0, spread=1.0),),
+    parameters=(
+        Parameter("exponent", "exponent", "1", NUMBER, (1.3, 0.8), 0.3, 3.0, spread=1.0),
+        Parameter("bend", "bend", "1", NUMBER, (0.0,), -1.5, 1.5, _BENT, otherwise=0.0, shapes=True),
+    ),
     terms={"duty": _power_law},
     confusable_with={"voltage_drop": "several levels of power tell the curve from a constant drop"},
     frames=("motor",),

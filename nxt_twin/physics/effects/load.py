@@ -70,6 +70,7 @@ GRAVITY_LOAD = Effect(
 )
 
 
+_HARMONIC = 0.15  # of the first harmonic: how large the second commonly is, one standard deviation
 NEVER_S = 1e6
 """When a payload that stays is taken off again, s of the session, which ends before."""
 
@@ -231,15 +232,26 @@ SPRING_LOAD = Effect(
 )
 
 
-def _ripple(angle: float, cogging: float, cycles: float, phase: float) -> float:
-    return cogging * cosine(cycles * angle + phase)
+def _ripple(
+    angle: float, cogging: float, cycles: float, phase: float, in_phase: float, in_quadrature: float
+) -> float:
+    turn = cycles * angle + phase
+    along, across = cosine(turn), sine(turn)
+    return cogging * (
+        along + in_phase * (along * along - across * across) + 2.0 * in_quadrature * along * across
+    )
+
+
+def _harmonic(name: str, symbol: str) -> Parameter:
+    """A part of the second harmonic, over the first: magnets and slots have one, small beside the first."""
+    return Parameter(name, symbol, "1", NUMBER, (0.0,), -1.0, 1.0, _HARMONIC, otherwise=0.0, shapes=True)
 
 
 COGGING = Effect(
     id="cogging",
     name="cogging",
-    equation="τ = τc·cos(n·θ + φ), n ≥ 2",
-    source="Hanselman 2003; the first harmonic of magnets, commutator or teeth",
+    equation="τ = τc·(cos x + a·cos 2x + b·sin 2x), x = n·θ + φ, n ≥ 2",
+    source="Hanselman 2003; the first two harmonics of magnets, commutator or teeth",
     equation_of="torque_balance",
     shows=("angle", "low_speed"),
     notable=1.5e-3,
@@ -265,6 +277,8 @@ COGGING = Effect(
             si=math.pi / 180.0,
             otherwise=0.0,
         ),
+        _harmonic("harmonic_in_phase", "in_phase"),
+        _harmonic("harmonic_in_quadrature", "in_quadrature"),
     ),
     terms={"torque": _ripple},
     confusable_with={

@@ -1,0 +1,28 @@
+"""Laws with a shape of their own: the second harmonic of cogging, and how a driver's curve bends."""
+
+import numpy as np
+import pytest
+
+from nxt_twin.physics.effects.electrical import POWER_CURVE
+from nxt_twin.physics.effects.load import COGGING
+
+TURNS = np.linspace(-3.0, 3.0, 41)
+
+
+@pytest.mark.parametrize(("in_phase", "in_quadrature"), [(0.0, 0.0), (0.2, 0.0), (-0.1, 0.3)])
+def test_cogging_is_a_sum_of_two_harmonics(in_phase, in_quadrature):
+    torque = [COGGING.terms["torque"](a, 0.02, 3.0, 0.4, in_phase, in_quadrature) for a in TURNS]
+    x = 3.0 * TURNS + 0.4
+    wave = np.real((1.0 + 0.0j) * np.exp(1j * x) + (in_phase - 1j * in_quadrature) * np.exp(2j * x))
+    assert torque == pytest.approx(0.02 * wave, abs=1e-10)
+
+
+@pytest.mark.parametrize("bend", [-0.4, 0.0, 0.6])
+def test_a_power_curve_goes_through_nothing_and_all_whatever_its_bend(bend):
+    curve = POWER_CURVE.terms["duty"]
+    assert curve(0.0, 1.3, bend) == 0.0
+    assert [curve(u, 1.3, bend) for u in (-1.0, 1.0)] == pytest.approx([-1.0, 1.0])
+    assert curve(0.5, 1.3, bend) == pytest.approx(0.5**1.3)
+    assert curve(-0.25, 1.3, bend) == pytest.approx(-(0.25 ** (1.3 - 0.25 * bend)))
+    levels = np.array([curve(u, 1.3, bend) for u in np.linspace(0.0, 1.0, 101)])
+    assert np.all(np.diff(levels) > 0.0)
