@@ -341,7 +341,7 @@ def sober_std(monkeypatch):
     prospects = SimpleNamespace(prospects=lambda *_: {"a": [SimpleNamespace(plant=None)]})
     with pytest.raises(ReachedError):
         trials(_drafts=prospects, _fits=SimpleNamespace(draft=drafted, abreast=one_by_one))._settled_anew(
-            structure(), effect_named(), structure()
+            structure(), effect_named(), structure(), shares=True
         )
     return seen[0][0]
 

@@ -1,6 +1,7 @@
 """Notable sizes: an effect below the size that motors of one make differ by has no name."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -73,6 +74,17 @@ def test_a_load_has_a_name_in_either_direction():
     load = PLAIN.layout.effect("constant_load")
     assert is_notable(sized(load, -1.1 * load.notable), load, NXT_SCALE)
     assert not is_notable(sized(load, -0.9 * load.notable), load, NXT_SCALE)
+
+
+@pytest.mark.parametrize(
+    ("turned_rad", "rest_rad", "named"),
+    [(9.0, 0.0, False), (24.0, 0.0, False), (26.0, 0.0, True), (14.0, -12.0, True)],
+)
+def test_a_weak_spring_that_is_wound_far_has_a_name(turned_rad, rest_rad, named):
+    spring = PLAIN.layout.effect("spring_load")
+    plant = PLAIN.with_effect(spring.id, {"stiffness": 0.4 * spring.notable, "rest": rest_rad})
+    run = SimpleNamespace(measured=np.array([0.0, np.nan, turned_rad]), is_speed=False)
+    assert is_notable(plant, spring, replace(NXT_SCALE, recordings=(run,))) is named
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from nxt_twin.diagnose.search.coincidence import HIDDEN_BY
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.effects.load import NEVER_S
 from nxt_twin.physics.layout import BASE_OWNER, Slot
-from nxt_twin.physics.parameter import Parameter, Scale
+from nxt_twin.physics.parameter import ANGLE, STIFFNESS, Parameter, Scale
 from nxt_twin.physics.plant import Plant
 from nxt_twin.physics.signals import Signals
 
@@ -44,6 +44,7 @@ A wheel of radius of gyration k, off its centre by r, has J·g/τg = r + k²/r: 
 """
 _HUNG_ON_S = 0.5  # nobody hangs a payload on in less: it was there from the first reading on
 _G = 9.81  # m/s²: standard gravity
+_USUALLY_WOUND_RAD = 10.0  # that a spring of notable stiffness is wound: what counts is its torque
 _BOTH_WAYS = 2  # parameters of an effect that replaces a plain term by one forward and one in reverse
 _LEAST_APART = 0.05  # of their sum, or a load's size of friction: less is the plain term, as motors have it
 
@@ -56,7 +57,7 @@ def is_notable(plant: Plant, effect: Effect, scale: Scale) -> bool:
     nothing = _nothing(plant, effect, scale)
     makes_a_difference = value > _CLEAR * lower and (nothing <= 0.0 or value > _ABOVE * nothing)
     least, most = (_carried(main, each, plant, scale) for each in (effect.notable, effect.notable_most))
-    sized = makes_a_difference and least <= _size(plant, effect, value, nothing) <= most
+    sized = makes_a_difference and least <= _size(plant, effect, scale) <= most
     return sized and not _stands_for_another(plant, effect, scale)
 
 
@@ -70,14 +71,13 @@ def is_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
         return False
     value = plant.values[Slot(effect.id, main.symbol)]
     lower = _carried(main, main.lower, plant, scale)
-    size = _size(plant, effect, value, _nothing(plant, effect, scale))
+    size = _size(plant, effect, scale)
     return size < _carried(main, effect.notable, plant, scale) or 0.0 < value <= _CLEAR * lower
 
 
 def is_hardly_too_small(plant: Plant, effect: Effect, scale: Scale) -> bool:
     """Whether `effect` has half of the size that a name takes."""
-    value = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
-    size = _size(plant, effect, value, _nothing(plant, effect, scale))
+    size = _size(plant, effect, scale)
     return size > _HARDLY * _carried(effect.parameters[0], effect.notable, plant, scale)
 
 
@@ -162,15 +162,28 @@ def _on_a_bound(plant: Plant, effect: Effect, parameter: Parameter, scale: Scale
     return parameter.name.endswith("time_constant_s") and value < _CLEAR * lower
 
 
-def _size(plant: Plant, effect: Effect, value: float, nothing: float) -> float:
-    """What of the main parameter is the effect's own, SI."""
+def _size(plant: Plant, effect: Effect, scale: Scale) -> float:
+    """What of the main parameter is the effect's own, SI; of a spring that is wound far, what one wound less has."""
+    value = plant.values[Slot(effect.id, effect.parameters[0].symbol)]
     if effect.supersedes and len(effect.parameters) == _BOTH_WAYS:
         other = plant.values[Slot(effect.id, effect.parameters[1].symbol)]
         apart = abs(value - other)
         return 0.5 * apart if apart > _LEAST_APART * (value + other) else 0.0
-    size = abs(value - effect.neutral * effect.parameters[0].si) - nothing
+    size = abs(value - effect.neutral * effect.parameters[0].si) - _nothing(plant, effect, scale)
     friction = plant.values.get(HIDDEN_BY[effect.id], 0.0) if effect.id in HIDDEN_BY else 0.0
-    return size if size > _LEAST_APART * friction else 0.0
+    return _wound(plant, effect, scale) * size if size > _LEAST_APART * friction else 0.0
+
+
+def _wound(plant: Plant, effect: Effect, scale: Scale) -> float:
+    """How many times as far as is usual a spring is wound; 1 for less, for others, and for a spring along a line."""
+    main, *others = effect.parameters
+    rests = [one.symbol for one in others if one.dimension == ANGLE]
+    if main.dimension != STIFFNESS or plant.layout.frame == "linear" or not rests:
+        return 1.0
+    rest = plant.values[Slot(effect.id, rests[0])]
+    angles = [one.measured for one in scale.recordings if not one.is_speed]
+    furthest = max((float(np.nanmax(np.abs(each - rest), initial=0.0)) for each in angles), default=0.0)
+    return max(furthest / _USUALLY_WOUND_RAD, 1.0)
 
 
 def _carried(parameter: Parameter, value: float, plant: Plant, scale: Scale) -> float:
