@@ -12,6 +12,7 @@ from nxt_twin.physics.signals import Signals
 from nxt_twin.recording.clumps import told_apart_s
 from nxt_twin.recording.rounded import course_through, rounding_s
 
+_FEWEST_READINGS: Final = 40  # that tell a course from a device's own steps
 _SMOOTHER: Final = (
     0.8  # of their roughness: readings that were taken on an even course have less by its moments
 )
@@ -23,7 +24,7 @@ def evenly_read(signals: Signals) -> Signals:
     A device may as well have read in such steps. So the readings have to be smoother by the course's moments.
     """
     step_s = rounding_s(signals.time_s)
-    if step_s == 0.0 or signals.clump_rows:
+    if step_s == 0.0 or signals.clump_rows or np.isfinite(signals.measured).sum() < _FEWEST_READINGS:
         return signals
     course = course_through(signals.time_s, step_s)
     if _roughness(course.time_s, signals.measured) > _SMOOTHER * _roughness(signals.time_s, signals.measured):

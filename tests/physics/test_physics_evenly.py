@@ -45,3 +45,9 @@ def test_fine_stamps_and_clumps_stay_as_they_are():
     assert evenly_read(fine) is fine
     clumped = replace(recorded(polls(), np.round(polls() / STEP_S) * STEP_S), clump_rows=2.0)
     assert evenly_read(clumped) is clumped
+
+
+def test_commands_without_readings_keep_their_stamps():
+    signals = recorded(polls(), np.round(polls() / STEP_S) * STEP_S)
+    unread = replace(signals, measured=np.full(signals.time_s.size, np.nan))
+    assert evenly_read(unread) is unread
