@@ -35,6 +35,7 @@ def effect_named(name="a", *, states=(), source="a book", starts=((1.0,),), supe
         confusable_with=(),
         supersedes=supersedes,
         terms={},
+        counted=False,
     )
 
 

@@ -89,9 +89,13 @@ class Standard:
     def worth_it(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether `effect` is to be added to `best`: it must also gain more than the form of those in it may lack.
 
-        What readings that count for little explain does not count: there is no form in them that could be wrong.
+        What readings that count for little explain does not count: there is no form in them that could be wrong. Beside
+        other effects, counts that are lost have to bring simulations nearer, as what is lost on average does. Their
+        chance alone takes any drift that the form of the others leaves.
         """
-        return self.likelier(effect, weight, best) and not weight.runs_worse
+        found = best.plant.active - self._baseline.plant.active - self._unnamed
+        by_chance = effect.counted and found and weight.free_run_ratio > LIMITS.nearer
+        return self.likelier(effect, weight, best) and not weight.runs_worse and not by_chance
 
     def likelier(self, effect: Effect, weight: Weight, best: Structure) -> bool:
         """Whether it earns its place, were there no free runs that are worse; much nearer ones ask for less."""
