@@ -6,7 +6,7 @@ from nxt_twin.arrays import BoolArray, FloatArray
 from nxt_twin.physics.layout import Slot
 from nxt_twin.physics.plant import Plant
 
-_EVEN = 0.5
+_EVEN = 0.5  # of the belief that readings have beforehand, below which one is doubted
 
 
 def is_doubted(plant: Plant, weight: FloatArray) -> BoolArray:
