@@ -89,7 +89,7 @@ VOLTAGE_DROP = Effect(
 )
 
 
-_BENT = 0.15  # how far the exponent commonly changes from no power to full, one standard deviation
+_BENT = 0.05  # how far the exponent commonly changes from no power to full, one standard deviation
 _FLATTEST = 0.05  # exponent
 
 
