@@ -12,6 +12,7 @@ from nxt_twin.errors import RecordingError
 from nxt_twin.physics.clumped import as_read
 from nxt_twin.physics.evenly import evenly_read
 from nxt_twin.physics.goals import Setpoints, goal_deg, regulated, setpoints
+from nxt_twin.physics.held_stamps import without_held_stamps
 from nxt_twin.physics.modes import MODE_BRAKE, MODE_COAST, MODE_CURRENT, MODE_DRIVE, MODE_VOLTAGE
 from nxt_twin.physics.others import with_others
 from nxt_twin.physics.signals import Signals
@@ -61,7 +62,7 @@ def signals_of(
             where=f"{recording.name}, column {found.channel}",
             mend="record for longer",
         )
-    return evenly_read(as_read(found))
+    return without_held_stamps(evenly_read(as_read(found)))
 
 
 def _with_empty_output(recording: Recording, port: str) -> Recording:

@@ -37,6 +37,9 @@ class Signals:
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
+        sets_in_s: when something sets in that does so anew in each recording, s of the session; NaN where nothing does.
+        clock_s: how far on a clock that wanders is as the recording begins, s, where that is the recording's own.
+        held_s: when stamps stood still while rows went on, s after the first one, and for how long, shape (moments, 2).
         ages: of held readings, for how long each has been shown, and how long before that nobody looked, s. The latter
             is negative where nothing tells. Then by how much each stamp is later than its neighbours tell, and
             `late_open`, both as shares of `late_span_s`. Shape (samples, 4).
@@ -66,6 +69,9 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
+    sets_in_s: float = np.nan
+    clock_s: float = 0.0
+    held_s: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     ages: FloatArray = field(default_factory=lambda: np.zeros((0, 4)))
     refreshed_s: float = 0.0
     late_span_s: float = 0.0

@@ -241,6 +241,7 @@ class Simulator:
             1.0 / job.disturbance_time_s,
             signals.is_speed,
             signals.session_s,
+            signals.clock_s,
             result.predicted,
             result.weight,
             result.cost,

@@ -16,7 +16,7 @@ _framed = njit(error_model="numpy", fastmath={{"contract", "arcp"}})
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_late, acts_s):
+def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s):
 {unpack}
     delay_s = {base_delay}
 {delay}
@@ -24,13 +24,13 @@ def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_
 {pace}
     for k in range(out_time_s.shape[0]):
         target = out_time_s[k]
-        stamp_s = target - out_time_s[0]
+        stamp_s = target - out_time_s[0] + clock_s
         shown_s, unseen_s, late = ages[k, 0], ages[k, 1], ages[k, 2]
 {lag}
         target_s[k] = target
     for k in range(command_time_s.shape[0]):
         acts = command_time_s[k]
-        stamp_s = acts - out_time_s[0]
+        stamp_s = acts - out_time_s[0] + clock_s
         late = command_late[k]
 {commanded}
         acts_s[k] = acts
@@ -155,7 +155,7 @@ MANY = """
 def run_many(
     values, active, of, step_max_s, command_time_s, command_late, command, command_mode, command_supply_v,
     others_time_s, others_load, out_time_s, ages, measured, gains, reading_std, restart, restart_angle, restart_speed,
-    restart_states, disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
+    restart_states, disturbance_rate, observe_speed, session_s, clock_s, predicted, weight, cost, trace, stop,
 ):
     target_s, acts_s = np.empty(out_time_s.shape[0]), np.empty(command_time_s.shape[0])
     commands = (acts_s, command, command_mode, command_supply_v)
@@ -167,7 +167,7 @@ def run_many(
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
         delay_s, pace, lagged = _timing(
-            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s
+            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s
         )
         if lagged or before != (delay_s, pace, False):
             clock = (delay_s, pace, step_max_s, disturbance_rate)
@@ -188,7 +188,7 @@ def run_many(
 def run_together(
     values, active, of, step_max_s, command_time_s, command_late, command, command_mode, command_supply_v,
     others_time_s, others_load, out_time_s, ages, measured, gains, reading_std, restart, restart_angle, restart_speed,
-    restart_states, disturbance_rate, observe_speed, session_s, predicted, weight, cost, trace, stop,
+    restart_states, disturbance_rate, observe_speed, session_s, clock_s, predicted, weight, cost, trace, stop,
 ):
     sets, rows = values.shape[0], out_time_s.shape[0]
     target_s, other_s = np.empty(rows), np.empty(rows)
@@ -207,23 +207,26 @@ def run_together(
         if not left[i]:
             continue
         timing = _timing(
-            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s
+            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s
         )
-        _timing(values[i], active[i], probe_s, probe_ages, probed_s, probe_command_s, probe_late, probed_acts_s)
+        _timing(
+            values[i], active[i], probe_s, probe_ages, probed_s, probe_command_s, probe_late, probed_acts_s, clock_s
+        )
         alike = 0
         for j in range(i, sets):
             if alike < {most} and left[j] and _same(active[i], active[j]):
                 # A lag at a few stamps tells most sets apart; without one the rest says all.
                 other = _timing(
                     values[j], active[j], probe_s, probe_ages, other_probed_s, probe_command_s, probe_late,
-                    other_probed_acts_s,
+                    other_probed_acts_s, clock_s,
                 )
                 equal = other == timing
                 if equal and timing[2]:
                     equal = _same(probed_s, other_probed_s) and _same(probed_acts_s, other_probed_acts_s)
                     if equal:
                         _timing(
-                            values[j], active[j], out_time_s, ages, other_s, command_time_s, command_late, other_acts_s
+                            values[j], active[j], out_time_s, ages, other_s, command_time_s, command_late,
+                            other_acts_s, clock_s,
                         )
                         equal = _same(target_s, other_s) and _same(acts_s, other_acts_s)
                 if equal:
@@ -236,7 +239,7 @@ def run_together(
                     values[j:j + 1], active[j:j + 1], of[j:j + 1], step_max_s, command_time_s, command_late, command,
                     command_mode, command_supply_v, others_time_s, others_load, out_time_s, ages, measured, gains,
                     reading_std, restart, restart_angle, restart_speed, restart_states, disturbance_rate,
-                    observe_speed, session_s, predicted[j:j + 1], weight[j:j + 1], cost[j:j + 1], trace, stop,
+                    observe_speed, session_s, clock_s, predicted[j:j + 1], weight[j:j + 1], cost[j:j + 1], trace, stop,
                 )
             continue
         _schedule(

@@ -90,8 +90,15 @@ def _there(elapsed_s: float, session_s: float, step_s: float, onset: float, remo
     return max(_begun(elapsed_s, session_s, step_s, onset) - gone, 0.0)
 
 
+def _sets_in(recordings: Sequence[Signals]) -> list[float]:
+    """When what sets in anew in each recording does so, s of the session; empty where nothing does."""
+    return [recordings[0].sets_in_s] if math.isfinite(recordings[0].sets_in_s) else []
+
+
 def _some_recordings(recordings: Sequence[Signals]) -> list[tuple[float, float]]:
     """Beginning and end, s of the session, of each row of recordings but those that last to the end, a few of many."""
+    if _sets_in(recordings):
+        return []
     begins = [signals.session_s for signals in recordings]
     rows = [(first, after) for n, first in enumerate(begins) for after in begins[n + 1 :] if after > first]
     return rows[:: math.ceil(len(rows) / _MOST_ROWS) or 1]
@@ -142,6 +149,8 @@ def _hung_on(recordings: Sequence[Signals]) -> list[float]:
 
     A payload that was there from the first reading on is an arm and an inertia, which have names of their own.
     """
+    if anew := _sets_in(recordings):
+        return anew
     later = [signals.session_s for signals in recordings if signals.session_s > 0.0]
     length_s = float(recordings[0].time_s[-1] - recordings[0].time_s[0])
     return later or [share * length_s for share in (0.25, 0.5, 0.75)]
@@ -297,7 +306,9 @@ def _added(
 
 
 def _onsets(recordings: Sequence[Signals]) -> list[float]:
-    """Times of the session: where a recording begins, and seven between."""
+    """Times of the session: where a recording begins, and seven between; or when something sets in in each."""
+    if anew := _sets_in(recordings):
+        return anew
     at_s = []
     for signals in recordings:
         length_s = float(signals.time_s[-1] - signals.time_s[0])
