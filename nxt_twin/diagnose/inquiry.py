@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 from numpy.random import Generator
 
+from nxt_twin.diagnose.fitting.own_moments import lengths_s
 from nxt_twin.diagnose.fitting.problem import Problem
+from nxt_twin.diagnose.fitting.structure import Structure
 from nxt_twin.diagnose.judging.colour import COLOURED
 from nxt_twin.diagnose.judging.evidence import Evidence, LeftOut, beside_the_others, gather
-from nxt_twin.diagnose.judging.horizons import nearest_horizon
+from nxt_twin.diagnose.judging.horizons import errors_of, nearest_horizon
 from nxt_twin.diagnose.judging.judge import overall
 from nxt_twin.diagnose.judging.verdict import (
     LIMITS,
@@ -24,7 +28,10 @@ from nxt_twin.diagnose.judging.verdict import (
     verdict_of,
 )
 from nxt_twin.diagnose.progress import Progress
+from nxt_twin.diagnose.search.begun import Begun
 from nxt_twin.diagnose.search.limits import LIMITS as SEARCH_LIMITS
+from nxt_twin.diagnose.search.own_clocks import with_own_clocks
+from nxt_twin.diagnose.search.own_moments import with_own_moments
 from nxt_twin.diagnose.search.searched import Searched, lessened, searched, searched_anew, with_refused
 from nxt_twin.diagnose.telling.estimates import has_loose_size, refitted, surely_moved, vague_effect
 from nxt_twin.diagnose.telling.payload import is_a_payload_s
@@ -32,19 +39,86 @@ from nxt_twin.diagnose.where.beyond import with_shapes
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.simulate import Simulator
 
+_LOOKS: Final = 2  # for moments of their own, in each recording
+_PROMISING: Final = 0.8  # of the error on unseen windows, below which such moments are worth a search
+
 
 def inquire(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
     """The evidence on one choice of what is held out, with all that its verdict rests on."""
-    evidence = _evidence(simulator, problem, rng, progress)
+    first = _looked(simulator, problem, rng, progress)
+    own = _by_own_moments(simulator, first[0], rng, progress)
+    evidence = own or _looked_further(simulator, *first, rng, progress)
+    return _with_sizes(with_shapes(simulator, evidence))
+
+
+def _looked(
+    simulator: Simulator,
+    problem: Problem,
+    rng: Generator,
+    progress: Progress,
+    known: Sequence[Structure] = (),
+) -> tuple[Evidence, bool]:
+    """The evidence of a first search, which has the `known` structures at hand, and whether single steps mislead."""
+    evidence = _evidence(simulator, problem, rng, progress, known)
     misled = _misled(evidence)
+    return evidence if misled else _reconsidered(simulator, evidence, rng, progress), misled
+
+
+def _looked_further(
+    simulator: Simulator, evidence: Evidence, misled: bool, rng: Generator, progress: Progress
+) -> Evidence:
+    """`evidence`, or what other ways and windows of simulation alone find where it is in doubt."""
     if not misled:
-        evidence = _reconsidered(simulator, evidence, rng, progress)
         evidence = _begun_anew(simulator, evidence, rng, progress)
     if misled or _errs_in_colour(evidence.record):
         progress("single steps are coloured: by windows of simulation alone")
-        by_windows = _evidence(simulator, replace(problem, by_windows=True), rng, progress)
+        by_windows = _evidence(simulator, replace(evidence.problem, by_windows=True), rng, progress)
         evidence = _nearer(evidence, _reconsidered(simulator, by_windows, rng, progress))
-    return _with_sizes(with_shapes(simulator, evidence))
+    return evidence
+
+
+def _by_own_moments(
+    simulator: Simulator, evidence: Evidence, rng: Generator, progress: Progress
+) -> Evidence | None:
+    """What is found where each recording has a moment for itself, if that brings windows nearer.
+
+    A payload may be put on in each anew, or a clock that wanders may stand elsewhere. What is found beside it moves
+    these moments: then they are looked for once more.
+    """
+    found: Evidence | None = None
+    several = len(lengths_s(evidence.problem)) > 1
+    for _ in range(_LOOKS if several else 0):
+        if not _asks_for_more(evidence):
+            break
+        progress("looking for moments that each recording has for itself")
+        looks = (with_own_moments, with_own_clocks)
+        begun = (look(simulator, evidence.problem, evidence.explanation) for look in looks)
+        nearer = (_by_own(simulator, evidence, own, rng, progress) for own in begun if own is not None)
+        better = next((one for one in nearer if one is not None), None)
+        if better is None:
+            break
+        evidence = found = better
+    return found
+
+
+def _by_own(
+    simulator: Simulator, evidence: Evidence, own: Begun, rng: Generator, progress: Progress
+) -> Evidence | None:
+    """What is found with recordings that have `begun` so, if that brings windows much nearer than `evidence` does."""
+    if not _promises(simulator, evidence, own):
+        return None
+    more, misled = _looked(simulator, own.problem, rng, progress, [own.structure])
+    if not misled and not _is_much_nearer(evidence, more):
+        return None
+    more = _looked_further(simulator, more, misled, rng, progress)
+    return more if _is_much_nearer(evidence, more) else None
+
+
+def _promises(simulator: Simulator, evidence: Evidence, own: Begun) -> bool:
+    """Whether recordings that have `begun` so err less on unseen windows, already before a search with them."""
+    plant, window = own.structure.plant, nearest_horizon(evidence.final_errors, evidence.problem.window_s)
+    errors = errors_of(simulator, own.problem, plant, plant, own.structure.noise)
+    return errors.rms[window] < _PROMISING * evidence.final_errors.rms[window]
 
 
 def _misled(evidence: Evidence) -> bool:
@@ -93,9 +167,15 @@ def _errs_in_colour(record: Record) -> bool:
     return not record.found and record.colour > COLOURED and record.remaining > LIMITS.nearly
 
 
-def _evidence(simulator: Simulator, problem: Problem, rng: Generator, progress: Progress) -> Evidence:
+def _evidence(
+    simulator: Simulator,
+    problem: Problem,
+    rng: Generator,
+    progress: Progress,
+    known: Sequence[Structure] = (),
+) -> Evidence:
     """Search for what the baseline lacks, and gather all that the verdict rests on."""
-    found = searched(simulator, problem, progress)
+    found = searched(simulator, problem, progress, known)
     progress("judging on what was held out")
     return _judged(simulator, problem, found, rng)
 

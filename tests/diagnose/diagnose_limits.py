@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from nxt_twin.diagnose.search import begun as beginning
 from nxt_twin.diagnose.search import explain as explaining
 from nxt_twin.diagnose.search import rivals as rivalry
 from nxt_twin.diagnose.search import sharing
@@ -369,7 +370,8 @@ def rounds(monkeypatch, gain=10.0):
     grown = []
 
     class Searching:
-        def __init__(self, _, baseline):
+        def __init__(self, _, baseline, *, known):
+            assert known == ()
             self.baseline = baseline
 
         loud = frozenset()
@@ -412,3 +414,22 @@ def against_a_hidden_load():
         SimpleNamespace(values={**friction, Slot("constant_load", "load"): load}) for load in (0.9, 1.1)
     ]
     return [coincidence_nats(plant, effect) for plant in plants]
+
+
+def begun_by(patch, gain, *, cost=0.0):
+    """Whether recordings begin with moments of their own that gain so much for each of two, fitted at that cost."""
+    patch.setattr(beginning, "lengths_s", lambda _: {"a": 9.0, "b": 9.0})
+    patch.setattr(beginning, "replace", lambda one, **changed: SimpleNamespace(**{**vars(one), **changed}))
+    problem = SimpleNamespace(leaning={})
+    best, own = structure(), structure("own", cost=cost)
+    patch.setattr(beginning, "_cost_of_all", lambda *of: -2.0 * gain if of[1].structure is own else 0.0)
+    look = SimpleNamespace(problem=problem, structure=own, effect=effect_named())
+    return beginning.likeliest_begun(None, problem, best, [look]) is not None
+
+
+def most_beside():
+    """How many found effects there may be at most beside which moments of their own are looked for."""
+    bare = structure()
+    found = [structure(*(str(n) for n in range(count))) for count in range(1, 9)]
+    explained = [SimpleNamespace(baseline=bare, best=one) for one in found]
+    return sum(len(beginning.bases(one)) == 2 for one in explained)

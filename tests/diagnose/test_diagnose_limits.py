@@ -7,6 +7,7 @@ import pytest
 from diagnose_anew import searched_from
 from diagnose_limits import (
     against_a_hidden_load,
+    begun_by,
     belief,
     comb,
     effect_named,
@@ -22,6 +23,7 @@ from diagnose_limits import (
     leaders,
     likelier,
     losses,
+    most_beside,
     restored,
     rival_is_worse,
     rivals_of,
@@ -69,6 +71,7 @@ EDGES = {
     "sure_rival_ratio": (lambda patch, v: rival_is_worse(patch, v, -150.0, ("twist",)), 1.29, 1.31),
     "sure_nats": (lambda patch, v: rival_is_worse(patch, 1.2, v, ("twist",)), -99.0, -101.0),
     "told_nats": (lambda patch, v: rival(patch, v, found="load").behind > 0.0, 10.1, 9.9),
+    "own_moment_nats": (begun_by, 11.9, 12.1),
     "better_nats": (lambda _, v: is_taken(v), 0.98, 1.02),
     "rival_reach_nats": (lambda _, v: rivals_of(0.0, v), 39.5, 40.5),
     "far_reach_nats": (lambda _, v: rivals_of(v), 398.0, 402.0),
@@ -99,6 +102,7 @@ COUNTS = {
     "losses": (lambda patch: len(losses(patch, 4.0, 3.0, 2.0, 1.0)), 3),
     "shares": (lambda _: len(shared_anew_with(BACKLASH, gain=9.0).tried) // 3, 3),
     "anew": (lambda patch: len(searched_from(patch, [None] * 7)[1]), 2),
+    "beside": (lambda _: most_beside(), 2),
     "quiet": (lambda patch: searched_from(patch, [None])[2], [pytest.approx(0.02)]),
     "sober": (sober_std, pytest.approx(0.3)),
 }
@@ -111,6 +115,11 @@ def test_a_share_of_lost_counts_is_settled_where_a_fit_may_still_make_it_likelie
     monkeypatch, costs, settled
 ):
     assert losses(monkeypatch, *costs) == settled
+
+
+@pytest.mark.parametrize(("cost", "begun"), [(7.9, True), (8.1, False)])
+def test_moments_of_their_own_have_to_leave_fitted_readings_as_likely(monkeypatch, cost, begun):
+    assert begun_by(monkeypatch, 99.0, cost=cost) is begun
 
 
 @pytest.mark.parametrize(("gain", "times"), [(1.02, 5), (0.98, 1), (0.0, 1)])

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nxt_twin.diagnose.engine import diagnose, problem_for
-from nxt_twin.diagnose.fitting.wandering import lag_wave, second_wave_alone
+from nxt_twin.diagnose.fitting.lag_response import lag_wave
+from nxt_twin.diagnose.fitting.wandering import second_wave_alone
 from nxt_twin.physics.effects.timing import CLOCK_SKEW
 from nxt_twin.physics.layout import Slot
 from nxt_twin.recording.recording import Recording

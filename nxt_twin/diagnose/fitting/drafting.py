@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, Fitter
+from nxt_twin.diagnose.fitting.noise import with_noise
+from nxt_twin.diagnose.fitting.own_moments import recordings_of
+from nxt_twin.diagnose.fitting.problem import target_of
+from nxt_twin.diagnose.fitting.splits import Split
 from nxt_twin.diagnose.fitting.structure import Draft
 from nxt_twin.physics.observer import Noise
 from nxt_twin.physics.plant import Plant
@@ -42,3 +48,20 @@ def check_costs(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatA
 def costs_everywhere(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> FloatArray:
     """As `draft_costs`, on target and checking readings together."""
     return fitter.tuned(noise, DRAFTED.step_for(plants[0])).everything().costs_of(fitter.simulator, plants)
+
+
+def costs_of_each(fitter: Fitter, plants: Sequence[Plant], noise: Noise) -> dict[str, FloatArray]:
+    """Costs of the readings of each recording under plants with equal effects, nats, shape (plants,), by name.
+
+    Of a recording that is held out as a whole, all readings count: it has a moment of its own, too.
+    """
+    step_s = DRAFTED.step_for(plants[0])
+    names = {one.name for one in fitter.problem.signals}
+    apart = [one for one in recordings_of(fitter.problem) if one.name not in names]
+    fitted = fitter.tuned(noise, step_s).telling().everything()
+    targets = [fitted.only(name) for name in sorted(names)]
+    for one in apart:
+        nothing = np.zeros(one.time_s.size, dtype=bool)
+        told = target_of(fitter.problem.plant, [one], [Split(nothing, nothing)])
+        targets.append(with_noise(told, noise).with_step(step_s))
+    return {target.jobs[0].signals.name: target.costs_of(fitter.simulator, plants) for target in targets}

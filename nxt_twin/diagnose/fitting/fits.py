@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar, final
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.fitting.baselines import best_baseline, likely_baseline, settled_baseline, standing
-from nxt_twin.diagnose.fitting.drafting import check_costs, costs_everywhere, draft_cost, draft_costs, drafted
+from nxt_twin.diagnose.fitting.drafting import (
+    check_costs,
+    costs_everywhere,
+    costs_of_each,
+    draft_cost,
+    draft_costs,
+    drafted,
+)
 from nxt_twin.diagnose.fitting.everything import fit_everything
 from nxt_twin.diagnose.fitting.fitter import DRAFTED, SETTLED, Fitter
 from nxt_twin.diagnose.fitting.lateness import lateness_s
@@ -23,6 +30,7 @@ from nxt_twin.diagnose.fitting.wandering import (
     late_by_chance_starts,
     second_wave_alone,
     second_waves,
+    wandering_apart_starts,
     wandering_starts,
 )
 from nxt_twin.physics.effect import Effect
@@ -64,6 +72,14 @@ class Fits:
             return self.starts(effect)
         return self.starts(effect) + wandering_starts(self._nuisance(structure), structure.plant, effect)
 
+    def wandering_apart(
+        self, structure: Structure, effect: Effect
+    ) -> list[tuple[Plant, Mapping[str, float]]]:
+        """The plant of `structure` with starts of a lag that wanders, each with its phase in each fitted recording."""
+        plant = structure.plant
+        starts = wandering_apart_starts(self._nuisance(structure), plant, effect)
+        return [(plant.with_effect(effect.id, start), phases) for start, phases in starts]
+
     def stamped_late(self, plant: Plant, effect: Effect) -> list[Plant]:
         """`plant` with rows as late as their neighbours tell, with their commands or without; none where none is."""
         span_s = max(signals.late_span_s for signals in self.problem.signals)
@@ -98,6 +114,10 @@ class Fits:
     def costs_everywhere(self, plants: Sequence[Plant], noise: Noise) -> FloatArray:
         """As `costs`, of fitted and checking readings together."""
         return costs_everywhere(self._fitter, plants, noise)
+
+    def costs_of_each(self, plants: Sequence[Plant], noise: Noise) -> dict[str, FloatArray]:
+        """As `costs_everywhere`, of each recording by name; of one that is held out, of all its readings."""
+        return costs_of_each(self._fitter, plants, noise)
 
     def draft(self, plant: Plant, noise: Noise, *, iterations: int) -> Draft:
         """`plant` fitted roughly under `noise`, on coarse steps."""

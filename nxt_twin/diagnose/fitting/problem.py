@@ -155,7 +155,7 @@ def problem_of(
     if not apart:
         fitted, apart = parted(fitted, second=second)
     splits, held_out, window_s = _split(fitted, apart)
-    target = _target(plant, fitted, splits)
+    target = target_of(plant, fitted, splits)
     _refuse_too_few(name, target, held_out)
     return Problem(
         name=name,
@@ -223,7 +223,8 @@ def _held_out(signals: Signals, window_s: float, held: BoolArray) -> HeldOut:
     return HeldOut(signals, restarts(signals, window_s), judged)
 
 
-def _target(plant: Plant, fitted: Sequence[Signals], splits: Sequence[Split]) -> Target:
+def target_of(plant: Plant, fitted: Sequence[Signals], splits: Sequence[Split]) -> Target:
+    """The readings of `fitted`, thinned to what is independent under `plant`, each recording split as `splits` say."""
     interval_s = _thinning_s(plant)
     dense = all(interval_s > 1.5 * signals.interval_s for signals in fitted)
     phases = _PHASES if dense and sum(map(length_s, fitted)) < _FEW_READINGS * interval_s else 1

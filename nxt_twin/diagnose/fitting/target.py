@@ -74,6 +74,10 @@ class Target:
         """The jobs whose readings are evidence: all others would be run for nothing."""
         return self._some([n for n, worth in enumerate(self.evidence) if worth > 0.0])
 
+    def only(self, name: str) -> Target:
+        """The jobs of the recording of that name."""
+        return self._some([n for n, job in enumerate(self.jobs) if job.signals.name == name])
+
     def _some(self, rows: Sequence[int]) -> Target:
         return Target(
             tuple(self.jobs[n] for n in rows),

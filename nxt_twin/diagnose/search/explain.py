@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import final
@@ -55,9 +55,11 @@ class Explanation:
     untaken: tuple[Structure, ...] = ()
 
 
-def explain(fits: Fits, baseline: Structure, progress: Progress) -> Explanation:
-    """Search the library for what the re-fitted `baseline` lacks."""
-    search = _Search(fits, baseline)
+def explain(
+    fits: Fits, baseline: Structure, progress: Progress, known: Sequence[Structure] = ()
+) -> Explanation:
+    """Search the library for what the re-fitted `baseline` lacks; `known` structures are not settled from worse."""
+    search = _Search(fits, baseline, known=known)
     begin = search.begun()
     return _exchanged(search, begin, search.grown(begin, progress), progress)
 
@@ -104,10 +106,16 @@ def _exchanged(
 class _Search:
     """One search: the structures that were settled on the way are kept, so that none is fitted twice."""
 
-    def __init__(self, fits: Fits, baseline: Structure, unnamed: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        fits: Fits,
+        baseline: Structure,
+        unnamed: Iterable[str] = (),
+        known: Sequence[Structure] = (),
+    ) -> None:
         self.baseline = baseline
         self._fits = fits
-        self._settled = Settled(fits, baseline)
+        self._settled = Settled(fits, baseline, known)
         self._unnamed = set(unnamed)
         self._standard = Standard(fits, baseline, self._settled, self._unnamed)
         self._drafts = Drafts(fits)

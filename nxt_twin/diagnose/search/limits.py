@@ -51,6 +51,8 @@ class SearchLimits:
         left_out_nats: what speaks beforehand for a term that plant files mostly state.
         late_polls: mean age, in polls, that doubted readings must exceed. A repeated reading is one poll old, and one
             that is stamped late half a poll or more. A host's jitter is less.
+        own_moment_nats: what recordings have to gain each by moments of their own over one session end to end. About
+            four of these nats pay for the choice of a moment.
         second_nats: what a second wave of a lag has to gain beside the first, with readings that were not fitted.
     """
 
@@ -82,6 +84,7 @@ class SearchLimits:
     told_nats: float = 10.0
     left_out_nats: float = 3.0
     late_polls: float = 0.25
+    own_moment_nats: float = 12.0
     second_nats: float = 15.0
 
 
@@ -118,6 +121,7 @@ class SearchEffort:
         second_promised: share of `second_nats` that a second wave has to promise to be fitted.
         comb: starts of a period from which its likelihood has separate peaks.
         anew: ways that a search did not go from which it begins anew, where it ends without an answer.
+        beside: found effects at most beside which moments are looked for that each recording has for itself.
     """
 
     drafted: int = 10
@@ -145,6 +149,7 @@ class SearchEffort:
     second_promised: float = 0.5
     comb: int = 5
     anew: int = 2
+    beside: int = 2
 
 
 LIMITS = SearchLimits()

@@ -36,9 +36,8 @@ def at_likeliest_onset(fits: Fits, plant: Plant, effect: Effect, noise: Noise) -
         noise: under which readings are weighed.
     """
     slot = _slot(effect)
-    last = fits.problem.signals[-1]
-    length_s = last.session_s + float(last.time_s[-1] - last.time_s[0])
-    reach_s = _SHARE * length_s
+    ends_s = [one.session_s + float(np.ptp(one.time_s)) for one in fits.problem.signals]
+    reach_s = _SHARE * (max(ends_s) - min(one.session_s for one in fits.problem.signals))
     shifts_s = np.linspace(-reach_s, reach_s, _TRIED)
     tried = [plant, *(at_onset(plant, effect, plant.values[slot] + float(shift_s)) for shift_s in shifts_s)]
     tried += [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -43,12 +43,17 @@ class Searched:
     given_is_a_fit: bool = False
 
 
-def searched(simulator: Simulator, problem: Problem, progress: Progress) -> Searched:
-    """Re-fit the baseline, search for what it lacks, and fit what was found on all that is not held out."""
+def searched(
+    simulator: Simulator, problem: Problem, progress: Progress, known: Sequence[Structure] = ()
+) -> Searched:
+    """Re-fit the baseline, search for what it lacks, and fit what was found on all that is not held out.
+
+    Structures that are `known` before are at hand in the search.
+    """
     progress("re-fitting the baseline")
     fits = Fits(simulator, problem)
     baseline = fits.settled_baseline()
-    explanation = explain(fits, baseline, progress)
+    explanation = explain(fits, baseline, progress, known)
     progress("fitting on every reading that is not held out")
     return _fitted(fits, explanation)
 

@@ -20,11 +20,11 @@ UNFITTED_NATS = 60.0
 
 @final
 class Settled:
-    """What one search has settled, beginning with the re-fitted `baseline`."""
+    """What one search has settled, beginning with the re-fitted `baseline` and with what is `known` before."""
 
-    def __init__(self, fits: Fits, baseline: Structure) -> None:
+    def __init__(self, fits: Fits, baseline: Structure, known: Sequence[Structure] = ()) -> None:
         self._fits = fits
-        self._best = {baseline.plant.active: baseline}
+        self._best = {one.plant.active: one for one in (*known, baseline)}
         self._lessened: set[tuple[frozenset[str], str, float]] = set()
 
     def settle(self, plant: Plant, noise: Noise) -> Structure:

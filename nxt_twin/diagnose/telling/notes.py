@@ -10,6 +10,7 @@ from nxt_twin.arrays import FloatArray
 from nxt_twin.diagnose.diagnosis import Fit, HeldOutRun, Moved
 from nxt_twin.diagnose.fitting.problem import Problem
 from nxt_twin.diagnose.judging.run_outs import RunOut, unfitted_run_outs
+from nxt_twin.diagnose.telling.own_moments import own_moments
 from nxt_twin.diagnose.telling.words import listed
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.layout import Slot
@@ -66,6 +67,7 @@ def notes(
             f"{fit.floor:.3g} {fit.unit} tells how near a right one comes."
         )
     said.extend(stamped_late(plant, problem.signals))
+    said.extend(own_moments(problem, plant))
     said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
     if problem.by_windows:
         said.append(
