@@ -29,7 +29,6 @@ _ROUNDS: Final = 2  # of these
 _PERIODS: Final = 1.0 + np.linspace(-0.02, 0.02, 5)  # factors, tried beside these
 _AS_IT_IS: Final = np.ones(1)
 _SETTLED: Final = 3  # of the likeliest waves
-_PLACED: Final = 1  # clocks that are placed finely in each recording
 
 
 def with_own_clocks(simulator: Simulator, problem: Problem, explanation: Explanation) -> Begun | None:
@@ -50,7 +49,7 @@ def with_own_clocks(simulator: Simulator, problem: Problem, explanation: Explana
 def _looks(simulator: Simulator, problem: Problem, before: Structure, effect: Effect) -> list[Begun]:
     """`before` with a clock that wanders, `effect`, and the problem with where it stands as each recording begins.
 
-    Under a small unknown torque, as one that forgives everything hides where a clock leaps.
+    None where residuals suggest no wave. Under a small unknown torque, as a large one hides where a clock leaps.
     """
     at_zero = dict.fromkeys(lengths_s(problem), 0.0)
     sober = replace(before.noise, disturbance_std=EFFORT.sober * before.noise.disturbance_std)
@@ -59,9 +58,11 @@ def _looks(simulator: Simulator, problem: Problem, before: Structure, effect: Ef
         lambda start: _settled(simulator, problem, at_zero, *start, effect, sober),
         fits.wandering_apart(fits.standing(before.plant, sober), effect)[:_SETTLED],
     )
-    begun.sort(key=lambda one: one[1].fitted_cost + one[1].check_cost)
-    placed = fits.abreast(lambda one: _placed(simulator, problem, *one, effect), begun[:_PLACED])
-    return [Begun(with_clocks(problem, clock_s), structure, effect) for clock_s, structure in placed]
+    if not begun:
+        return []
+    likeliest = min(begun, key=lambda one: one[1].fitted_cost + one[1].check_cost)
+    clock_s, structure = _placed(simulator, problem, *likeliest, effect)
+    return [Begun(with_clocks(problem, clock_s), structure, effect)]
 
 
 def _settled(
