@@ -80,12 +80,13 @@ def _looked_further(
 def _by_own_moments(
     simulator: Simulator, evidence: Evidence, rng: Generator, progress: Progress
 ) -> Evidence | None:
-    """What is found where each recording has a moment for itself, if that brings windows nearer.
+    """What is found where each recording has a moment for itself, if that explains and brings windows nearer.
 
     A payload may be put on in each anew, or a clock that wanders may stand elsewhere. What is found beside it moves
-    these moments: then they are looked for once more.
+    these moments: then they are looked for once more. A moment of each recording forgives much: where it explains
+    nothing, it says nothing.
     """
-    found: Evidence | None = None
+    first = evidence
     several = len(lengths_s(evidence.problem)) > 1
     for _ in range(_LOOKS if several else 0):
         if not _asks_for_more(evidence):
@@ -97,8 +98,8 @@ def _by_own_moments(
         better = next((one for one in nearer if one is not None), None)
         if better is None:
             break
-        evidence = found = better
-    return found
+        evidence = better
+    return evidence if evidence is not first and _verdict(evidence) == "explained" else None
 
 
 def _by_own(
