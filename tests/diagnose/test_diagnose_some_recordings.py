@@ -47,7 +47,10 @@ def test_a_payload_is_sought_in_every_row_of_recordings_that_ends_before_the_las
 
 @pytest.mark.parametrize(("count", "rows"), [(8, 28), (9, 18), (60, 28)])
 def test_of_many_recordings_a_few_rows_are_tried(count, rows):
-    signals = [SimpleNamespace(session_s=5.0 * n, time_s=np.array([0.0, 5.0])) for n in range(count)]
+    signals = [
+        SimpleNamespace(session_s=5.0 * n, sets_in_s=np.nan, time_s=np.array([0.0, 5.0]))
+        for n in range(count)
+    ]
     assert len(library()["payload_inertia"].further_starts(signals)) == rows
 
 
