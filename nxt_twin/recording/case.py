@@ -158,7 +158,8 @@ def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     _check_lists(file, path)
     plant = _located(file.plant, folder)
     stated = mapping_of or mappings(file.mapping, folder, f"{path}, key mapping")
-    recordings = tuple(each for name in file.recordings for each in _read(folder, name, stated))
+    fitted = [name for name in file.recordings if name not in file.holdout]
+    recordings = tuple(each for name in fitted for each in _read(folder, name, stated))
     holdout = tuple(each for name in file.holdout for each in _read(folder, name, stated))
     before = tuple(each for name in file.before for each in _read(folder, name, stated))
     port = _port((*recordings, *holdout, *before), plant, file.port, str(path))
@@ -189,11 +190,16 @@ def case_of(
 
 
 def _check_lists(file: CaseFile, path: Path) -> None:
+    """Raise where nothing is left to fit or a file is listed twice; `holdout` may name some of the `recordings`."""
+    where = f"{path}, key recordings"
     if not file.recordings:
-        where = f"{path}, key recordings"
         raise CaseError("lists no recording", where=where, mend="list at least one file")
-    for name, count in Counter([*file.recordings, *file.holdout, *file.before]).items():
-        if count > 1:
+    if set(file.recordings) <= set(file.holdout):
+        what = "lists no recording that is not held out"
+        raise CaseError(what, where=where, mend="leave at least one out of holdout")
+    held_out = set(file.holdout) - set(file.recordings)
+    for name, count in Counter([*file.recordings, *held_out, *file.before]).items():
+        if count > 1 or file.holdout.count(name) > 1:
             mend = "list each file once, to be fitted, held out or before"
             raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
 

@@ -120,7 +120,17 @@ def test_refuses_a_port_without_a_motor_in_every_recording(put, refusal):
             ["key hold_out", "nearest known: holdout"],
         ),
         ("plant: nxt_motor\nrecordings: [r1.csv]\nport: d\n", ["key port", "'d'", "'a', 'b' or 'c'"]),
-        ("plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r1.csv]\n", ["lists r1.csv twice"]),
+        (
+            "plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r1.csv]\n",
+            ["lists no recording that is not held out"],
+        ),
+        ("plant: nxt_motor\nrecordings: [r1.csv, r1.csv]\n", ["lists r1.csv twice"]),
+        ("plant: nxt_motor\nrecordings: [r1.csv]\nbefore: [r1.csv]\n", ["lists r1.csv twice"]),
+        ("plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r2.csv, r2.csv]\n", ["lists r2.csv twice"]),
+        (
+            "plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r2.csv]\nbefore: [r2.csv]\n",
+            ["lists r2.csv twice"],
+        ),
         ("plant: 5\nrecordings: [r1.csv]\n", ["key plant"]),
         ("plant: {kind: dc_motor\nrecordings: [r1.csv]\n", ["line 2"]),
         ("", ["is empty"]),
@@ -132,6 +142,15 @@ def test_refuses_a_wrong_case_file(put, refusal, text, parts):
     line = refusal(CaseError, read_case, path.parent)
     for part in ["case.yaml", *parts]:
         assert part in line
+
+
+def test_a_recording_that_is_listed_and_held_out_is_not_fitted(put):
+    for name in ("r1.csv", "r2.csv", "r3.csv"):
+        put(f"one/{name}", ONE_MOTOR)
+    path = put("one/case.yaml", "plant: nxt_motor\nrecordings: [r1.csv, r2.csv, r3.csv]\nholdout: [r2.csv]\n")
+    case = read_case(path.parent)
+    assert [one.name for one in case.recordings] == ["r1.csv", "r3.csv"]
+    assert [one.name for one in case.holdout] == ["r2.csv"]
 
 
 def test_refuses_what_is_no_case_folder(put, tmp_path, refusal):
