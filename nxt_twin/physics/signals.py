@@ -37,6 +37,7 @@ class Signals:
         is_speed: the readings are speeds.
         quantum: smallest step of the readings, 0 if none is known.
         session_s: when the recording began, counted from the beginning of the first one of its session.
+        lag_s: by which speed lags behind the commands in the plant as given, s; 0 where it tells of none.
         sets_in_s: when something sets in that does so anew in each recording, s of the session; NaN where nothing does.
         clock_s: how far on a clock that wanders is as the recording begins, s, where that is the recording's own.
         held_s: when stamps stood still while rows went on, s after the first one, and for how long, shape (moments, 2).
@@ -69,6 +70,7 @@ class Signals:
     is_speed: bool
     quantum: float
     session_s: float = 0.0
+    lag_s: float = 0.0
     sets_in_s: float = np.nan
     clock_s: float = 0.0
     held_s: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))

@@ -13,6 +13,7 @@ from nxt_twin.diagnose.fitting.batch import batches, samples_of
 from nxt_twin.diagnose.fitting.losses import SOFT
 from nxt_twin.diagnose.fitting.tamed import tamed
 from nxt_twin.diagnose.fitting.target import Target
+from nxt_twin.physics.base.dc_motor import DC_MOTOR
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.observer import Noise, Observer, observer
 from nxt_twin.physics.plant import Plant
@@ -68,6 +69,12 @@ def damping_per_s(plant: Plant) -> float:
     if "torque_constant" in values:
         damping += values["torque_constant"] * values["back_emf"] / values["resistance"]
     return damping / values["inertia"]
+
+
+def lag_of(plant: Plant) -> float:
+    """The time constant of a motor's speed, s; 0 of what follows goals or forces, whose speed may be any function."""
+    driven_by_duty = plant.layout.base.kind == DC_MOTOR.kind
+    return 1.0 / damping_per_s(plant) if driven_by_duty else 0.0
 
 
 def with_noise(target: Target, noise: Noise) -> Target:

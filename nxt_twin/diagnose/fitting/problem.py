@@ -12,7 +12,7 @@ from nxt_twin.arrays import BoolArray, FloatArray, IntArray
 from nxt_twin.diagnose.fitting.held_ages import with_ages
 from nxt_twin.diagnose.fitting.late_rows import with_lateness
 from nxt_twin.diagnose.fitting.leaps import leaps, without_leaps
-from nxt_twin.diagnose.fitting.noise import damping_per_s, roughness
+from nxt_twin.diagnose.fitting.noise import damping_per_s, lag_of, roughness
 from nxt_twin.diagnose.fitting.parted import parted
 from nxt_twin.diagnose.fitting.simulated import simulated
 from nxt_twin.diagnose.fitting.splits import (
@@ -148,7 +148,8 @@ def problem_of(
     plant = plant_from_config(follower(config, made, port), read[0].input_kind)
     for signals in read:
         _refuse_no_motion(signals)
-    supplied = [with_supply(driven_before(signals), plant) for signals in read]
+    lag_s = lag_of(plant)
+    supplied = [with_supply(driven_before(replace(one, lag_s=lag_s)), plant) for one in read]
     fitted, apart = supplied[: len(recordings)], supplied[len(recordings) :]
     if not any(np.nanstd(signals.measured) > max(signals.quantum, 1e-12) for signals in fitted):
         raise DiagnosisError("nothing moves", where=name, mend="record a run in which the motor turns")

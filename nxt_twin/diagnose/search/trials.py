@@ -110,7 +110,7 @@ class Trials:
         needed = self._standard.needed(best)
         drafts = self._drafts.of(best, self.candidates(best.plant), EFFORT.drafted, EFFORT.promised * needed)
         if not drafts:
-            return self._settled_each(self._restoring(best, set()))
+            return self._settled_each(self._restoring(best, set(), best.noise))
         cost = self._fits.drafted_cost(best, best.noise)
         leading = max(cost - drafts[0][1].cost, 0.0)
         within = [
@@ -155,7 +155,8 @@ class Trials:
         starts += self._by_chance(best, listed)
         suspected = self._suspected(best, listed)
         listed |= {effect.id for effect, _ in suspected} | {start.effect.id for start in starts}
-        starts += self._restoring(best, listed)
+        leading = min((trial for _, trial in leaders), key=lambda one: one.fitted_cost)
+        starts += self._restoring(best, listed, leading.noise)
         settled = _likeliest([*leaders, *self._settled_each(starts), *suspected])
         brief = {start.effect.id for start in scattering}
         return [one for one in settled if one[0].id not in brief or self._outlasts_a_poll(*one)]
@@ -356,7 +357,7 @@ class Trials:
         known = [(effect, self._settled.with_effect(best.plant, effect)) for effect in asked]
         return [(effect, settled) for effect, settled in known if settled is not None]
 
-    def _restoring(self, best: Structure, listed: set[str]) -> list[_Start]:
+    def _restoring(self, best: Structure, listed: set[str], noise: Noise) -> list[_Start]:
         """Effects to settle from the given numbers, where `best` has moved these far.
 
         A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
@@ -367,5 +368,5 @@ class Trials:
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
         moving = [effect for effect in self.candidates(home) if not effect.fault]
-        drafts = self._drafts.of(self._fits.standing(home, best.noise), moving, EFFORT.drafted)
-        return [_started(one, best.noise) for one in drafts[: EFFORT.restoring] if one[0].id not in listed]
+        drafts = self._drafts.of(self._fits.standing(home, noise), moving, 16)
+        return [_started(one, noise) for one in drafts if one[0].id not in listed][: EFFORT.restoring]
