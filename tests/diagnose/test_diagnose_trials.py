@@ -69,8 +69,27 @@ def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, as
         _fits=SimpleNamespace(problem=SimpleNamespace(plant=home), standing=lambda *_: best),
         _drafts=SimpleNamespace(of=lambda _, effects, __: seen.extend(each.id for each in effects) or []),
     )
-    assert made._restoring(best, set()) == []
+    assert made._restoring(best, set(), "the leader's") == []
     assert seen == asked
+
+
+def test_from_the_given_numbers_effects_are_looked_for_under_the_noise_of_the_leader():
+    one = SimpleNamespace(id="load", fault=False)
+    home = SimpleNamespace(values={}, with_values=lambda _: home)
+    best = SimpleNamespace(plant=home, noise="own", fitted=SimpleNamespace(prior_cost=3.0))
+    under: list[str] = []
+    made = trials(
+        candidates=lambda _: [one],
+        _fits=SimpleNamespace(
+            problem=SimpleNamespace(plant=home), standing=lambda _, noise: under.append(noise) or best
+        ),
+        _drafts=SimpleNamespace(
+            of=lambda *_: [(one, SimpleNamespace(fitted=SimpleNamespace(plant="drafted")))]
+        ),
+    )
+    (start,) = made._restoring(best, set(), "the leader's")
+    assert under == [start.noise] == ["the leader's"]
+    assert start.plant == "drafted"
 
 
 @pytest.mark.parametrize(

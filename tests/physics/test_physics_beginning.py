@@ -1,5 +1,7 @@
 """A recording that begins with a command: whether the machine stood still before it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics_samples import commanded
@@ -48,6 +50,23 @@ def test_a_loop_that_turns_its_command_down_at_once_sets_a_motor_going_from_rest
 
     signals = read(time_s, motion(time_s, duty), list(zip(time_s.tolist(), levels.tolist(), strict=True)))
     assert begins_at_rest(signals)
+
+
+@pytest.mark.parametrize("interval_s", [0.02, 0.04])
+def test_a_motor_on_its_way_since_a_command_before_the_first_row_does_not_begin_at_rest(interval_s):
+    early_s = 0.5 * interval_s
+    time_s = np.arange(0.0, 2.0, interval_s)
+    angle = motion(np.append(0.0, time_s + early_s), lambda _: 0.6)[1:]
+    signals = read(time_s, angle, [(0.0, 0.6)], quantum=np.radians(0.25))
+    assert not begins_at_rest(signals)
+    assert run_in(signals).any()
+
+
+@pytest.mark.parametrize(("lag_s", "begins"), [(0.0, True), (0.09, True), (0.2, False)])
+def test_a_motor_that_goes_off_quicker_than_the_plant_could_was_on_its_way_before(lag_s, begins):
+    time_s = np.arange(0.0, 2.0, 0.02)
+    signals = replace(read(time_s, motion(time_s, lambda _: 0.6, lag_s=0.05), [(0.0, 0.6)]), lag_s=lag_s)
+    assert begins_at_rest(signals) is begins
 
 
 @pytest.mark.parametrize("interval_s", [0.008, 0.01])

@@ -362,11 +362,12 @@ class Trials:
 
         A weak motor behind a stiff loop moves as one at half its duty does. No look from there shows that the duty is
         limited; a look from the given numbers does. Faults of the readings move no motor, and so none of its numbers.
+        Drafts are made under `noise` of the likeliest candidate: the larger one of `best` forgives what is wrong.
         """
         if best.fitted.prior_cost < EFFORT.restoring_nats:
             return []
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
         moving = [effect for effect in self.candidates(home) if not effect.fault]
-        drafts = self._drafts.of(self._fits.standing(home, noise), moving, 16)
+        drafts = self._drafts.of(self._fits.standing(home, noise), moving, EFFORT.from_given)
         return [_started(one, noise) for one in drafts if one[0].id not in listed][: EFFORT.restoring]
