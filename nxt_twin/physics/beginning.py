@@ -31,7 +31,7 @@ def begins_at_rest(signals: Signals) -> bool:
 
     Before a first drive they must not move. Under one, a first-order lag of speed behind the commands is fitted to
     them, once from rest and once from any speed. Where a constant speed fits as well, nothing shows a rest. In doubt
-    they do not: a run that is wrongly begun at rest is off by degrees, and a run-in costs a third of a second.
+    they do not: a rest that was none costs degrees, and a run-in a third of a second.
     """
     if signals.is_speed:
         return False
