@@ -172,9 +172,9 @@ def is_taken(gain):
     return grown.fitted_cost < 0.0
 
 
-def restored(prior_cost, *, listed=frozenset({"0"})):
-    """How many effects are settled from the given numbers where those that were found cost so much; of 99."""
-    effects = [effect_named(str(n)) for n in range(99)]
+def restored(prior_cost):
+    """How many effects are settled from the given numbers where those that were found cost so much."""
+    effects = [effect_named(str(n)) for n in range(9)]
     best = structure(prior_cost=prior_cost)
     best.plant.values, best.plant.with_values = {}, lambda _: None
     problem = SimpleNamespace(plant=SimpleNamespace(values={}))
@@ -186,7 +186,7 @@ def restored(prior_cost, *, listed=frozenset({"0"})):
         _drafts=SimpleNamespace(of=lambda _, fresh, most: [(one, draft) for one in fresh[:most]]),
         _settled=settled_by(lambda *_: structure()),
     )
-    return len(made._restoring(best, listed, "the leader's"))
+    return len(made._restoring(best, {"0", "1", "2", "3"}, "the leader's"))
 
 
 def rugged(*promised, cost=1.0, listed=frozenset(), found=(), led=0.0):

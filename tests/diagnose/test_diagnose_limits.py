@@ -98,7 +98,6 @@ COUNTS = {
     "promised": (lambda _: forward(1.0)["least"], pytest.approx(0.8)),
     "exchanges": (rounds, 5),
     "restoring": (lambda _: restored(10.1), 3),
-    "from_given": (lambda _: 15 + restored(10.1, listed={str(n) for n in range(15)}), 16),
     "rugged": (lambda _: rugged(20.0, 30.0, 40.0), 2),
     "losses": (lambda patch: len(losses(patch, 4.0, 3.0, 2.0, 1.0)), 3),
     "shares": (lambda _: len(shared_anew_with(BACKLASH, gain=9.0).tried) // 3, 3),

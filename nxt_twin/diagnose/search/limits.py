@@ -115,9 +115,7 @@ class SearchEffort:
         sober: share of the unknown torque under which other starts are followed.
         quiet: share of the unknown torque from which a way is settled once more, where a search begins anew.
         fine: how many times an encoder's step readings have to scatter before held readings are looked for.
-        from_given: effects that are fitted roughly from the given numbers where a re-fit has moved these far. By what
-            they promise there, stiction came eleventh, and first by its draft.
-        restoring: effects that are settled from the given numbers where a re-fit has moved these far.
+        restoring: further effects that are settled from the given numbers where a re-fit has moved these far.
         restoring_nats: what the priors of given numbers cost from which these are far. One number that is off by two of
             its standard deviations costs 2. Coulomb friction that grew fivefold cost 6, and hid a voltage drop.
         second_promised: share of `second_nats` that a second wave has to promise to be fitted.
@@ -146,7 +144,6 @@ class SearchEffort:
     sober: float = 0.3
     quiet: float = 0.02
     fine: float = 1.5
-    from_given: int = 16
     restoring: int = 3
     restoring_nats: float = 1.5
     second_promised: float = 0.5

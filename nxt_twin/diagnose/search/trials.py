@@ -368,6 +368,6 @@ class Trials:
             return []
         given = self._fits.problem.plant.values
         home = best.plant.with_values({slot: x for slot, x in given.items() if slot in best.plant.values})
-        moving = [effect for effect in self.candidates(home) if not effect.fault]
-        drafts = self._drafts.of(self._fits.standing(home, noise), moving, EFFORT.from_given)
-        return [_started(one, noise) for one in drafts if one[0].id not in listed][: EFFORT.restoring]
+        fresh = [one for one in self.candidates(home) if not one.fault and one.id not in listed]
+        drafts = self._drafts.of(self._fits.standing(home, noise), fresh, EFFORT.drafted)
+        return [_started(one, noise) for one in drafts[: EFFORT.restoring]]
