@@ -147,7 +147,7 @@ def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     """Read a case folder.
 
     Raises:
-        CaseError: if `case.yaml` is missing or wrong, lists a recording twice, or leaves the port open.
+        CaseError: if `case.yaml` is missing or wrong, lists a recording twice or none to fit, or leaves the port open.
         RecordingError, MappingError, PlantError: if a file that it names cannot be used.
     """
     if not folder.is_dir():

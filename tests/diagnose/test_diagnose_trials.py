@@ -58,15 +58,19 @@ def test_a_broken_promise_is_settled_at_first_and_beside_late_stamps(found, sett
     assert len(made._rugged(structure(*found), 0.0, worse, set(), 0.0)) == settled
 
 
+def far_from_given():
+    """A structure whose fit has moved the given numbers far."""
+    home = SimpleNamespace(values={}, with_values=lambda _: home)
+    return SimpleNamespace(plant=home, noise="own", fitted=SimpleNamespace(prior_cost=3.0))
+
+
 @pytest.mark.parametrize(("fault", "asked"), [(False, ["load"]), (True, [])])
 def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, asked):
-    one = SimpleNamespace(id="load", fault=fault)
-    home = SimpleNamespace(values={}, with_values=lambda _: home)
-    best = SimpleNamespace(plant=home, noise="own", fitted=SimpleNamespace(prior_cost=3.0))
+    one, best = SimpleNamespace(id="load", fault=fault), far_from_given()
     seen: list[str] = []
     made = trials(
         candidates=lambda _: [one],
-        _fits=SimpleNamespace(problem=SimpleNamespace(plant=home), standing=lambda *_: best),
+        _fits=SimpleNamespace(problem=SimpleNamespace(plant=best.plant), standing=lambda *_: best),
         _drafts=SimpleNamespace(of=lambda _, effects, __: seen.extend(each.id for each in effects) or []),
     )
     assert made._restoring(best, set(), "the leader's") == []
@@ -74,14 +78,12 @@ def test_no_fault_of_the_readings_is_looked_for_from_the_given_numbers(fault, as
 
 
 def test_from_the_given_numbers_effects_are_looked_for_under_the_noise_of_the_leader():
-    one = SimpleNamespace(id="load", fault=False)
-    home = SimpleNamespace(values={}, with_values=lambda _: home)
-    best = SimpleNamespace(plant=home, noise="own", fitted=SimpleNamespace(prior_cost=3.0))
+    one, best = SimpleNamespace(id="load", fault=False), far_from_given()
     under: list[str] = []
     made = trials(
         candidates=lambda _: [one],
         _fits=SimpleNamespace(
-            problem=SimpleNamespace(plant=home), standing=lambda _, noise: under.append(noise) or best
+            problem=SimpleNamespace(plant=best.plant), standing=lambda _, noise: under.append(noise) or best
         ),
         _drafts=SimpleNamespace(
             of=lambda *_: [(one, SimpleNamespace(fitted=SimpleNamespace(plant="drafted")))]
