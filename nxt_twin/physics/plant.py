@@ -6,7 +6,7 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 
@@ -27,6 +27,10 @@ _FRAME_OF_INPUT: dict[InputKind, Frame] = {
     "goal_position_rad": "motor",
 }
 _INPUT_OF_FRAME: dict[Frame, InputKind] = {"motor": "power_pct", "rotary": "torque_nm", "linear": "force_n"}
+
+
+_NEVER_ZERO: Final = frozenset(("inertia", "resistance", "torque_constant", "back_emf"))
+"""What equations of motion divide by: a motor without it is none."""
 
 
 @final
@@ -196,6 +200,8 @@ def _number(value: object, parameter: Parameter, where: str) -> float:
         raise PlantError(f"'{value}' is no finite number", where=place, mend=f"give it in {parameter.unit}")
     if parameter.lower >= 0.0 and value < 0.0:
         raise PlantError(f"{value} is negative", where=place, mend=f"give it in {parameter.unit}")
+    if parameter.symbol in _NEVER_ZERO and value == 0.0:
+        raise PlantError("is zero", where=place, mend=f"give its size in {parameter.unit}")
     return float(value)
 
 

@@ -226,3 +226,10 @@ def test_a_plant_is_not_changed_by_making_another_from_it():
     heavier = plain.with_values({Slot("base", "inertia"): 2e-3})
     assert heavier.to_config()["inertia_kg_m2"] == 2e-3
     assert plain.to_config() == before
+
+
+@pytest.mark.parametrize(
+    "key", ["inertia_kg_m2", "resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad"]
+)
+def test_a_number_that_motion_divides_by_is_not_zero(key):
+    assert f"{key}: is zero" in refusal({**NXT, key: 0})
