@@ -115,6 +115,8 @@ def _run(plan: Layout, step: list[str], states: list[str]) -> str:
         states_known=_indent((f"{s} = restart_states[int(begun), {n}]" for n, s in enumerate(carried)), 20),
         states_traced=_indent((f"trace[k, {len(TRACE) + n}] = {s}" for n, s in enumerate(carried)), 16),
         others=_others(plan),
+        # A loop of the device holds what it stands at until it is told a goal; nothing drives another motor.
+        untold="home" if plan.base.control else "0.0",
         step=_indent(iter(step), 16),
         settling=SETTLING,
         settle=_indent(_stage(plan, "reading"), 24),

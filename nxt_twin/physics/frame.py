@@ -26,7 +26,7 @@ Spans = tuple[FloatArray, IntArray, IntArray]
 """Pieces of time in which nothing changes but the state, filled by `schedule`.
 
 Shape (spans, 8): length of a step by the stamps and by the plant (s), what is left of the unknown torque after a step,
-time since the first row (s), command, supply (V), load and speed of the other motors. Shape (spans, 2): steps, drive
+time since the first row (s), command (NaN before the first acts), supply (V), load and speed of the other motors. Shape (spans, 2): steps, drive
 mode. Shape (rows + 1,): the first span of each row.
 """
 
@@ -70,7 +70,7 @@ def schedule(
             span[n, 1] = piece_s / pace
             span[n, 2] = math.exp(-piece_s / pace * leak_per_s)
             span[n, 3] = t - began_s
-            span[n, 4] = command[j] if j >= 0 else 0.0
+            span[n, 4] = command[j] if j >= 0 else math.nan
             span[n, 5] = command_supply_v[max(j, 0)]
             span[n, 6] = others_load[m, 0] if m >= 0 else 0.0
             span[n, 7] = others_load[m, 1] if m >= 0 else 0.0

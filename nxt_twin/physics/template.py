@@ -63,7 +63,7 @@ def run(
             piece_s = span[n, 0]
             step_s = span[n, 1]
             fading = span[n, 2]
-            held = span[n, 4]
+            held = span[n, 4] if span[n, 4] == span[n, 4] else {untold}
             open_circuit_v = span[n, 5]
             others_share = span[n, 6]
             others_speed = span[n, 7]

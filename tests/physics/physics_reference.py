@@ -29,7 +29,9 @@ _Scope = dict[str, float]
 def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     """What `Simulator.run` gives for one plant: `predicted`, `weight` and `cost`, each of shape (samples,)."""
     signals = job.signals
-    axis = _Axis(plant, home=float(job.start.position[0]), session_s=signals.session_s)
+    home = float(job.start.position[0])
+    axis = _Axis(plant, home=home, session_s=signals.session_s)
+    untold = home if plant.layout.base.control else 0.0
     began_s = float(signals.time_s[0])
     base = plant.layout.base
     delay_s = axis.formed("delay", {}, plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)
@@ -61,7 +63,7 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
             for piece in range(pieces if stop > time_s else 0):
                 piece_s = (stop - time_s) / pieces
                 axis.step(
-                    command=float(signals.command[held]) if held >= 0 else 0.0,
+                    command=float(signals.command[held]) if held >= 0 else untold,
                     mode=int(signals.command_mode[max(held, 0)]),
                     supply_v=float(signals.command_supply_v[max(held, 0)]),
                     others=_others_at(signals, int(np.searchsorted(loads, time_s, side="right")) - 1),

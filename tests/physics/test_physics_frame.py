@@ -40,7 +40,8 @@ def test_spans_end_where_a_command_or_a_load_changes_and_fill_the_time_between_r
 def test_a_delay_moves_commands_and_a_pace_shortens_steps():
     span, steps, _ = spans([0.0, 0.03], [0.0, 0.012], delay_s=0.005, pace=1.25)
     assert (span[:, 0] * steps[:, 0]).tolist() == pytest.approx([0.005, 0.012, 0.013])
-    assert span[:, 4].tolist() == [0.0, 1.0, 2.0]
+    assert np.isnan(span[0, 4])
+    assert span[1:, 4].tolist() == [1.0, 2.0]
     assert span[:, 1] == pytest.approx(span[:, 0] / 1.25)
     assert span[:, 2] == pytest.approx(np.exp(-2.0 * span[:, 1]))
 

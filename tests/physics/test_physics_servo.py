@@ -173,6 +173,14 @@ def test_a_goal_delay_moves_the_response_by_exactly_that_much(servo_simulator):
     np.testing.assert_allclose(late[5:], prompt[:-5], rtol=1e-9, atol=1e-9)
 
 
+def test_a_loop_holds_what_it_stands_at_until_its_first_goal_acts(servo_simulator):
+    delayed = servo(goal_delay_s=0.1, effects={"command_delay": {"delay_s": 0.05}}, integral_rate_per_s=2.0)
+    found = motion(servo_simulator, delayed, goals((0.0, 130.0)), angle=90.0 * DEG)["angle"]
+    np.testing.assert_array_equal(found[:16], 90.0 * DEG)
+    assert found[18] > 90.0 * DEG
+    assert found[-1] == pytest.approx(130.0 * DEG, abs=3.0 * DEG)
+
+
 def test_friction_leaves_an_error_standing_that_an_integral_wears_away(servo_simulator):
     run = goals((0.0, 30.0), seconds=6.0)
     loop = {"coulomb_friction_nm": 0.08}
