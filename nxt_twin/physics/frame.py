@@ -26,8 +26,8 @@ Spans = tuple[FloatArray, IntArray, IntArray]
 """Pieces of time in which nothing changes but the state, filled by `schedule`.
 
 Shape (spans, 8): length of a step by the stamps and by the plant (s), what is left of the unknown torque after a step,
-time since the first row (s), command (NaN before the first acts), supply (V), load and speed of the other motors. Shape (spans, 2): steps, drive
-mode. Shape (rows + 1,): the first span of each row.
+time since the first row (s), command (NaN before the first acts), supply (V), load and speed of the other motors. Shape
+(spans, 2): steps, drive mode. Shape (rows + 1,): the first span of each row.
 """
 
 

@@ -60,6 +60,25 @@ def damping_of(config):
     return (by_current + config["viscous_friction_nm_s_per_rad"]) / config["inertia_kg_m2"]
 
 
+@pytest.mark.parametrize(("rounded", "offset_deg"), [(np.floor, -0.5), (np.round, 0.0), (np.ceil, 0.5)])
+def test_how_an_encoder_rounds_is_found_and_named_as_no_effect(rounded, offset_deg):
+    rng = np.random.default_rng(7)
+    runs = []
+    for name in ("one", "two", "three"):
+        time_s = 0.01 * np.arange(500)
+        goal = np.repeat(rng.uniform(-120.0, 120.0, 10).round(1), 50)
+        columns = {
+            "time_s": time_s,
+            "a_goal_deg": goal,
+            "a_tacho_deg": rounded(followed(time_s, goal, 2.0, 0.02)),
+        }
+        runs.append(Recording(name, columns, tacho_step_deg={"a": 1.0}))
+    loop = {"position_gain_pct_per_deg": 1.8, "derivative_gain_pct_s_per_deg": 0.022}
+    found = diagnose(case_of(runs, {**MOTOR, "kind": "servo", **loop})).diagnosis
+    assert (found.verdict, found.effects) == ("adequate", ())
+    assert found.refit["goal_offset_deg"].after == pytest.approx(offset_deg, abs=0.15)
+
+
 def test_a_loop_s_gains_are_fitted_from_goal_and_reading_alone_where_they_are_30_percent_off():
     rng = np.random.default_rng(5)
     time_s, steps = 0.01 * np.arange(500), rng.uniform(-120.0, 120.0, 10).round(1)

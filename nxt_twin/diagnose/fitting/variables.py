@@ -63,11 +63,20 @@ def variables_of(
             continue
         if parameter.part_of and plant.values[Slot(slot.owner, parameter.part_of)] == 0.0:
             continue  # a part that is not there
-        if slot.owner == BASE_OWNER and plant.values[slot] == 0.0:  # a servo's loop without that part
-            continue
+        if slot.owner == BASE_OWNER and plant.values[slot] == 0.0 and not _open(parameter, scale):
+            continue  # a servo's loop without that part
         if slot not in baseline.values or not parameter.frozen:
-            found.append(_variable(slot, parameter.scaled(scale), baseline, alike=alike))
+            found.append(
+                _variable(
+                    slot, parameter.scaled(scale), baseline, alike=alike, known_to=_open(parameter, scale)
+                )
+            )
     return tuple(found)
+
+
+def _open(parameter: Parameter, scale: Scale) -> float:
+    """How large the recordings leave open that the parameter is, SI, though a plant file says that it is nothing."""
+    return parameter.least(scale.recordings) if parameter.least else 0.0
 
 
 def starts_of(effect: Effect, scale: Scale) -> list[dict[str, float]]:
@@ -81,11 +90,14 @@ def starts_of(effect: Effect, scale: Scale) -> list[dict[str, float]]:
     return [*starts, *({**starts[0], **one} for one in further)]
 
 
-def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool) -> Variable:
+def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool, known_to: float) -> Variable:
     typical = parameter.starts[0] * parameter.si
     given = baseline.values.get(slot)
     centre = typical if given is None else given
     scale = abs(centre) if slot.owner == BASE_OWNER else max(abs(centre), abs(typical)) or 1.0
+    doubt = scale * (parameter.spread if given is None else min(parameter.doubt, _LOOSE))
+    if slot.owner == BASE_OWNER and centre == 0.0:
+        scale = doubt = known_to
     tied = list(baseline.layout.tied.get(slot, ()))
     if alike and slot == _RESISTANCE:
         tied += _given_with_it(baseline, parameter.likeness)
@@ -98,7 +110,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool)
         lower=least,
         upper=max(parameter.upper * parameter.si, centre),
         centre=centre,
-        spread=scale * (parameter.spread if given is None else min(parameter.doubt, _LOOSE)),
+        spread=doubt,
         likeness=parameter.likeness if alike else 0.0,
         shared_out=parameter.shared_out,
     )
