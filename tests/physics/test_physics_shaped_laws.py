@@ -1,9 +1,10 @@
-"""Laws with a shape of their own: the second harmonic of cogging, and how a driver's curve bends."""
+"""Laws with a shape of their own: second harmonics, and how a driver's curve bends."""
 
 import numpy as np
 import pytest
 
 from nxt_twin.physics.effects.electrical import POWER_CURVE
+from nxt_twin.physics.effects.encoder import ENCODER_ECCENTRICITY
 from nxt_twin.physics.effects.load import COGGING
 
 TURNS = np.linspace(-3.0, 3.0, 41)
@@ -15,6 +16,19 @@ def test_cogging_is_a_sum_of_two_harmonics(in_phase, in_quadrature):
     x = 3.0 * TURNS + 0.4
     wave = np.real((1.0 + 0.0j) * np.exp(1j * x) + (in_phase - 1j * in_quadrature) * np.exp(2j * x))
     assert torque == pytest.approx(0.02 * wave, abs=1e-10)
+
+
+@pytest.mark.parametrize(("in_phase", "in_quadrature"), [(0.0, 0.0), (0.2, 0.0), (-0.1, 0.3)])
+def test_an_eccentric_encoder_errs_by_two_harmonics_and_shows_the_slope_of_both(in_phase, in_quadrature):
+    off = ENCODER_ECCENTRICITY.terms["reading"]
+    shape = (0.05, 2.0, 0.4, in_phase, in_quadrature)
+    x = 2.0 * TURNS + 0.4
+    wave = np.imag(np.exp(1j * x) + (in_phase + 1j * in_quadrature) * np.exp(2j * x))
+    assert [off(a, 0.0, *shape)[0] for a in TURNS] == pytest.approx(0.05 * wave, abs=1e-12)
+    step, speed = 1e-6, 3.0
+    for a in TURNS:
+        ahead, behind = (off(a + way * step, 0.0, *shape)[0] for way in (1.0, -1.0))
+        assert off(a, speed, *shape)[1] == pytest.approx(speed * (ahead - behind) / (2.0 * step), abs=1e-7)
 
 
 @pytest.mark.parametrize("bend", [-0.4, 0.0, 0.6])

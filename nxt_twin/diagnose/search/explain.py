@@ -15,6 +15,7 @@ from nxt_twin.diagnose.search.coincidence import are_twins, as_twin, coincidence
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.latency import after_latency
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
+from nxt_twin.diagnose.search.play import play_behind
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
@@ -122,6 +123,7 @@ class _Search:
         self._trials = Trials(fits, self._settled, self._standard, self._drafts)
         self._tried: list[Effect] = []
         self._untaken = Untaken()
+        self._tried_play: dict[frozenset[str], float] = {}
 
     def begun(self) -> Structure:
         """The baseline, with the host's latency if the readings tell of any."""
@@ -296,6 +298,7 @@ class _Search:
         near = {*effect.confusable_with, *(other.id for other in self._tried)}
         allowed = [e for e in self._trials.candidates(bare.plant) if e.id != effect.id and e.id in near]
         self._settle_twins(best, effect, allowed)
+        self._settle_play(best, effect, allowed)
         known = {e.id: settled for e in allowed if (settled := self._settled.with_effect(bare.plant, e))}
         rivals = [self._rival(best, effect, e, known[e.id]) for e in allowed if e.id in known]
         fresh = [e for e in allowed if e.id not in known]
@@ -315,6 +318,15 @@ class _Search:
             behind = known.fitted_cost - best.fitted_cost if known else math.inf
             if twin and behind > LIMITS.rival_nats:
                 self._settled.settle(twin, best.noise)
+
+    def _settle_play(self, best: Structure, effect: Effect, others: list[Effect]) -> None:
+        """Settle play from where a shaft that twists has brought the masses, once for each that is likelier."""
+        for other in others:
+            if best.fitted_cost < self._tried_play.get(best.plant.active, math.inf) - EFFORT.better_nats:
+                starts = play_behind(self._fits, best, effect, other)
+                if starts:
+                    self._tried_play[best.plant.active] = best.fitted_cost
+                    self._settled.settle_each(starts)
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects.harmonic import harmonic
 from nxt_twin.physics.parameter import ANGLE, NUMBER, SPEED, Parameter
 
 _EDGE = 0.1  # over this share of the threshold the loss sets in, so that a fit can move the threshold
@@ -57,17 +58,27 @@ MISSED_COUNTS = Effect(
 
 
 def _eccentric(
-    angle: float, speed: float, amplitude: float, cycles: float, phase: float
+    angle: float,
+    speed: float,
+    amplitude: float,
+    cycles: float,
+    phase: float,
+    in_phase: float,
+    in_quadrature: float,
 ) -> tuple[float, float]:
     turn = cycles * angle + phase
-    return amplitude * math.sin(turn), amplitude * cycles * speed * math.cos(turn)
+    along, across = math.sin(turn), math.cos(turn)
+    twice_along, twice_across = 2.0 * along * across, across * across - along * along
+    off = along + in_phase * twice_along + in_quadrature * twice_across
+    slope = across + 2.0 * (in_phase * twice_across - in_quadrature * twice_along)
+    return amplitude * off, amplitude * cycles * speed * slope
 
 
 ENCODER_ECCENTRICITY = Effect(
     id="encoder_eccentricity",
     name="encoder eccentricity",
-    equation="reading = θ + A·sin(n·θ + φ)",
-    source="geometry: a disc off its centre by a, read at radius r, errs by a/r·sin, to first order",
+    equation="reading = θ + A·(sin x + a·sin 2x + b·cos 2x), x = n·θ + φ",
+    source="geometry: a disc off its centre by a, read at radius r, errs by a/r·sin; a tilted one twice as often, too",
     equation_of="measurement",
     shows=("angle", "high_speed"),
     notable=0.25,
@@ -85,6 +96,8 @@ ENCODER_ECCENTRICITY = Effect(
             si=math.pi / 180.0,
             otherwise=0.0,
         ),
+        harmonic("harmonic_in_phase", "in_phase"),
+        harmonic("harmonic_in_quadrature", "in_quadrature"),
     ),
     terms={"reading": _eccentric},
     confusable_with={

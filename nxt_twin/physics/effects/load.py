@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nxt_twin.physics.effect import Effect
+from nxt_twin.physics.effects.harmonic import harmonic
 from nxt_twin.physics.inline import cosine, sine
 from nxt_twin.physics.parameter import ANGLE, INERTIA, NUMBER, STIFFNESS, TORQUE, Parameter
 from nxt_twin.physics.signals import Signals
@@ -70,7 +71,6 @@ GRAVITY_LOAD = Effect(
 )
 
 
-_HARMONIC = 0.15  # of the first harmonic: how large the second commonly is, one standard deviation
 NEVER_S = 1e6
 """When a payload that stays is taken off again, s of the session, which ends before."""
 
@@ -251,11 +251,6 @@ def _ripple(
     )
 
 
-def _harmonic(name: str, symbol: str) -> Parameter:
-    """A part of the second harmonic, over the first: magnets and slots have one, small beside the first."""
-    return Parameter(name, symbol, "1", NUMBER, (0.0,), -1.0, 1.0, _HARMONIC, otherwise=0.0, shapes=True)
-
-
 COGGING = Effect(
     id="cogging",
     name="cogging",
@@ -286,8 +281,8 @@ COGGING = Effect(
             si=math.pi / 180.0,
             otherwise=0.0,
         ),
-        _harmonic("harmonic_in_phase", "in_phase"),
-        _harmonic("harmonic_in_quadrature", "in_quadrature"),
+        harmonic("harmonic_in_phase", "in_phase"),
+        harmonic("harmonic_in_quadrature", "in_quadrature"),
     ),
     terms={"torque": _ripple},
     confusable_with={
