@@ -11,7 +11,7 @@ import numpy as np
 
 from nxt_twin.diagnose.fitting.fits import Fits
 from nxt_twin.diagnose.fitting.structure import Draft, Structure, is_mechanical
-from nxt_twin.diagnose.search.cycles import at_whole_cycles
+from nxt_twin.diagnose.search.cycles import at_half_the_cycles, at_whole_cycles
 from nxt_twin.diagnose.search.drafts import LOSS_ITERATIONS, SLOW_ITERATIONS, STARTS_FOLLOWED, Drafts
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
 from nxt_twin.diagnose.search.losing import chance_alone, lies_in_angle, losing, wandering
@@ -333,7 +333,8 @@ class Trials:
             moved = at_likeliest_onset(self._fits, trial.plant, effect, trial.noise)
             return trial if moved is trial.plant else self._settled.settle(moved, trial.noise)
         if not is_mechanical(effect):
-            return at_whole_cycles(self._settled, trial, effect)
+            whole = at_whole_cycles(self._settled, trial, effect)
+            return at_half_the_cycles(self._fits, self._settled, whole, effect)
         sober = replace(best.noise, disturbance_std=EFFORT.sober * best.noise.disturbance_std)
         prospects = self._drafts.prospects(best, [effect])[effect.id][:STARTS_FOLLOWED]
         drafts = self._fits.abreast(
