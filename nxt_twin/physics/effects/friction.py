@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.inline import exponential, power
 from nxt_twin.physics.parameter import DAMPING, DRAG, NUMBER, SPEED, TORQUE, Parameter
+
+if TYPE_CHECKING:
+    from nxt_twin.physics.signals import Signals
+
+_FEWEST: Final = 2  # readings that tell of a way
 
 
 def _coulomb(level: float, coulomb: float) -> float:
@@ -285,15 +295,35 @@ QUADRATIC_DRAG = Effect(
 )
 
 
-def _warmup(level: float, elapsed_s: float, cold_extra: float, time_constant: float) -> float:
-    return level + cold_extra * exponential(-elapsed_s / time_constant)
+def _warmup(level: float, run_in: float, cold_extra: float, time_constant: float) -> float:
+    return level + cold_extra * exponential(-run_in / time_constant)
+
+
+def _run_in(
+    run_in: float, before: float, after: float, step_s: float, motion_share: float, warming_speed: float
+) -> float:
+    """For how long it has run in, s: time counts, and so does the way."""
+    return run_in + step_s * (1.0 - motion_share + motion_share * abs(0.5 * (before + after)) / warming_speed)
+
+
+def _mean_speeds(recordings: Sequence[Signals]) -> list[float]:
+    """The mean speed of all recordings, at which time and way count alike."""
+    way = length_s = 0.0
+    for signals in recordings:
+        read = np.isfinite(signals.measured)
+        seen, at_s = signals.measured[read], signals.time_s[read]
+        if at_s.size < _FEWEST:
+            continue
+        way += float(np.sum(np.abs(seen[1:]) * np.diff(at_s) if signals.is_speed else np.abs(np.diff(seen))))
+        length_s += float(at_s[-1] - at_s[0])
+    return [way / length_s] if way > 0.0 else []
 
 
 FRICTION_WARMUP = Effect(
     id="friction_warmup",
     name="friction warm-up",
-    equation="|τ| = Tc + Tw·exp(-t/tw), t since the recording began",
-    source="Bittencourt et al. 2010 on how gear friction falls as it warms; one time constant",
+    equation="|τ| = Tc + Tw·exp(-a/tw), da/dt = 1 - p + p·|ω|/ωw, a = 0 where the recording begins",
+    source="Bittencourt et al. 2010 on how gear friction falls as it warms; one time constant, by time or by the way",
     equation_of="torque_balance",
     shows=("elapsed_time",),
     notable=0.0012,
@@ -309,7 +339,25 @@ FRICTION_WARMUP = Effect(
             elsewhere={"linear": ("cold_extra_force_n", "N")},
         ),
         Parameter("time_constant_s", "time_constant", "s", NUMBER, (5.0, 20.0, 2.0), 0.5, 300.0, spread=3.0),
+        Parameter(
+            "motion_share", "motion_share", "1", NUMBER, (0.0,), 0.0, 1.0, 1.0, otherwise=0.0, shared_out=True
+        ),
+        Parameter(
+            "warming_speed_rad_s",
+            "warming_speed",
+            "rad/s",
+            SPEED,
+            (5.0,),
+            1e-3,
+            1e3,
+            elsewhere={"linear": ("warming_speed_m_s", "m/s")},
+            otherwise=5.0,
+            hints=_mean_speeds,
+            tried=True,
+        ),
     ),
-    terms={"friction": _warmup},
+    terms={"friction": _warmup, "advance": _run_in},
+    states=("run_in",),
+    lasting=("run_in",),
     confusable_with={"battery_sag": "a rest and a second run tell: what has run in stays so"},
 )
