@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections import deque
 from collections.abc import Sequence
 from typing import final
@@ -50,6 +51,7 @@ def _delay_s(plant: Plant) -> float:
     total = plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0
     for effect in plant.effects:
         if "delay" in effect.terms:
-            values = [plant.values[slot] for slot in plant.layout.parameters if slot.owner == effect.id]
-            total += float(effect.terms["delay"](*values))  # type: ignore[arg-type]
+            term = effect.terms["delay"]
+            values = [plant.values[Slot(effect.id, name)] for name in inspect.signature(term).parameters]
+            total += float(term(*values))  # type: ignore[arg-type]
     return total

@@ -19,6 +19,9 @@ _OF_ANY_AGE = (-1.0, -1.0, 0.0, 0.0)
 _BESIDE_S: Final = 0.02  # to either side of a reading, over which the others tell the speed
 
 
+_FEWEST_ROWS = 3  # between which polls may differ
+
+
 @final
 @dataclass(frozen=True)
 class Signals:
@@ -48,6 +51,8 @@ class Signals:
         late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
         late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
+        command_polls: how much longer than the median the polls after and before a command's row are, s, shape
+            (commands, 2); 0 where it came with no row.
         clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
             each came by itself.
         rounded_s: the step to which stamps were rounded, where rows are put on an even course for it; else 0.
@@ -79,6 +84,7 @@ class Signals:
     late_span_s: float = 0.0
     late_open: float = 0.0
     command_late: FloatArray = field(default_factory=lambda: np.zeros(0))
+    command_polls: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     clump_rows: float = 0.0
     rounded_s: float = 0.0
     open_s: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -95,11 +101,18 @@ class Signals:
             object.__setattr__(self, "command_open_s", np.zeros(self.command_time_s.size))
         if self.command_late.size != self.command_time_s.size:
             object.__setattr__(self, "command_late", np.zeros(self.command_time_s.size))
+        if len(self.command_polls) != self.command_time_s.size:
+            object.__setattr__(self, "command_polls", _polls(self.time_s, self.command_time_s))
 
     @cached_property
     def interval_s(self) -> float:
         """The median time from one reading to the next, s."""
         return float(np.median(np.diff(self.time_s[np.isfinite(self.measured)])))
+
+    @cached_property
+    def command_moments(self) -> FloatArray:
+        """`command_late` and `command_polls` side by side, shape (commands, 3)."""
+        return np.column_stack([self.command_late, self.command_polls])
 
     @cached_property
     def strays(self) -> FloatArray:
@@ -153,6 +166,18 @@ class Signals:
         before = np.searchsorted(self.command_time_s, self.time_s, side="left") - 1
         held: FloatArray = np.where(before >= 0, self.command[np.maximum(before, 0)], 0.0)
         return held
+
+
+def _polls(time_s: FloatArray, command_time_s: FloatArray) -> FloatArray:
+    """`Signals.command_polls` of commands that came with rows at `time_s`."""
+    if time_s.size < _FEWEST_ROWS or not command_time_s.size:
+        return np.zeros((command_time_s.size, 2))
+    length_s = np.diff(time_s)
+    longer_s = np.concatenate([[0.0], length_s - np.median(length_s), [0.0]])
+    row = np.minimum(np.searchsorted(time_s, command_time_s), time_s.size - 1)
+    found = np.column_stack([longer_s[row + 1], longer_s[row]])
+    found[time_s[row] != command_time_s] = 0.0
+    return found
 
 
 def in_session(recordings: Sequence[Signals]) -> list[Signals]:

@@ -228,7 +228,7 @@ class Simulator:
             sets.of_job,
             job.step_s,
             signals.command_time_s,
-            signals.command_late,
+            signals.command_moments,
             signals.command,
             signals.command_mode,
             signals.command_supply_v,

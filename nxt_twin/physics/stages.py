@@ -46,7 +46,7 @@ STAGES: dict[Stage, StageRule] = {
     "delay": StageRule("add", "delay_s", ()),
     "pace": StageRule("add", "pace", ()),
     "lag": StageRule("take", "target", ("stamp_s", "shown_s", "unseen_s", "late")),
-    "commanded": StageRule("take", "acts", ("stamp_s", "late")),
+    "commanded": StageRule("take", "acts", ("stamp_s", "late", "longer_after_s", "longer_before_s")),
     "goal": StageRule("replace", "goal", ("goal", "angle", "speed", "step_s", "elapsed_s")),
     "duty": StageRule("replace", "duty", ("duty", "elapsed_s", "held", "angle", "mode")),
     "supply": StageRule("replace", "supply_v", ("supply_v", "elapsed_s", *_OTHERS)),
@@ -76,7 +76,8 @@ a second body bears; two bodies may bear more than there is, and leave the motor
 `others_a` is what the brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt
 that it falls; both are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag`
 how late a reading's stamp is, `commanded` how late a command's, `stamp_s` that stamp. `shown_s`, `unseen_s`, `late`
-and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command. `elapsed_s` is the
+and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command. `longer_after_s` and
+`longer_before_s` are what `Signals.command_polls` has. `elapsed_s` is the
 step's since the recording began, `session_s` when that was in the session. `held` is the command in force, which a
 servo's `goal` terms turn into what its loop follows. `home` is the angle at which the run began. A `reading` term says
 how far the encoder is off, a `scatter` term by which variance a reading strays, beyond its ordinary noise."""

@@ -16,7 +16,7 @@ _framed = njit(error_model="numpy", fastmath={{"contract", "arcp"}})
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={{"contract", "arcp"}})
-def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s):
+def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_moments, acts_s, clock_s):
 {unpack}
     delay_s = {base_delay}
 {delay}
@@ -31,10 +31,10 @@ def _timing(values, active, out_time_s, ages, target_s, command_time_s, command_
     for k in range(command_time_s.shape[0]):
         acts = command_time_s[k]
         stamp_s = acts - out_time_s[0] + clock_s
-        late = command_late[k]
+        late, longer_after_s, longer_before_s = command_moments[k, 0], command_moments[k, 1], command_moments[k, 2]
 {commanded}
         acts_s[k] = acts
-    return delay_s, pace, any_lag
+    return delay_s, pace, any_lag or any_commanded
 '''
 
 RUN = """
@@ -153,7 +153,7 @@ MANY = """
 
 {compiled}
 def run_many(
-    values, active, of, step_max_s, command_time_s, command_late, command, command_mode, command_supply_v,
+    values, active, of, step_max_s, command_time_s, command_moments, command, command_mode, command_supply_v,
     others_time_s, others_load, out_time_s, ages, measured, gains, reading_std, restart, restart_angle, restart_speed,
     restart_states, disturbance_rate, observe_speed, session_s, clock_s, predicted, weight, cost, trace, stop,
 ):
@@ -167,7 +167,7 @@ def run_many(
     for i in range(values.shape[0]):
         before = (delay_s, pace, lagged)
         delay_s, pace, lagged = _timing(
-            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s
+            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_moments, acts_s, clock_s
         )
         if lagged or before != (delay_s, pace, False):
             clock = (delay_s, pace, step_max_s, disturbance_rate)
@@ -186,7 +186,7 @@ def run_many(
 
 {compiled}
 def run_together(
-    values, active, of, step_max_s, command_time_s, command_late, command, command_mode, command_supply_v,
+    values, active, of, step_max_s, command_time_s, command_moments, command, command_mode, command_supply_v,
     others_time_s, others_load, out_time_s, ages, measured, gains, reading_std, restart, restart_angle, restart_speed,
     restart_states, disturbance_rate, observe_speed, session_s, clock_s, predicted, weight, cost, trace, stop,
 ):
@@ -194,7 +194,7 @@ def run_together(
     target_s, other_s = np.empty(rows), np.empty(rows)
     acts_s, other_acts_s = np.empty(command_time_s.shape[0]), np.empty(command_time_s.shape[0])
     probe_s, probe_ages = _probes(out_time_s), _probes(ages)
-    probe_command_s, probe_late = _probes(command_time_s), _probes(command_late)
+    probe_command_s, probe_moments = _probes(command_time_s), _probes(command_moments)
     probed_s, other_probed_s = np.empty(probe_s.shape[0]), np.empty(probe_s.shape[0])
     probed_acts_s, other_probed_acts_s = np.empty(probe_command_s.shape[0]), np.empty(probe_command_s.shape[0])
     span, steps, first = _room(out_time_s, command_time_s, others_time_s)
@@ -207,17 +207,17 @@ def run_together(
         if not left[i]:
             continue
         timing = _timing(
-            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_late, acts_s, clock_s
+            values[i], active[i], out_time_s, ages, target_s, command_time_s, command_moments, acts_s, clock_s
         )
         _timing(
-            values[i], active[i], probe_s, probe_ages, probed_s, probe_command_s, probe_late, probed_acts_s, clock_s
+            values[i], active[i], probe_s, probe_ages, probed_s, probe_command_s, probe_moments, probed_acts_s, clock_s
         )
         alike = 0
         for j in range(i, sets):
             if alike < {most} and left[j] and _same(active[i], active[j]):
                 # A lag at a few stamps tells most sets apart; without one the rest says all.
                 other = _timing(
-                    values[j], active[j], probe_s, probe_ages, other_probed_s, probe_command_s, probe_late,
+                    values[j], active[j], probe_s, probe_ages, other_probed_s, probe_command_s, probe_moments,
                     other_probed_acts_s, clock_s,
                 )
                 equal = other == timing
@@ -225,7 +225,7 @@ def run_together(
                     equal = _same(probed_s, other_probed_s) and _same(probed_acts_s, other_probed_acts_s)
                     if equal:
                         _timing(
-                            values[j], active[j], out_time_s, ages, other_s, command_time_s, command_late,
+                            values[j], active[j], out_time_s, ages, other_s, command_time_s, command_moments,
                             other_acts_s, clock_s,
                         )
                         equal = _same(target_s, other_s) and _same(acts_s, other_acts_s)
@@ -236,7 +236,7 @@ def run_together(
         if alike < {fewest}:
             for j in row[:alike]:
                 run_many(
-                    values[j:j + 1], active[j:j + 1], of[j:j + 1], step_max_s, command_time_s, command_late, command,
+                    values[j:j + 1], active[j:j + 1], of[j:j + 1], step_max_s, command_time_s, command_moments, command,
                     command_mode, command_supply_v, others_time_s, others_load, out_time_s, ages, measured, gains,
                     reading_std, restart, restart_angle, restart_speed, restart_states, disturbance_rate,
                     observe_speed, session_s, clock_s, predicted[j:j + 1], weight[j:j + 1], cost[j:j + 1], trace, stop,

@@ -36,8 +36,14 @@ def predict(plant: Plant, job: Job) -> dict[str, FloatArray]:
     base = plant.layout.base
     delay_s = axis.formed("delay", {}, plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)
     late_s = [
-        axis.formed("commanded", {"stamp_s": t - began_s, "late": late}, 0.0)
-        for t, late in zip(signals.command_time_s.tolist(), signals.command_late.tolist(), strict=True)
+        axis.formed(
+            "commanded",
+            {"stamp_s": t - began_s, "late": late, "longer_after_s": after_s, "longer_before_s": before_s},
+            0.0,
+        )
+        for t, (late, after_s, before_s) in zip(
+            signals.command_time_s.tolist(), signals.command_moments.tolist(), strict=True
+        )
     ]
     commands, loads = signals.command_time_s - np.array(late_s) + delay_s, signals.others_time_s + delay_s
     pace = 1.0 + axis.formed("pace", {}, 0.0)

@@ -1,5 +1,7 @@
 """Plants and signals that several tests of the physics use."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from nxt_twin.physics.observer import Noise, observer
@@ -96,6 +98,6 @@ def job_with_readings(simulator, *, seconds):
     readings = np.radians(np.floor(np.degrees(angle)))
     readings[::7] = np.nan
     readings[0] = 0.0
-    read = Signals(**{**run.__dict__, "measured": readings, "quantum": np.radians(1.0)})
+    read = replace(run, measured=readings, quantum=np.radians(1.0))
     noise = Noise(5e-3, 5.0, 0.15, 26.0)
     return Job(read, observer(read, noise), at_rest(read), noise.disturbance_time_s)

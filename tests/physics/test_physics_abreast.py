@@ -60,6 +60,18 @@ def test_sets_whose_lags_differ_between_some_stamps_alone_run_as_alone(motor_sim
     assert_as_alone(motor_simulator, plants, free_job(run, moving(run)))
 
 
+def test_sets_whose_commands_follow_their_polls_otherwise_run_as_alone(motor_simulator):
+    run = commanded([(0.0, 0.7), (0.3, -0.4), (0.55, 0.6)], seconds=1.0)
+    polls_s = np.array([[0.02, 0.0], [0.05, 0.01], [0.03, 0.04]])
+    plant = plant_from_config(NXT, "power_pct")
+    plants = [
+        plant.with_effect("command_delay", {"command_delay": 0.01, "poll_share": share})
+        for share in (0.0, 1.0, -0.5)
+        for _ in range(FEWEST)
+    ]
+    assert_as_alone(motor_simulator, plants, free_job(replace(run, command_polls=polls_s), moving(run)))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "config", "command", "level"),

@@ -8,7 +8,6 @@ from physics_samples import commanded
 from scipy.integrate import solve_ivp
 
 from nxt_twin.physics.beginning import begins_at_rest
-from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.start import driven_before, moving_start, run_in, windows
 
 QUANTUM = np.radians(1.0)
@@ -27,7 +26,7 @@ def motion(time_s, duty, *, speed=0.0, lag_s=0.06, top_speed=15.0):
 def read(time_s, angle, pieces, *, quantum=QUANTUM):
     run = commanded(pieces, seconds=time_s[-1], stamps=time_s)
     counts = np.floor(angle / quantum) * quantum
-    return Signals(**{**run.__dict__, "measured": counts, "quantum": quantum})
+    return replace(run, measured=counts, quantum=quantum)
 
 
 @pytest.mark.parametrize("interval_s", [0.008, 0.03])
@@ -148,9 +147,7 @@ def held(time_s, angle, pieces, *, held_s, phase_s):
     poll_s = time_s[1] - time_s[0]
     shown_s = np.where(taken_s > 0.0, poll_s * np.floor((time_s - taken_s) / poll_s), -1.0)
     ages = np.column_stack([shown_s, np.where(taken_s > 0.0, poll_s, -1.0), *np.zeros((2, time_s.size))])
-    return Signals(
-        **{**run.__dict__, "measured": counts, "quantum": QUANTUM, "ages": ages, "refreshed_s": held_s}
-    )
+    return replace(run, measured=counts, quantum=QUANTUM, ages=ages, refreshed_s=held_s)
 
 
 @pytest.mark.parametrize("held_s", [0.03, 0.05, 0.08])

@@ -7,7 +7,6 @@ import pytest
 from physics_samples import commanded
 
 from nxt_twin.physics.evenly import evenly_read
-from nxt_twin.physics.signals import Signals
 
 STEP_S = 0.005
 
@@ -17,7 +16,7 @@ def recorded(read_s, stamps_s):
         [(float(t), float(n % 7) / 7.0) for n, t in enumerate(stamps_s)], seconds=20.0, stamps=stamps_s
     )
     angle = 3.0 * np.sin(2.0 * read_s) + 2.0 * read_s
-    return Signals(**{**run.__dict__, "measured": np.round(angle / 0.01745) * 0.01745, "quantum": 0.01745})
+    return replace(run, measured=np.round(angle / 0.01745) * 0.01745, quantum=0.01745)
 
 
 def polls():

@@ -9,7 +9,6 @@ from physics_samples import commanded, nxt
 from scipy.linalg import expm, solve_discrete_are
 
 from nxt_twin.physics.observer import Noise, carried, corrected, free, free_run_std, observer, slips
-from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.simulate import Job
 from nxt_twin.physics.smooth import half_window_s
 from nxt_twin.physics.start import at_rest, restarts
@@ -19,7 +18,7 @@ NOISE = Noise(reading_std=5e-3, disturbance_std=5.0, disturbance_time_s=0.4, dam
 
 def with_readings(values, *, every_s=0.01, **changes):
     run = commanded([(0.0, 0.0)], seconds=(len(values) - 1) * every_s, every_s=every_s)
-    return Signals(**{**run.__dict__, "measured": np.array(values, dtype=float), **changes})
+    return replace(run, measured=np.array(values, dtype=float), **changes)
 
 
 def discrete(noise, dt):
@@ -113,7 +112,7 @@ def test_innovations_of_a_plant_that_is_right_are_as_large_as_foretold(motor_sim
     run = commanded([(0.0, 0.6), (1.0, -0.6), (2.0, 0.3)], seconds=3.0)
     clean = motor_simulator.trace(nxt(), Job(run, free(run, 0.0), at_rest(run)))["predicted"]
     noisy = clean + rng.normal(0.0, 5e-3, clean.size)
-    signals = Signals(**{**run.__dict__, "measured": noisy})
+    signals = replace(run, measured=noisy)
     noise = Noise(5e-3, 0.05, 0.15, 26.0)
     gains = observer(signals, noise)
     predicted = motor_simulator.trace(nxt(), Job(signals, gains, at_rest(signals), 0.15))["predicted"]
@@ -125,7 +124,7 @@ def test_a_correction_finds_a_torque_that_the_plant_does_not_know(motor_simulato
     pushed = nxt(effects={"constant_load": {"load_torque_nm": 0.06}})
     run = commanded([(0.0, 0.5)], seconds=3.0)
     angle = motor_simulator.trace(pushed, Job(run, free(run, 0.0), at_rest(run)))["predicted"]
-    signals = Signals(**{**run.__dict__, "measured": angle})
+    signals = replace(run, measured=angle)
     gains = observer(signals, Noise(1e-3, 50.0, 5.0, 26.0))
     trace = motor_simulator.trace(nxt(), Job(signals, gains, at_rest(signals), 5.0))
     assert trace["disturbance"][-1] * 1.2e-3 == pytest.approx(0.06, rel=0.05)

@@ -185,3 +185,22 @@ def test_too_few_readings_are_refused():
     tacho[:9] = 0.0
     with pytest.raises(RecordingError, match="a_tacho_deg: fewer than 10 readings"):
         signals_of(brick(a_tacho_deg=tacho), "a")
+
+
+def test_a_command_knows_by_how_much_longer_than_others_the_polls_beside_its_row_are():
+    time_s = np.array([0.0, 0.01, 0.03, 0.04, 0.05])
+    run = Recording(
+        "run.csv",
+        {
+            "time_s": time_s,
+            "a_power_pct": np.array([0.0, 50.0, 0.0, 0.0, 50.0]),
+            "a_tacho_deg": np.arange(5.0),
+        },
+    )
+    signals = signals_of(run, "a", fewest_readings=3)
+    assert signals.command_time_s.tolist() == [0.0, 0.01, 0.03, 0.05]
+    np.testing.assert_allclose(
+        signals.command_polls, [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.0, 0.0]], atol=1e-12
+    )
+    between = replace(signals, command_time_s=signals.command_time_s + 1e-3, command_polls=np.zeros((0, 2)))
+    assert not between.command_polls.any()

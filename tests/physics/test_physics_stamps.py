@@ -129,6 +129,16 @@ def test_a_held_reading_is_as_old_as_it_has_been_shown(motor_simulator):
     np.testing.assert_allclose(found[4:], wanted[4:], atol=A_TENTH_OF_A_DEGREE)
 
 
+@pytest.mark.parametrize(("share", "beside"), [(1.0, 0), (0.6, 0), (-0.8, 1)])
+def test_a_loop_that_writes_at_its_end_is_late_by_its_own_length(motor_simulator, share, beside):
+    run = commanded(STEPS, seconds=1.5)
+    longer_s = np.random.default_rng(4).uniform(0.0, 0.03, (run.command_time_s.size, 2))
+    moved = replace(run, command_time_s=run.command_time_s + 0.005 + share * longer_s[:, beside])
+    late = nxt(effects={"command_delay": {"delay_s": 0.005, "poll_share": share}})
+    found = motion(motor_simulator, late, replace(run, command_polls=longer_s))["angle"]
+    np.testing.assert_allclose(found, motion(motor_simulator, nxt(), moved)["angle"], rtol=1e-9, atol=1e-9)
+
+
 LAG = {"lag_span_s": 0.08, "lag_period_s": 1.4, "lag_phase": 0.2, "rate_error": 0.0}
 
 

@@ -1,10 +1,11 @@
 """Where runs start, and the speed read off the readings there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics_samples import commanded
 
-from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
 from nxt_twin.physics.start import at_rest, moving_start, restarts
 
@@ -15,7 +16,7 @@ def reading(angle, time_s, **changes):
     """Whole-degree readings of `angle` at `time_s`."""
     run = commanded([(0.0, 0.0)], seconds=time_s[-1], stamps=time_s)
     counts = np.floor(angle / QUANTUM) * QUANTUM
-    return Signals(**{**run.__dict__, "measured": counts, "quantum": QUANTUM, **changes})
+    return replace(run, measured=counts, quantum=QUANTUM, **changes)
 
 
 def stamps(*, seconds=3.0, jitter=0.0):
@@ -61,7 +62,7 @@ def test_where_readings_are_too_few_the_last_position_stands():
 def test_speeds_that_were_read_are_taken_as_they_are():
     time_s = stamps()
     run = commanded([(0.0, 0.0)], seconds=3.0, stamps=time_s)
-    signals = Signals(**{**run.__dict__, "measured": np.full(time_s.size, 3.0), "is_speed": True})
+    signals = replace(run, measured=np.full(time_s.size, 3.0), is_speed=True)
     position, speed = smoothed(signals)
     np.testing.assert_allclose(speed, 3.0, rtol=1e-6)
     np.testing.assert_allclose(position, 3.0 * time_s, rtol=1e-6)

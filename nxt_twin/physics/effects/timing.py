@@ -19,6 +19,11 @@ def _delay(command_delay: float) -> float:
     return command_delay
 
 
+def _sooner(poll_share: float, longer_after_s: float, longer_before_s: float) -> float:
+    """By how much a command acts sooner than others, as its own poll is shorter, s."""
+    return -poll_share * (longer_after_s if poll_share > 0.0 else longer_before_s)
+
+
 def _delays_s(recordings: Sequence[Signals]) -> list[float]:
     """The usual delays, then half a poll and a whole one early: a logger may write a command that already acts."""
     poll_s = -_one_poll_early_s(recordings)
@@ -33,7 +38,7 @@ def _one_poll_early_s(recordings: Sequence[Signals]) -> float:
 COMMAND_DELAY = Effect(
     id="command_delay",
     name="command delay",
-    equation="u(t) = command(t - d), d ≥ -(one poll)",
+    equation="u(t) = command(t - d - p·(T - T0)), d ≥ -T0; T the poll after its row (before it: p < 0), T0 the median",
     source="a dead time, as a radio link or a polling loop has; negative where a logger writes what acts already",
     equation_of="timing",
     shows=("after_command",),
@@ -50,8 +55,12 @@ COMMAND_DELAY = Effect(
             hints=_delays_s,
             lowest=_one_poll_early_s,
         ),
+        # A loop that writes at its end is late by its own length, which is another each time.
+        Parameter(
+            "poll_share", "poll_share", "1", NUMBER, (0.0,), -1.0, 1.0, 1.0, otherwise=0.0, shared_out=True
+        ),
     ),
-    terms={"delay": _delay},
+    terms={"delay": _delay, "commanded": _sooner},
     confusable_with={
         "inductance": "below two samples nothing tells them apart; poll faster",
         "backlash": "a delay acts on every command, play only where the torque changes sign",
