@@ -51,7 +51,7 @@ class Signals:
         late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
         late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
-        command_polls: how much longer than the median the polls after and before a command's row are, s, shape
+        command_polls: how much longer than the median the polls after and before a command's row are, s. Shape
             (commands, 2); 0 where it came with no row.
         clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
             each came by itself.

@@ -1,7 +1,7 @@
 """Play in the place of a shaft that twists, from where that has brought the masses.
 
-Both put a second body behind something that gives. The likelihood of play is rugged: from a motor without a second body
-a fit rarely reaches it, and a shaft that twists takes its place. From there it does, once the masses are parted.
+Both put a second body behind something that gives. The likelihood of play is rugged. From a motor of one body a fit
+rarely reaches it, and a shaft that twists takes its place. From there it does, once the masses are parted.
 """
 
 from __future__ import annotations
