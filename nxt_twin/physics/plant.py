@@ -73,10 +73,14 @@ class Plant:
         return replace(self, values={**self.values, **values})
 
     def with_effect(self, effect_id: str, values: Mapping[str, float]) -> Plant:
-        """The plant with one more effect, its SI values given by symbol; what it supersedes goes."""
+        """The plant with one more effect, its SI values given by symbol; what it supersedes goes.
+
+        Parameters that a plant file may leave out may be left out here.
+        """
         effect = self.layout.effect(effect_id)
         bare = self.without(effect.supersedes)
-        added = {Slot(effect_id, symbol): value for symbol, value in values.items()}
+        left_out = {p.symbol: p.otherwise * p.si for p in effect.parameters if p.otherwise is not None}
+        added = {Slot(effect_id, symbol): value for symbol, value in {**left_out, **values}.items()}
         return Plant(self.layout, bare.active | {effect_id}, {**bare.values, **added})
 
     def adding(self, effect_id: str, **parameters: float) -> Plant:

@@ -15,7 +15,7 @@ from nxt_twin.diagnose.search.coincidence import are_twins, as_twin, coincidence
 from nxt_twin.diagnose.search.drafts import Drafts
 from nxt_twin.diagnose.search.latency import after_latency
 from nxt_twin.diagnose.search.limits import EFFORT, LIMITS
-from nxt_twin.diagnose.search.play import play_behind
+from nxt_twin.diagnose.search.play import may_hide_play, play_behind
 from nxt_twin.diagnose.search.rivals import Rival, likelier_structure, simulates_worse
 from nxt_twin.diagnose.search.settled import Settled
 from nxt_twin.diagnose.search.standard import Standard, keeps_its_place
@@ -321,12 +321,10 @@ class _Search:
 
     def _settle_play(self, best: Structure, effect: Effect, others: list[Effect]) -> None:
         """Settle play from where a shaft that twists has brought the masses, once for each that is likelier."""
-        for other in others:
+        for other in (one for one in others if may_hide_play(effect, one)):
             if best.fitted_cost < self._tried_play.get(best.plant.active, math.inf) - EFFORT.better_nats:
-                starts = play_behind(self._fits, best, effect, other)
-                if starts:
-                    self._tried_play[best.plant.active] = best.fitted_cost
-                    self._settled.settle_each(starts)
+                self._tried_play[best.plant.active] = best.fitted_cost
+                self._settled.settle_each(play_behind(self._fits, best, other))
 
     def _rival(self, best: Structure, effect: Effect, other: Effect, trial: Structure) -> Rival:
         """`other` in the place of `effect`."""

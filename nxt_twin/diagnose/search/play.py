@@ -28,10 +28,13 @@ _TOLD_APART: Final = 30.0  # times the unknown torque: under less, no gap fits b
 _LOOSENED: Final = (1.0, 10.0)  # times the unknown torque, from which play is settled
 
 
-def play_behind(fits: Fits, best: Structure, effect: Effect, other: Effect) -> list[tuple[Plant, Noise]]:
-    """Starts of `other` in the place of `effect` in `best`, where that twists and `other` is play; else none."""
-    if (effect.id, other.id) != (_SHAFT, _PLAY):
-        return []
+def may_hide_play(effect: Effect, other: Effect) -> bool:
+    """Whether `effect` is a shaft that twists and `other` is play."""
+    return (effect.id, other.id) == (_SHAFT, _PLAY)
+
+
+def play_behind(fits: Fits, best: Structure, other: Effect) -> list[tuple[Plant, Noise]]:
+    """Starts of play, which `other` is, in the place of the shaft that twists in `best`."""
     bare = best.plant.without([_SHAFT])
     load = {each: best.plant.values[Slot(_SHAFT, each)] for each in _OF_THE_LOAD}
     ordinary = [start[_GAP] for start in fits.starts(other)]
