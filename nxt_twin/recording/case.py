@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from posixpath import normpath
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -158,7 +159,8 @@ def read_case(folder: Path, mapping_of: MappingOf | None = None) -> Case:
     _check_lists(file, path)
     plant = _located(file.plant, folder)
     stated = mapping_of or mappings(file.mapping, folder, f"{path}, key mapping")
-    fitted = [name for name in file.recordings if name not in file.holdout]
+    held_out = {normpath(name) for name in file.holdout}
+    fitted = [name for name in file.recordings if normpath(name) not in held_out]
     recordings = tuple(each for name in fitted for each in _read(folder, name, stated))
     holdout = tuple(each for name in file.holdout for each in _read(folder, name, stated))
     before = tuple(each for name in file.before for each in _read(folder, name, stated))
@@ -194,12 +196,14 @@ def _check_lists(file: CaseFile, path: Path) -> None:
     where = f"{path}, key recordings"
     if not file.recordings:
         raise CaseError("lists no recording", where=where, mend="list at least one file")
-    if set(file.recordings) <= set(file.holdout):
+    recordings, holdout, before = (
+        [normpath(name) for name in names] for names in (file.recordings, file.holdout, file.before)
+    )
+    if set(recordings) <= set(holdout):
         what = "lists no recording that is not held out"
         raise CaseError(what, where=where, mend="leave at least one out of holdout")
-    held_out = set(file.holdout) - set(file.recordings)
-    for name, count in Counter([*file.recordings, *held_out, *file.before]).items():
-        if count > 1 or file.holdout.count(name) > 1:
+    for name, count in Counter([*recordings, *(set(holdout) - set(recordings)), *before]).items():
+        if count > 1 or holdout.count(name) > 1:
             mend = "list each file once, to be fitted, held out or before"
             raise CaseError(f"lists {name} twice", where=str(path), mend=mend)
 

@@ -126,6 +126,11 @@ def test_refuses_a_port_without_a_motor_in_every_recording(put, refusal):
         ),
         ("plant: nxt_motor\nrecordings: [r1.csv, r1.csv]\n", ["lists r1.csv twice"]),
         ("plant: nxt_motor\nrecordings: [r1.csv]\nbefore: [r1.csv]\n", ["lists r1.csv twice"]),
+        ("plant: nxt_motor\nrecordings: [r1.csv, ./r1.csv]\n", ["lists r1.csv twice"]),
+        (
+            "plant: nxt_motor\nrecordings: [./r1.csv]\nholdout: [a/../r1.csv]\n",
+            ["lists no recording that is not held out"],
+        ),
         ("plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r2.csv, r2.csv]\n", ["lists r2.csv twice"]),
         (
             "plant: nxt_motor\nrecordings: [r1.csv]\nholdout: [r2.csv]\nbefore: [r2.csv]\n",
@@ -144,13 +149,16 @@ def test_refuses_a_wrong_case_file(put, refusal, text, parts):
         assert part in line
 
 
-def test_a_recording_that_is_listed_and_held_out_is_not_fitted(put):
+@pytest.mark.parametrize("held_out", ["r2.csv", "./r2.csv"])
+def test_a_recording_that_is_listed_and_held_out_is_not_fitted(put, held_out):
     for name in ("r1.csv", "r2.csv", "r3.csv"):
         put(f"one/{name}", ONE_MOTOR)
-    path = put("one/case.yaml", "plant: nxt_motor\nrecordings: [r1.csv, r2.csv, r3.csv]\nholdout: [r2.csv]\n")
+    path = put(
+        "one/case.yaml", f"plant: nxt_motor\nrecordings: [r1.csv, r2.csv, r3.csv]\nholdout: [{held_out}]\n"
+    )
     case = read_case(path.parent)
     assert [one.name for one in case.recordings] == ["r1.csv", "r3.csv"]
-    assert [one.name for one in case.holdout] == ["r2.csv"]
+    assert [one.name for one in case.holdout] == [held_out]
 
 
 def test_refuses_what_is_no_case_folder(put, tmp_path, refusal):
