@@ -46,12 +46,17 @@ class LateCommands:
         return self._duty, self._mode
 
 
-def _delay_s(plant: Plant) -> float:
-    base = plant.layout.base
-    total = plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0
+def effects_delay_s(plant: Plant) -> float:
+    """By how much a plant's effects have it take commands later, s."""
+    total = 0.0
     for effect in plant.effects:
         if "delay" in effect.terms:
             term = effect.terms["delay"]
             values = [plant.values[Slot(effect.id, name)] for name in inspect.signature(term).parameters]
             total += float(term(*values))  # type: ignore[arg-type]
     return total
+
+
+def _delay_s(plant: Plant) -> float:
+    base = plant.layout.base
+    return effects_delay_s(plant) + (plant.values[Slot(BASE_OWNER, base.delay)] if base.delay else 0.0)

@@ -7,12 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
+from nxt_twin.physics.late import effects_delay_s
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.recording.columns import DriveMode, Port
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.bridge import COAST, Bridge, Hold, firmware_bridge
-from nxt_twin.twin.candidates import DEFAULT_CANDIDATES, delay_s
+from nxt_twin.twin.candidates import DEFAULT_CANDIDATES
 from nxt_twin.twin.motor import MotorTwin, ReadingEvidence
 from nxt_twin.twin.records import MotorBelief
 from nxt_twin.twin.settings import MotorNoise, Watch
@@ -262,4 +263,4 @@ def _given_v(plants: Iterable[Plant]) -> float:
 
 def _delays_s(plants: Sequence[Plant]) -> list[float]:
     known: dict[int, float] = {}
-    return [known.setdefault(id(plant), delay_s(plant)) for plant in plants]
+    return [known.setdefault(id(plant), effects_delay_s(plant)) for plant in plants]

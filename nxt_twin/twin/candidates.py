@@ -88,13 +88,3 @@ def _absent(plant: Plant, effect_id: str) -> float:
     """Breakaway torque counts from the dry friction that is there anyway; all else from nothing."""
     coulomb = Slot("coulomb_friction", "coulomb")
     return plant.values.get(coulomb, 0.0) if effect_id == "stiction" else 0.0
-
-
-def delay_s(plant: Plant) -> float:
-    """By how much commands act later on a plant than on its brick's bridge, s."""
-    total = 0.0
-    for effect in plant.effects:
-        if "delay" in effect.terms:
-            values = [plant.values[slot] for slot in plant.layout.parameters if slot.owner == effect.id]
-            total += float(effect.terms["delay"](*values))  # type: ignore[arg-type]
-    return total

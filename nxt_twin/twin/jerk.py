@@ -9,11 +9,11 @@ import numpy as np
 
 from nxt_twin.arrays import FloatArray
 from nxt_twin.physics.base.dc_motor import drive
+from nxt_twin.physics.late import effects_delay_s
 from nxt_twin.physics.layout import BASE_OWNER, Slot
 from nxt_twin.physics.plant import Plant
 from nxt_twin.twin.batch import STEP_S
 from nxt_twin.twin.bridge import COAST, Hold
-from nxt_twin.twin.candidates import delay_s
 
 _OPEN_FADES_S = 0.5
 """About how long a motor without current keeps a difference of speed: only friction slows it."""
@@ -75,7 +75,7 @@ class Drive:
             for symbol in ("resistance", "torque_constant", "back_emf", "inertia")
         )
         self._fades_s = self._inertia * self._resistance / (self._torque_constant * self._back_emf)
-        self._delay_s = delay_s(plant)
+        self._delay_s = effects_delay_s(plant)
 
     def jerk(
         self, at_s: float, std_s: float, before: Hold, after: Hold, speed: float, supply_v: float

@@ -6,13 +6,14 @@ from twin_feed import nxt_motor
 from twin_rig import steady
 
 from nxt_twin.errors import PlantError
+from nxt_twin.physics.late import effects_delay_s
 from nxt_twin.physics.stepper import Stepper
 from nxt_twin.recording.program import MotorProgram
 from nxt_twin.twin.batch import Batch
 from nxt_twin.twin.blocked import TurnedBack
 from nxt_twin.twin.brick_twin import BrickTwin, TwinOptions
 from nxt_twin.twin.bridge import DRIVE, FLOAT, Hold, firmware_bridge, plain_bridge
-from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates, delay_s
+from nxt_twin.twin.candidates import NOTHING, UNKNOWN, candidates
 from nxt_twin.twin.driver import ProgramDriver, excitation
 from nxt_twin.twin.history import History
 from nxt_twin.twin.records import Event, Tick
@@ -40,7 +41,7 @@ def test_a_batch_moves_as_a_mock_bricks_plant():
 
 def test_a_delayed_plant_takes_its_commands_later():
     late = nxt_motor().with_effect("command_delay", {"command_delay": 0.05})
-    assert delay_s(late) == pytest.approx(0.05)
+    assert effects_delay_s(late) == pytest.approx(0.05)
     batch = Batch([late, late], ["a", "a"], [0.05, 0.0], 0.1)
     batch.command("a", 0.0, (Hold(0.0, 1.0, 0),))
     batch.advance(0.05, 8.0)

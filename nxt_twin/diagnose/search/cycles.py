@@ -19,8 +19,8 @@ _ALIKE: Final = 1e-3  # cycles: a fit that is nearer to a whole number has found
 _MOST_OFF: Final = 0.2
 """Cycles that a fit may be off. Peaks beside the highest lie nearer to it where a motor turns many times."""
 
-_LARGER: Final = (1.5, 3.0, 6.0)  # times the wave that was found: how large one may be whose harmonic that is
-_PHASES: Final = np.linspace(-np.pi, np.pi, 8, endpoint=False)
+_LARGER: Final = (1.5, 4.0)  # times the wave that was found: how large one may be whose harmonic that is
+_PHASES: Final = np.linspace(-np.pi, np.pi, 6, endpoint=False)
 _LOOSENED: Final = 10.0  # times the unknown torque: under less, no wave fits before the rest has moved
 
 
