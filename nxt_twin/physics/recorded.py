@@ -189,6 +189,8 @@ def _mapped(recording: Recording) -> Signals:
         command = np.where((mode == MODE_COAST) | (mode == MODE_BRAKE), 0.0, command)
     effort = np.zeros(recording.rows) if kinds.input in GOALS else command
     supply = _supply(recording.time_s, recording.columns.get("supply_v"), effort)
+    if kinds.input == "voltage_v":  # what no supply was recorded for had one that gave it
+        supply = np.where(np.isfinite(supply), supply, np.abs(command).max(initial=0.0))
     keep = _changes(command, mode, supply)
     return Signals(
         name=recording.name,

@@ -127,6 +127,13 @@ def test_a_mapped_input_acts_as_its_kind_says(input_kind, level, command, mode):
     assert not signals.is_speed
 
 
+def test_a_voltage_beyond_a_battery_s_is_one_that_the_bench_gave_unless_its_supply_was_recorded():
+    bench = signals_of(mapped("voltage_v", "position_rad", level=-24.0), None)
+    assert np.abs(bench.command_supply_v).min() == 24.0
+    fed = signals_of(mapped("voltage_v", "position_rad", level=-24.0, supply_v=np.full(ROWS, 7.2)), None)
+    assert fed.command_supply_v.max() == pytest.approx(7.2)
+
+
 def test_a_mapped_output_may_be_a_speed():
     signals = signals_of(mapped("torque_nm", "speed_rad_per_s"), None)
     assert signals.is_speed

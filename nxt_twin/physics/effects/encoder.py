@@ -6,7 +6,7 @@ import math
 
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.effects.harmonic import harmonic
-from nxt_twin.physics.parameter import ANGLE, NUMBER, SPEED, Parameter
+from nxt_twin.physics.parameter import NUMBER, SPEED, Parameter
 
 _EDGE = 0.1  # over this share of the threshold the loss sets in, so that a fit can move the threshold
 
@@ -83,7 +83,8 @@ ENCODER_ECCENTRICITY = Effect(
     shows=("angle", "high_speed"),
     notable=0.25,
     parameters=(
-        Parameter("amplitude_deg", "amplitude", "deg", ANGLE, (2.0,), 0.0, 45.0, si=math.pi / 180.0),
+        # A disc is as far off its centre on a quick motor as on a slow one.
+        Parameter("amplitude_deg", "amplitude", "deg", NUMBER, (2.0,), 0.0, 45.0, si=math.pi / 180.0),
         Parameter("cycles_per_turn", "cycles", "1", NUMBER, (1.0, 2.0, 3.0, 4.0, 6.0), 0.5, 60.0),
         Parameter(
             "phase_deg",
