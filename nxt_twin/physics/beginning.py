@@ -18,6 +18,7 @@ _FEWEST_READINGS = 3
 _LAGS_S = np.geomspace(0.015, 0.5, 11)
 _OF_THE_PLANT = 0.5  # of the lag that the plant has as given: its numbers may be off, but not by so many
 _DELAYS_S = np.linspace(0.0, 0.08, 17)
+_LATE_S = _DELAYS_S[_DELAYS_S >= 0.02]  # a start under a shorter delay is hardly told from one at once
 _NOT_OF_FIRST_ORDER = 0.007  # of the way: what friction and the winding leave of such a lag
 _AS_GOOD_NATS = 4.0  # that a motion which need not begin at rest may gain
 _NEAR = 4.0  # times the variance that the readings' step and such a lag leave
@@ -36,6 +37,24 @@ def begins_at_rest(signals: Signals) -> bool:
     if signals.is_speed:
         return False
     return _stands(signals, *_first_readings(signals)) or _follows(signals)
+
+
+def goes_off_at_once(signals: Signals) -> bool:
+    """Whether the first readings follow the first command from rest at once, and not from when a late one could act.
+
+    That command was in force before then, and the machine was let go with the first reading.
+    """
+    if signals.is_speed or signals.command[_in_force(signals)] == 0.0:
+        return False
+    elapsed_s, moved, _ = _first_moments(signals)
+    if elapsed_s.size < _FEWEST_READINGS:
+        return False
+    lag_s = _lags_s(signals)[:, None]
+    at_once = _least(_without(moved, _from_rest(signals, elapsed_s, lag_s)))
+    late = min(_least(_without(moved, _from_rest(signals, elapsed_s - late_s, lag_s))) for late_s in _LATE_S)
+    variance = signals.quantum**2 / 12.0 + (_NOT_OF_FIRST_ORDER * np.abs(moved).max()) ** 2
+    shown = 0.5 * moved.size * (late**2 - at_once**2) / max(variance, _NOTHING)
+    return bool(at_once**2 < _NEAR * variance and shown > _SHOWN_NATS)
 
 
 def _stands(signals: Signals, elapsed_s: FloatArray, moved: FloatArray) -> bool:

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from nxt_twin.arrays import BoolArray, FloatArray, IntArray
-from nxt_twin.physics.beginning import begins_at_rest
+from nxt_twin.physics.beginning import begins_at_rest, goes_off_at_once
 from nxt_twin.physics.signals import Signals
 from nxt_twin.physics.smooth import half_window_s, smoothed
 
@@ -74,11 +74,12 @@ def moving_start(signals: Signals) -> Start:
 
 
 def driven_before(signals: Signals) -> Signals:
-    """The first command in force for a while before the first row, where the machine moves there already.
+    """The first command in force for a while before the first row, where the machine moves there or goes off at once.
 
     A command that acts late would else leave it without any at first.
     """
-    if moving_start(signals).speed[0] == 0.0 or signals.command_time_s[0] > signals.time_s[0]:
+    moves = moving_start(signals).speed[0] != 0.0 or goes_off_at_once(signals)
+    if not moves or signals.command_time_s[0] > signals.time_s[0]:
         return signals
     since_s = np.array(signals.command_time_s)
     since_s[0] -= _BEFORE_S

@@ -7,7 +7,7 @@ import pytest
 from physics_samples import commanded
 from scipy.integrate import solve_ivp
 
-from nxt_twin.physics.beginning import begins_at_rest
+from nxt_twin.physics.beginning import begins_at_rest, goes_off_at_once
 from nxt_twin.physics.start import driven_before, moving_start, run_in, windows
 
 QUANTUM = np.radians(1.0)
@@ -131,10 +131,26 @@ def test_the_first_window_of_a_recording_that_begins_moving_begins_anew_after_a_
     assert not run_in(still).any()
 
 
+@pytest.mark.parametrize("duty", [-1.0, 0.4])
+@pytest.mark.parametrize(("late_s", "at_once"), [(0.0, True), (0.015, False), (0.03, False), (0.06, False)])
+def test_a_motor_that_is_let_go_at_the_first_row_was_commanded_before_it(duty, late_s, at_once):
+    time_s = np.arange(0.0, 2.0, 0.01)
+    angle = motion(time_s, lambda t: duty if t >= late_s else 0.0)
+    signals = read(time_s, angle, [(0.0, duty), (1.0, -duty)])
+    assert goes_off_at_once(signals) is at_once
+    assert bool(driven_before(signals).command_time_s[0] < 0.0) is at_once
+
+
+def test_a_motor_that_nothing_drives_at_first_does_not_go_off():
+    time_s = np.arange(0.0, 2.0, 0.01)
+    signals = read(time_s, motion(time_s, lambda t: float(t >= 0.5)), [(0.0, 0.0), (0.5, 1.0)])
+    assert not goes_off_at_once(signals)
+
+
 def test_what_moves_at_the_first_row_was_driven_before_it():
     time_s = np.arange(0.0, 3.0, 0.01)
     moving = read(time_s, motion(time_s, lambda _: 0.6, speed=9.0), [(0.0, 0.6), (1.0, 0.0)])
-    still = read(time_s, motion(time_s, lambda _: 0.6), [(0.0, 0.6)])
+    still = read(time_s, motion(time_s, lambda t: 0.6 if t >= 0.03 else 0.0), [(0.0, 0.6)])
     assert driven_before(moving).command_time_s.tolist() == [-1.0, 1.0]
     assert driven_before(still).command_time_s.tolist() == [0.0]
 
