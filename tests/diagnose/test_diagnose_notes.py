@@ -7,8 +7,10 @@ from diagnose_cases import LETS_GO, LONG, TWISTING, concealed, diagnosed
 
 from nxt_twin.diagnose.diagnosis import Fit
 from nxt_twin.diagnose.engine import diagnose
-from nxt_twin.diagnose.telling.notes import briefly_recorded
+from nxt_twin.diagnose.telling.notes import briefly_recorded, late_by_its_poll
 from nxt_twin.diagnose.telling.words import sentence
+from nxt_twin.physics.plant import plant_from_config
+from nxt_twin.recording.configs import load_plant_config
 
 
 def remarks_on_letting_go(notes):
@@ -63,3 +65,14 @@ def test_less_than_six_seconds_are_said_to_be_too_little(fitted_s, told):
 def test_a_diagnosis_of_short_recordings_carries_the_remark():
     case = concealed((), seed=11, seconds=2.0)
     assert any("at least 6 s" in note for note in diagnose(case).diagnosis.notes)
+
+
+@pytest.mark.parametrize(
+    ("share", "said"), [(0.51, "later the longer"), (0.49, None), (-0.49, None), (-0.51, "sooner the longer")]
+)
+def test_a_delay_that_goes_with_its_poll_is_told_as_the_logger_s(share, said):
+    motor = plant_from_config(load_plant_config("nxt_motor"), "power_pct")
+    told = late_by_its_poll(motor.with_effect("command_delay", {"command_delay": 0.01, "poll_share": share}))
+    assert (said is None) is (told == ())
+    assert said is None or said in told[0]
+    assert late_by_its_poll(motor) == ()

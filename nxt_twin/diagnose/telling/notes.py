@@ -23,6 +23,8 @@ _GRAVITY = "gravity_torque_nm"
 _INERTIA = "inertia_kg_m2"
 _CONSTANTS = ("resistance_ohm", "torque_constant_nm_per_a", "back_emf_v_s_per_rad")
 _LAG_SPAN, _WAVES = Slot("clock_skew", "lag_span"), Slot("clock_skew", "waves")
+_POLL_SHARE = Slot("command_delay", "poll_share")
+_WITH_ITS_POLL = 0.5  # of a poll's own length, from which a delay is told to go with it
 _ANOTHER = 0.1  # of the given gravity torque: a load that is off by less is not told as another
 _SURE_STDS = 2.0  # standard deviations of the gravity torque by which it has to be off as well
 _MOST_TOLD = 12  # times of one recording
@@ -67,6 +69,7 @@ def notes(
             f"{fit.floor:.3g} {fit.unit} tells how near a right one comes."
         )
     said.extend(stamped_late(plant, problem.signals))
+    said.extend(late_by_its_poll(plant))
     said.extend(own_moments(problem, plant))
     said.extend(f"{name}: {stalled}." for name, stalled in problem.stalls.items())
     if problem.by_windows:
@@ -131,6 +134,19 @@ def stamped_late(plant: Plant, recordings: Sequence[Signals]) -> tuple[str, ...]
         f"Each row is stamped late by chance, by up to {1e3 * span_s:.2g} ms. Its neighbours tell by how much, to "
         f"{1e3 * open_s:.1g} ms; long simulations err by what that leaves open. Better stamp a row when it is read.",
     )
+
+
+def late_by_its_poll(plant: Plant) -> tuple[str, ...]:
+    """A remark where commands act the later, or the sooner, the longer their own poll is: the logger's loop does that."""
+    share = plant.values.get(_POLL_SHARE, 0.0)
+    if abs(share) < _WITH_ITS_POLL:
+        return ()
+    when = (
+        "later the longer the poll after their row is: it seems to send them at the end of its loop"
+        if share > 0.0
+        else "sooner the longer the poll before their row is: it seems to log them a loop after it sent them"
+    )
+    return (f"The delay is the logger's, not the motor's. Commands act {when}.",)
 
 
 def _listed_s(times_s: FloatArray) -> str:
