@@ -137,7 +137,7 @@ def stamped_late(plant: Plant, recordings: Sequence[Signals]) -> tuple[str, ...]
 
 
 def late_by_its_poll(plant: Plant) -> tuple[str, ...]:
-    """A remark where commands act the later, or the sooner, the longer their own poll is: the logger's loop does that."""
+    """A remark where commands act the later, or the sooner, the longer their own poll is, as a logger's loop has it."""
     share = plant.values.get(_POLL_SHARE, 0.0)
     if abs(share) < _WITH_ITS_POLL:
         return ()
