@@ -149,7 +149,8 @@ def test_a_case_is_split_into_three_disjoint_parts_or_says_that_it_is_too_short(
     if isinstance(problem, str):
         assert "record for longer" in problem
         fewest = min(np.isfinite(one.columns["output"]).sum() for one in [*made, *apart])
-        assert fewest < 10 or sum(np.isfinite(one.columns["output"]).sum() for one in made) < 400
+        # Of 400 readings at 1 Hz, 333 in the recording that is held out, too few are left to fit.
+        assert fewest < 10 or sum(np.isfinite(one.columns["output"]).sum() for one in made) < 450
         return
     found = roles(problem)
     for fitted, check, held in found.values():
