@@ -51,7 +51,7 @@ class Signals:
         late_span_s: the span of what stamps are late by, row by row; 0 where they follow a smooth course.
         late_open: how far each row's lateness is open, a standard deviation, as a share of `late_span_s`.
         command_late: as the third of `ages`, of the commands' stamps, shape (commands,).
-        command_polls: how much longer than the median the polls after and before a command's row are, s. Shape
+        command_polls: how much longer than their mean the polls after and before a command's row are, s. Shape
             (commands, 2); 0 where it came with no row.
         clump_rows: how many rows came at once on average, and are spread over the time in which they were read; 0 where
             each came by itself.
@@ -172,12 +172,13 @@ def _polls(time_s: FloatArray, command_time_s: FloatArray) -> FloatArray:
     """`Signals.command_polls` of commands that came with rows at `time_s`."""
     if time_s.size < _FEWEST_ROWS or not command_time_s.size:
         return np.zeros((command_time_s.size, 2))
-    length_s = np.diff(time_s)
-    longer_s = np.concatenate([[0.0], length_s - np.median(length_s), [0.0]])
+    length_s = np.concatenate([[np.nan], np.diff(time_s), [np.nan]])
     row = np.minimum(np.searchsorted(time_s, command_time_s), time_s.size - 1)
-    found = np.column_stack([longer_s[row + 1], longer_s[row]])
-    found[time_s[row] != command_time_s] = 0.0
-    return found
+    found = np.column_stack([length_s[row + 1], length_s[row]])
+    found[time_s[row] != command_time_s] = np.nan
+    known = np.isfinite(found)
+    mean_s = np.sum(np.where(known, found, 0.0), axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.where(known, found - mean_s, 0.0)
 
 
 def in_session(recordings: Sequence[Signals]) -> list[Signals]:

@@ -207,7 +207,7 @@ def test_a_command_knows_by_how_much_longer_than_others_the_polls_beside_its_row
     signals = signals_of(run, "a", fewest_readings=3)
     assert signals.command_time_s.tolist() == [0.0, 0.01, 0.03, 0.05]
     np.testing.assert_allclose(
-        signals.command_polls, [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.0, 0.0]], atol=1e-12
+        3.0 * signals.command_polls, [[-0.01, 0.0], [0.02, -0.01], [-0.01, 0.02], [0.0, -0.01]], atol=1e-12
     )
     between = replace(signals, command_time_s=signals.command_time_s + 1e-3, command_polls=np.zeros((0, 2)))
     assert not between.command_polls.any()

@@ -38,7 +38,7 @@ def _one_poll_early_s(recordings: Sequence[Signals]) -> float:
 COMMAND_DELAY = Effect(
     id="command_delay",
     name="command delay",
-    equation="u(t) = command(t - d - p·(T - T0)), d ≥ -T0; T the poll after its row (before it: p < 0), T0 the median",
+    equation="u(t) = command(t - d - p·(T - T0)), d ≥ -T0; T the poll after its row (before it: p < 0), T0 the mean",
     source="a dead time, as a radio link or a polling loop has; negative where a logger writes what acts already",
     equation_of="timing",
     shows=("after_command",),
