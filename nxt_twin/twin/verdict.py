@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, final
 
-from nxt_twin.physics.effects.load import END_STOP
+from nxt_twin.physics.effects.stop import END_STOP
 from nxt_twin.recording.columns import Port
 from nxt_twin.twin.records import Event
 

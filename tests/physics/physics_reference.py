@@ -193,7 +193,7 @@ class _Axis:
     ) -> None:
         before = self._speed
         scope: _Scope = {"elapsed_s": elapsed_s, "speed": before, "current": self._current, "step_s": step_s}
-        scope |= {"session_s": self._session_s, "mode": mode}
+        scope |= {"session_s": self._session_s, "mode": mode, "home": self._home}
         scope["others_a"], scope["others_s"] = self._drawn_by_others(supply_v, *others)
         scope |= {"held": command, "angle": self._angle}
         scope["goal"] = self.chained("goal", scope, "goal", command)

@@ -109,6 +109,32 @@ def test_a_run_that_begins_beyond_a_stop_stays_there(linear_simulator):
     assert abs(found["speed"][-1]) < 2e-3
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stop_that_gives_swings_by_half_a_period_and_throws_back_a_share(linear_simulator, side):
+    """The solution of a damped oscillator: while it touches, as the force is nothing again a little earlier."""
+    mass, give = 2.0, 2e-3
+    plant = cart(end_stop={"limit_m": 0.31 * side, "restitution": 0.5, "give_m_per_n": give})
+    run = commanded([(0.0, 0.0)], seconds=1.0, kind="force_n")
+    found = motion(linear_simulator, plant, run, speed=2.0 * side)
+    damping = math.log(2.0) / math.hypot(math.pi, math.log(2.0))
+    own = 1.0 / math.sqrt(mass * give)
+    swing = own * math.sqrt(1.0 - damping**2)
+    since_s = run.time_s - 0.155
+    touching = (since_s > 0.0) & (since_s < 0.7 * math.pi / swing)
+    pushed = 2.0 / swing * np.exp(-damping * own * since_s) * np.sin(swing * since_s)
+    assert np.sum(touching) > 5
+    np.testing.assert_allclose(found["angle"][touching] * side, 0.31 + pushed[touching], atol=1e-3)
+    assert -found["speed"][-1] * side == pytest.approx(2.0 * 0.5, rel=0.15)
+
+
+def test_a_stop_of_hardly_any_give_does_not_break_the_step(linear_simulator):
+    plant = cart(end_stop={"limit_m": 0.31, "restitution": 0.0, "give_m_per_n": 1e-12})
+    run = commanded([(0.0, 4.0)], seconds=2.0, kind="force_n")
+    found = motion(linear_simulator, plant, run)
+    assert found["angle"].max() < 0.312
+    assert found["angle"][-1] == pytest.approx(0.31, abs=1e-4)
+
+
 def test_a_fast_clock_stretches_the_motion(linear_simulator):
     skew = {"lag_span_s": 0.0, "rate_error": 0.25, "lag_period_s": 4.0, "lag_phase": 0.0}
     run = commanded([(0.0, 4.0)], seconds=1.0, kind="force_n")

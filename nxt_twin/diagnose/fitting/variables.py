@@ -16,7 +16,7 @@ from nxt_twin.physics.signals import VOLTAGES, Signals
 from nxt_twin.physics.smooth import smoothed
 
 _LOOSE = 0.5  # of what a plant file gives with nothing said of its doubt: a factor of three is rare
-_LEAST_SHARE = 0.02  # of a part that is there: at none, the fit would lose its other variables
+_LEAST_SHARE = 0.02  # of a part's ordinary size, where it is there: at none, the fit would lose its variables
 _RESISTANCE = Slot(BASE_OWNER, "resistance")
 
 
@@ -102,7 +102,7 @@ def _variable(slot: Slot, parameter: Parameter, baseline: Plant, *, alike: bool,
     if alike and slot == _RESISTANCE:
         tied += _given_with_it(baseline, parameter.likeness)
     part = parameter.part_of == parameter.symbol
-    least = _LEAST_SHARE if part else min(parameter.lower * parameter.si, centre)
+    least = _LEAST_SHARE * (abs(typical) or 1.0) if part else min(parameter.lower * parameter.si, centre)
     return Variable(
         slots=(slot, *tied),
         ratios=(1.0, *(baseline.values[other] / centre for other in tied)),

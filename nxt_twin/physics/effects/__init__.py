@@ -27,7 +27,6 @@ from nxt_twin.physics.effects.friction import (
 from nxt_twin.physics.effects.load import (
     COGGING,
     CONSTANT_LOAD,
-    END_STOP,
     GRAVITY_LOAD,
     HANGING_PAYLOAD,
     PAYLOAD_INERTIA,
@@ -36,6 +35,7 @@ from nxt_twin.physics.effects.load import (
 from nxt_twin.physics.effects.magnetic import COMMUTATION_RIPPLE, TORQUE_SATURATION
 from nxt_twin.physics.effects.regulation import FIRMWARE_REGULATION
 from nxt_twin.physics.effects.servo import GOAL_RATE_LIMIT, INTEGRAL_ACTION, LOOP_DEAD_BAND, POWER_LIMIT
+from nxt_twin.physics.effects.stop import END_STOP
 from nxt_twin.physics.effects.timing import CLOCK_SKEW, COMMAND_DELAY, SAMPLE_HOLD, STALE_SAMPLES
 from nxt_twin.physics.effects.transmission import BACKLASH, SHAFT_COMPLIANCE
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from nxt_twin.physics.effect import Effect
 from nxt_twin.physics.effects.harmonic import harmonic
 from nxt_twin.physics.inline import cosine, sine
@@ -350,53 +348,5 @@ PAYLOAD_INERTIA = Effect(
     confusable_with={
         "friction_warmup": "steady speeds before and after tell: a payload leaves them alone, friction does not",
         "shaft_compliance": "a payload that is there all the time is inertia; only its coming, or a ringing, tells",
-    },
-)
-
-
-def _bounce(angle: float, speed: float, home: float, limit: float, restitution: float) -> tuple[float, float]:
-    side = 1.0 if limit >= home else -1.0
-    beyond = side * (angle - limit)
-    if beyond <= 0.0:
-        return angle, speed
-    if side * speed <= 0.0:
-        return limit, speed
-    return limit - side * restitution * beyond, -restitution * speed
-
-
-def _reached(recordings: Sequence[Signals]) -> list[float]:
-    """Where the readings end, either way; nowhere if speeds were read."""
-    if any(signals.is_speed for signals in recordings):
-        return []
-    readings = [signals.measured for signals in recordings]
-    return [max(float(np.nanmax(r)) for r in readings), min(float(np.nanmin(r)) for r in readings)]
-
-
-END_STOP = Effect(
-    id="end_stop",
-    name="end stop",
-    equation="θ ≤ θs (≥ θs where the run began beyond it); a hit turns the speed round: ω → -e·ω",
-    source="Newton's law of restitution",
-    equation_of="torque_balance",
-    shows=("angle", "reversal"),
-    parameters=(
-        Parameter(
-            "limit_deg",
-            "limit",
-            "deg",
-            ANGLE,
-            (360.0, -360.0, 90.0, -90.0, 1440.0, -1440.0),
-            -36000.0,
-            36000.0,
-            si=math.pi / 180.0,
-            elsewhere={"linear": ("limit_m", "m", 1.0)},
-            hints=_reached,
-        ),
-        Parameter("restitution", "restitution", "1", NUMBER, (0.4,), 0.0, 0.95, spread=1.0, otherwise=0.0),
-    ),
-    terms={"stop": _bounce},
-    confusable_with={
-        "spring_load": "a push that stalls tells: a spring yields more to a stronger push, a stop does not",
-        "gravity_load": "a push that stalls tells: an arm passes over or comes back, a stop only blocks",
     },
 )
