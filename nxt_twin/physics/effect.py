@@ -46,6 +46,7 @@ Stage = Literal[
     "lean",
     "borne",
     "hold",
+    "creep",
     "advance",
     "stop",
     "reading",

@@ -62,6 +62,7 @@ STAGES: dict[Stage, StageRule] = {
     "lean": StageRule("replace", "level", _FRICTION),
     "borne": StageRule("add", "borne", _FRICTION),
     "hold": StageRule("hold", "", _FRICTION),
+    "creep": StageRule("replace", "after", ("after", "free", "bite")),
     "advance": StageRule("states", "", ("before", "after", "resistance", "held", "mode", "dry", *_MOTION)),
     "stop": StageRule("motion", "", ("angle", "speed", "home")),
     "reading": StageRule("shift", "", ("angle", "speed")),
@@ -71,9 +72,10 @@ STAGES: dict[Stage, StageRule] = {
 """`angle` is that of the middle of the step (of its end in `stop`, `reading` and `scatter`), `speed` that of its
 beginning. Friction `level` is the torque at which dry friction holds or brakes; `direction` is the sign of the motion
 it opposes. A `lean` term sees the level that all `friction` terms have made, `dry`. A `borne` term takes from that what
-a second body bears; two bodies may bear more than there is, and leave the motor none. `mode` is the bridge's, as
-`base.dc_motor` numbers them. `knee` is the current at which half of the drop is there, `limit` bounds the current.
-`others_a` is what the brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt
+a second body bears; two bodies may bear more than there is, and leave the motor none. `after` is the speed at the
+step's end, `free` what it is without dry friction, and `bite` what that takes from it while it slides. `mode` is the
+bridge's, as `base.dc_motor` numbers them. `knee` is the current at which half of the drop is there, `limit` bounds
+the current. `others_a` is what the brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt
 that it falls; both are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag`
 how late a reading's stamp is, `commanded` how late a command's, `stamp_s` that stamp. `shown_s`, `unseen_s`, `late`
 and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command. `longer_after_s` and

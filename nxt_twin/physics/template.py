@@ -302,7 +302,9 @@ level = max(dry - borne, 0.0)
 """What acts in a step: drive, loads, damping, dry friction's level."""
 
 SOLVING = """\
-after = _slowed(before, free, direction, 2.0 * level * inverse)
+bite = 2.0 * level * inverse
+after = _slowed(before, free, direction, bite)
+{creep}
 """
 """The speed at the step's end, where the plant is the whole world."""
 

@@ -226,7 +226,9 @@ class _Axis:
             grasp, grip = self._value(call, {**scope, "level": level})
             pull, damping, level = pull - grasp, damping + grip, 0.0
             free = ((2 * inertia / step_s - damping) * before + 2 * pull) / (2 * inertia / step_s + damping)
-        after = _braked(before, free, direction, 2.0 * level / (2 * inertia / step_s + damping))
+        bite = 2.0 * level / (2 * inertia / step_s + damping)
+        after = _braked(before, free, direction, bite)
+        after = self.chained("creep", {**scope, "free": free, "bite": bite}, "after", after)
         self._advance({**scope, "before": before, "after": after})
         settle = self._plant.layout.base.current_after
         if settle:

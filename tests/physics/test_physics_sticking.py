@@ -1,8 +1,14 @@
-"""Dry friction holds exactly: nothing creeps, and nothing starts before its breakaway."""
+"""Dry friction holds exactly: nothing starts before its breakaway, and only smoothed friction creeps."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from physics_samples import NXT, commanded, disc, motion, nxt
+from scipy.integrate import solve_ivp
+
+from nxt_twin.physics.simulate import free_job
+from nxt_twin.physics.start import at_rest
 
 R, K, UB = NXT["resistance_ohm"], NXT["torque_constant_nm_per_a"], NXT["supply_v"]
 BREAKAWAY_DUTY = R * NXT["coulomb_friction_nm"] / (K * UB)
@@ -88,3 +94,28 @@ def test_sliding_friction_takes_the_same_energy_however_fine_the_step(rotary_sim
     run = commanded([(0.0, 0.0)], seconds=2.0, kind="torque_nm")
     found = motion(rotary_simulator, disc(coulomb_friction=0.02), run, speed=8.0)
     assert found["angle"][-1] == pytest.approx(0.5 * 2e-3 * 8.0**2 / 0.02, rel=1e-6)
+
+
+@pytest.mark.parametrize("creep_speed", [0.02, 0.2])
+@pytest.mark.parametrize("step_s", [1e-3, 4e-3])
+def test_smoothed_friction_creeps_below_sliding_by_its_own_law(rotary_simulator, creep_speed, step_s):
+    """The law again, integrated by SciPy: pushed below sliding, above it, back, and let go."""
+    levels = [(0.0, 0.012), (1.0, 0.06), (1.3, -0.018), (2.2, 0.0)]
+    friction = {"coulomb_friction": 0.02, "viscous_friction": 5e-3}
+    plant = disc(**friction, effects={"friction_creep": {"creep_speed_rad_s": creep_speed}})
+    run = commanded(levels, seconds=3.0, kind="torque_nm")
+
+    def rates(t, x):
+        torque = [level for at, level in levels if at <= t][-1]
+        braked = 0.02 * np.tanh(x[1] / creep_speed) + 5e-3 * x[1]
+        return x[1], (torque - braked) / 2e-3
+
+    state, expected = [0.0, 0.0], np.zeros(run.time_s.size)
+    for (low, _), high in zip(levels, [1.0, 1.3, 2.2, 3.0], strict=True):
+        rows = np.flatnonzero((run.time_s > low + 1e-9) & (run.time_s <= high + 1e-9))
+        stamps = np.minimum(run.time_s[rows], high - 1e-12)
+        found = solve_ivp(rates, (low, high - 1e-12), state, "Radau", t_eval=stamps, rtol=1e-8, atol=1e-10)
+        expected[rows], state = found.y[0], found.y[:, -1]
+    angle = rotary_simulator.trace(plant, replace(free_job(run, at_rest(run)), step_s=step_s))["angle"]
+    assert np.abs(angle - expected).max() < 2e-3 + 4.0 * step_s
+    assert expected[run.time_s < 1.0].max() > 0.5 * creep_speed

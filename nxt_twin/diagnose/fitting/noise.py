@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,6 +35,13 @@ _FINEST_STAR = 0.1  # arms at which an estimate may rest
 _LONGEST_STEP = 3.0  # in arms of the star
 _WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
 _FLAT_NATS = 1e-3  # bend below which a slope alone says which way
+_LEVEL_NATS = (
+    5.0  # by which the arms of a star differ at most, where a reading's deviation makes no difference
+)
+_TIMES_AS_LOUD = np.log([3.0, 10.0, 30.0, 100.0, 300.0, 1000.0])
+"""Times a reading's deviation that is next to nothing, looked at once: no slope leads back from there.
+
+A poor plant asks for an unknown torque beside which no reading seems noisy, and a better one keeps these deviations."""
 _RESTING_NATS = 0.2  # an estimate rests where the next star promises less
 _SAME_DAMPING = 0.1  # relative change of a plant's damping that changes no gains
 _WORSE_NATS = 100.0  # by which a plant's own damping may be less likely: a fit will make up for it
@@ -159,16 +166,23 @@ def _searched(
         reading, disturbance = np.exp(np.maximum(logs, lowest))
         return replace(start, reading_std=float(reading), disturbance_std=float(disturbance))
 
+    def costs_at(points: FloatArray) -> FloatArray:
+        return _costs(simulator, plant, target, [noise_at(point) for point in points])
+
     centre = best = np.maximum(np.log([start.reading_std, start.disturbance_std]), lowest)
     cost = math.inf
     start_cost = math.inf
     reach = _NARROWER_STAR if near else _WIDEST_STAR
     for number in range(_MOST_STARS):
         points = np.maximum(centre + reach * _STAR, lowest)
-        costs = _costs(simulator, plant, target, [noise_at(point) for point in points])
+        costs = costs_at(points)
         nearest = int(np.argmin(costs))
         if number == 0:
             start_cost = float(costs[0])
+            louder = _louder(costs, centre, costs_at)
+            if louder is not None:
+                centre = louder
+                continue
         if costs[nearest] < cost:
             best, cost = points[nearest], float(costs[nearest])
         step, promised = to_the_lowest(costs, held=(centre <= lowest) & (costs[1:5:2] >= costs[0]))
@@ -180,6 +194,20 @@ def _searched(
         ):  # also where the centre is lowest and the star was too wide to be a paraboloid
             reach *= _SHRINKING
     return noise_at(best), cost, start_cost
+
+
+def _louder(
+    costs: FloatArray, centre: FloatArray, costs_at: Callable[[FloatArray], FloatArray]
+) -> FloatArray | None:
+    """A point with larger reading noise that is likelier than `centre`, where the star of `costs` round that is level.
+
+    None where the star tells what the reading noise is, or no such point is likelier.
+    """
+    if np.abs(costs[1:3] - costs[0]).max() > _LEVEL_NATS:
+        return None
+    points = centre + np.column_stack([_TIMES_AS_LOUD, np.zeros(_TIMES_AS_LOUD.size)])
+    found = costs_at(points)
+    return points[int(np.argmin(found))] if found.min() < costs[0] - _LEVEL_NATS else None
 
 
 def _likelier_damping_per_s(simulator: Simulator, plant: Plant, target: Target, start: Noise) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from nxt_twin.physics.signals import Signals
 
 _FEWEST: Final = 2  # readings that tell of a way
+_NEWTON: Final = 5  # steps to the speed of a creep, of which three suffice mostly
 
 
 def _coulomb(level: float, coulomb: float) -> float:
@@ -230,6 +232,49 @@ STICTION = Effect(
     ),
     terms={"friction": _stribeck},
     confusable_with={"coulomb_friction": "slow ramps through zero, both ways, show the drop after breakaway"},
+)
+
+
+def _crept(after: float, free: float, bite: float, creep_speed: float) -> float:
+    """By backward Euler, so that a slow creep keeps its speed however long the step is.
+
+    Newton's method from the larger of two speeds that lie below the solution. It stays there, as the law is concave.
+    """
+    if creep_speed <= 0.0 or bite <= 0.0:
+        return after
+    found = max(abs(free) / (1.0 + bite / creep_speed), abs(free) - bite)
+    for _ in range(_NEWTON):
+        share = 1.0 - 2.0 / (exponential(2.0 * found / creep_speed) + 1.0)
+        slope = 1.0 + bite / creep_speed * (1.0 - share * share)
+        found -= (found + bite * share - abs(free)) / slope
+    return math.copysign(found, free)
+
+
+FRICTION_CREEP = Effect(
+    id="friction_creep",
+    name="friction creep",
+    equation="τ = -Tc·tanh(ω/ωc), in the place of sticking",
+    source="a lubricated contact; smoothed Coulomb friction, as many simulators have it",
+    equation_of="torque_balance",
+    shows=("low_speed",),
+    notable=2.0,
+    parameters=(
+        Parameter(
+            "creep_speed_rad_s",
+            "creep_speed",
+            "rad/s",
+            SPEED,
+            (0.05,),
+            1e-3,
+            5.0,
+            spread=3.0,
+            elsewhere={"linear": ("creep_speed_m_s", "m/s")},
+        ),
+    ),
+    terms={"creep": _crept},
+    confusable_with={
+        "presliding": "a pause without drive after a push tells: bent bristles spring back, creep stays where it is"
+    },
 )
 
 
