@@ -74,12 +74,12 @@ beginning. Friction `level` is the torque at which dry friction holds or brakes;
 it opposes. A `lean` term sees the level that all `friction` terms have made, `dry`. A `borne` term takes from that what
 a second body bears; two bodies may bear more than there is, and leave the motor none. `after` is the speed at the
 step's end, `free` what it is without dry friction, and `bite` what that takes from it while it slides. `mode` is the
-bridge's, as `base.dc_motor` numbers them. `knee` is the current at which half of the drop is there, `limit` bounds
-the current. `others_a` is what the brick's other motors draw from the open-circuit supply, `others_s` by how much less for each volt
-that it falls; both are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock runs, `lag`
-how late a reading's stamp is, `commanded` how late a command's, `stamp_s` that stamp. `shown_s`, `unseen_s`, `late`
-and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command. `longer_after_s` and
-`longer_before_s` are what `Signals.command_polls` has. `elapsed_s` is the
-step's since the recording began, `session_s` when that was in the session. `held` is the command in force, which a
-servo's `goal` terms turn into what its loop follows. `home` is the angle at which the run began. A `reading` term says
-how far the encoder is off, a `scatter` term by which variance a reading strays, beyond its ordinary noise."""
+bridge's, as `base.dc_motor` numbers them. `knee` is the current at which half of the drop is there, `limit` bounds the
+current. `others_a` is what the brick's other motors draw from the open-circuit supply, `others_s` by how much less for
+each volt that it falls; both are 0 where they are at rest or were not recorded. `pace` is how fast the stamps' clock
+runs, `lag` how late a reading's stamp is, `commanded` how late a command's, `stamp_s` that stamp. `shown_s`,
+`unseen_s`, `late` and `late_open` are what `Signals.ages` has of a reading, or `Signals.command_late` of a command.
+`longer_after_s` and `longer_before_s` are what `Signals.command_polls` has. `elapsed_s` is the step's since the
+recording began, `session_s` when that was in the session. `held` is the command in force, which a servo's `goal` terms
+turn into what its loop follows. `home` is the angle at which the run began. A `reading` term says how far the encoder
+is off, a `scatter` term by which variance a reading strays, beyond its ordinary noise."""
