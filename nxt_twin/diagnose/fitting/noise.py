@@ -38,10 +38,10 @@ _FLAT_NATS = 1e-3  # bend below which a slope alone says which way
 _LEVEL_NATS = (
     5.0  # by which the arms of a star differ at most, where a reading's deviation makes no difference
 )
-_TIMES_AS_LOUD = np.log([3.0, 10.0, 30.0, 100.0, 300.0, 1000.0])
-"""Times a reading's deviation that is next to nothing, looked at once: no slope leads back from there.
+_LOUDER = np.log([[10.0, 1.0], [100.0, 1.0], [1000.0, 1.0], [10.0, 0.1], [100.0, 0.1], [1000.0, 0.1]])
+"""Times both deviations, looked at where a reading's is next to nothing: no slope leads back from there.
 
-A poor plant asks for an unknown torque beside which no reading seems noisy, and a better one keeps these deviations."""
+A poor plant asks for an unknown torque beside which no reading seems noisy. A better one begins with that noise."""
 _RESTING_NATS = 0.2  # an estimate rests where the next star promises less
 _SAME_DAMPING = 0.1  # relative change of a plant's damping that changes no gains
 _WORSE_NATS = 100.0  # by which a plant's own damping may be less likely: a fit will make up for it
@@ -179,7 +179,7 @@ def _searched(
         nearest = int(np.argmin(costs))
         if number == 0:
             start_cost = float(costs[0])
-            louder = _louder(costs, centre, costs_at)
+            louder = _likelier_louder(costs, centre, costs_at)
             if louder is not None:
                 centre = louder
                 continue
@@ -196,7 +196,7 @@ def _searched(
     return noise_at(best), cost, start_cost
 
 
-def _louder(
+def _likelier_louder(
     costs: FloatArray, centre: FloatArray, costs_at: Callable[[FloatArray], FloatArray]
 ) -> FloatArray | None:
     """A point with larger reading noise that is likelier than `centre`, where the star of `costs` round that is level.
@@ -205,7 +205,7 @@ def _louder(
     """
     if np.abs(costs[1:3] - costs[0]).max() > _LEVEL_NATS:
         return None
-    points = centre + np.column_stack([_TIMES_AS_LOUD, np.zeros(_TIMES_AS_LOUD.size)])
+    points = centre + _LOUDER
     found = costs_at(points)
     return points[int(np.argmin(found))] if found.min() < costs[0] - _LEVEL_NATS else None
 
