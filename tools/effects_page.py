@@ -118,6 +118,7 @@ SCENES: Final[dict[str, Scene]] = {
         6.0,
     ),
     "presliding": Scene({"presliding_deg": 6.0}, ((0.0, 0.013), (0.7, 0.0)), 1.4, "angle"),
+    "friction_creep": Scene({"creep_speed_rad_s": 0.3}, ((0.0, 0.013), (1.5, 0.0)), 2.5, "angle"),
     "quadratic_drag": Scene(
         {"quadratic_drag_nm_s2_per_rad2": 1e-3}, _stairs(0.25, 0.5, 0.75, 1.0, each_s=0.5), 2.0
     ),
