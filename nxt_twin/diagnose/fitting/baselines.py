@@ -93,8 +93,9 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
     """The re-fitted baseline that simulates best, so that what was found beside it is not held against a straw man.
 
     It is a plain fit of windows. Fits under the noise of the baseline or of the improved plant, a fit on simulation
-    alone and the given parameters replace it where `is_nearer`. The likeliest of them also does where its windows gain
-    less than its priors cost. Physics that a model leaves out may look like a parameter a hundred times as large.
+    alone, the given parameters and those of the improved plant replace it where `is_nearer`. The likeliest of them also
+    does where its windows gain less than its priors cost. Physics that a model leaves out may look like a parameter a
+    hundred times as large.
     """
     simulating, drifting = fitter.simulating(baseline.plant, baseline.noise, everything=True)
     given = fitter.problem.plant
@@ -104,11 +105,19 @@ def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Stru
         lambda: roughly_everything(fitter, given, final.noise, rounds=0),
         lambda: fitter.checked(simulating, drifting),
         lambda: standing(fitter, given, baseline.noise),
+        lambda: standing(fitter, _bare(given, final.plant), baseline.noise),
     ]
     fits = fitter.simulator.abreast(lambda way: way(), ways)
     errors = np.array([fitter.simulated_errors(one.plant, final.noise) for one in fits])
     priors = np.array([one.fitted.prior_cost for one in fits])
     return fits[best_fit(priors, errors, windows_of(fitter.problem), fitter.problem.tolerance)]
+
+
+def _bare(given: Plant, improved: Plant) -> Plant:
+    """The `given` plant with the numbers that it has in an `improved` one: what that adds may show in a few moments."""
+    return given.with_values(
+        {slot: improved.values[slot] for slot in given.values if slot in improved.values}
+    )
 
 
 def best_fit(prior_nats: FloatArray, errors: FloatArray, windows: float, tolerance: float) -> int:
