@@ -18,7 +18,8 @@ from nxt_twin.diagnose.where.setting_in import SETTING_IN, kin_of
 from nxt_twin.physics.effects.binding import PRESLIDING
 from nxt_twin.physics.effects.encoder import MISSED_COUNTS
 from nxt_twin.physics.effects.friction import QUADRATIC_DRAG, STICTION, VISCOUS_FRICTION
-from nxt_twin.physics.effects.load import COGGING, END_STOP, GRAVITY_LOAD, SPRING_LOAD
+from nxt_twin.physics.effects.load import COGGING, GRAVITY_LOAD, SPRING_LOAD
+from nxt_twin.physics.effects.stop import END_STOP
 from nxt_twin.physics.effects.transmission import BACKLASH
 
 READINGS = 400

@@ -38,6 +38,9 @@ def in_sight(
 
 
 def _ordinary_would_show(one: Detectable, problem: Problem) -> bool:
+    """Whether an ordinary size would be seen; one that has no name yet leaves nothing to see."""
+    if max(abs(start) for start in one.effect.parameters[0].starts) < one.effect.notable:
+        return True
     if one.size is None:
         return False
     main = one.effect.parameters[0].in_frame(problem.plant.layout.frame).scaled(problem.scale)
