@@ -92,10 +92,9 @@ def is_plainly_nearer(prior_nats: FloatArray, errors: FloatArray, windows: float
 def best_baseline(fitter: Fitter, baseline: Structure, final: Structure) -> Structure:
     """The re-fitted baseline that simulates best, so that what was found beside it is not held against a straw man.
 
-    It is a plain fit of windows. Fits under the noise of the baseline or of the improved plant, a fit on simulation
-    alone, the given parameters and those of the improved plant replace it where `is_nearer`. The likeliest of them also
-    does where its windows gain less than its priors cost. Physics that a model leaves out may look like a parameter a
-    hundred times as large.
+    It is a plain fit of windows. Fits under other noises and a fit on simulation alone replace it where `is_nearer`. So
+    do the given parameters and those of the improved plant. The likeliest of them also does where its windows gain less
+    than its priors cost. Physics that a model leaves out may look like a parameter a hundred times as large.
     """
     simulating, drifting = fitter.simulating(baseline.plant, baseline.noise, everything=True)
     given = fitter.problem.plant
