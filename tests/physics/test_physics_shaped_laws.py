@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from nxt_twin.physics.effects.electrical import POWER_CURVE
 from nxt_twin.physics.effects.encoder import ENCODER_ECCENTRICITY
+from nxt_twin.physics.effects.friction import FRICTION_CREEP
 from nxt_twin.physics.effects.load import COGGING
 
 TURNS = np.linspace(-3.0, 3.0, 41)
@@ -40,3 +42,15 @@ def test_a_power_curve_goes_through_nothing_and_all_whatever_its_bend(bend):
     assert curve(-0.25, 1.3, bend) == pytest.approx(-(0.25 ** (1.3 - 0.25 * bend)))
     levels = np.array([curve(u, 1.3, bend) for u in np.linspace(0.0, 1.0, 101)])
     assert np.all(np.diff(levels) > 0.0)
+
+
+@pytest.mark.parametrize("bite", [1e-6, 0.01, 0.3, 5.0])
+@pytest.mark.parametrize("creep_speed", [1e-3, 0.05, 2.0])
+def test_a_creeping_speed_solves_its_step_on_either_side_of_sliding(bite, creep_speed):
+    for free in [*(bite * np.array([0.0, 0.01, 0.5, 0.95, 1.0, 1.05, 3.0])), 20.0]:
+        right = brentq(
+            lambda x, free=free: x + bite * np.tanh(x / creep_speed) - free, -1.0, 30.0, xtol=1e-14
+        )
+        for way in (1.0, -1.0):
+            found = FRICTION_CREEP.terms["creep"](0.0, way * free, bite, creep_speed)
+            assert found == pytest.approx(way * right, rel=0.02, abs=1e-6)

@@ -35,9 +35,7 @@ _FINEST_STAR = 0.1  # arms at which an estimate may rest
 _LONGEST_STEP = 3.0  # in arms of the star
 _WILD_NATS = 1e100  # of a run that ran away: no paraboloid goes through it
 _FLAT_NATS = 1e-3  # bend below which a slope alone says which way
-_LEVEL_NATS = (
-    5.0  # by which the arms of a star differ at most, where a reading's deviation makes no difference
-)
+_LEVEL_NATS = 5.0  # least fall of a star's arm along the reading noise, where that makes a difference
 _LOUDER = np.log([[10.0, 1.0], [100.0, 1.0], [1000.0, 1.0], [10.0, 0.1], [100.0, 0.1], [1000.0, 0.1]])
 """Times both deviations, looked at where a reading's is next to nothing: no slope leads back from there.
 
